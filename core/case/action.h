@@ -56,6 +56,9 @@ struct Updated {
 Result<Updated> update(const Document& document, const std::string& of, const Action& action, Deformer& deformer,
                        Pass pass);
 
+/// Whether an action works on one structure (or its mesh), else on the whole case.
+bool works_on_structure(const Action& action);
+
 /// A few words for menus: "Undo pull".
 std::string action_name(const Action& action);
 

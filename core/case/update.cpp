@@ -89,6 +89,10 @@ Result<Updated> update(const Document& document, const std::string& of, const Ac
       action);
 }
 
+bool works_on_structure(const Action& action) {
+  return std::visit([](const auto& one) { return action_kind(one).apply.index() > 0; }, action);
+}
+
 std::string action_name(const Action& action) {
   return std::visit([](const auto& one) { return action_kind(one).name(one); }, action);
 }

@@ -19,8 +19,8 @@
 namespace homolog {
 
 /// Something that is computed from the document (a snap, the model's help) and becomes an action; none where there is
-/// nothing to do.
-using Compute = std::function<Result<std::optional<Action>>(const Document&)>;
+/// nothing to do. `of`: the structure that it is about; empty: the first.
+using Compute = std::function<Result<std::optional<Action>>(const Document&, const std::string& of)>;
 
 /// What a session may spend on its history.
 struct HistoryLimits {

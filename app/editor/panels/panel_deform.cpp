@@ -152,7 +152,7 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   draw_snap(ui, out);
   const ShapeView shown = ui.shown();
   const Document& committed = *ui.snapshot.document;
-  case_slider(ui, out, "Stiffness", committed.structure()->paint.base, {0.1, 200, "%.1f", "", true},
+  case_slider(ui, out, "Stiffness", active_structure(ui.state, committed)->paint.base, {0.1, 200, "%.1f", "", true},
               "Stiffness w of the whole surface. A stiffer surface spreads an edit wider",
               [](double value) { return SetStiffnessBase{value}; });
   const double edge_mm = mean_edge_mm(*shown.the_template().topology, *shown.shape.reference);

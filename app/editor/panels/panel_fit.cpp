@@ -61,7 +61,8 @@ std::string model_refusal(const UiContext& ui) {
 int fit_label(const UiContext& ui) {
   FitSettings settings = ui.state.fit_settings;
   settings.all_labels = false;
-  return ui.labels ? label_in_hand(settings, ui.label_values, *ui.labels, ui.document()) : settings.label;
+  return ui.labels ? label_in_hand(settings, ui.label_values, *ui.labels, active_shape(ui.state, ui.document()))
+                   : settings.label;
 }
 
 void draw_fit_settings(const UiContext& ui, Outbox& out) {
@@ -102,7 +103,7 @@ std::string busy_refusal(const UiContext& ui) {
 bool person_confirmed(const UiContext& ui) {
   Document document = *ui.snapshot.document;
   document.frame = ui.displayed->frame;
-  const auto shown = document.view();
+  const auto shown = active_shape(ui.state, document);
   return shown && confirmed_without_landmarks(*shown) != nullptr;
 }
 

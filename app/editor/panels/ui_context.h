@@ -61,14 +61,14 @@ struct UiContext {
 
   const Document& document() const { return *displayed; }
   /// As on the disk, at the frame that is shown: what a change in the panel starts from.
-  const Shape& committed_shape() const { return *snapshot.document->structure()->shape(displayed->frame); }
+  const Shape& committed_shape() const { return *active_structure(state, *snapshot.document)->shape(displayed->frame); }
   /// The structure that is worked on; null: there is none yet.
-  const Structure* structure() const { return document().structure(); }
-  bool has_shape() const { return document().view().has_value(); }
+  const Structure* structure() const { return active_structure(state, document()); }
+  bool has_shape() const { return active_shape(state, document()).has_value(); }
   /// Its mesh on the screen, where it has one.
-  ShapeView shown() const { return *document().view(); }
+  ShapeView shown() const { return *active_shape(state, document()); }
   /// Why a control that needs a mesh is disabled; empty where there is one.
-  std::string needs_shape() const { return why_no_mesh(document()); }
+  std::string needs_shape() const { return why_no_mesh(state, document()); }
   std::string needs_volume() const { return document().scan.image ? std::string() : "Open an image first."; }
 };
 

@@ -1,8 +1,10 @@
 #include "app/editor/scene/scene_builder.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "app/editor/scene/mesh_colouring.h"
+#include "core/base/index.h"
 #include "render/label_colours.h"
 
 namespace homolog {
@@ -11,7 +13,8 @@ namespace {
 
 /// The stages before the last have far more vertices than can be told apart; the finished mesh shows its edges.
 constexpr Eigen::Index wireframe_below = 12000;
-constexpr float label_opacity = 0.35f;  // of a label's surface: the mesh is compared with it
+constexpr float label_opacity = 0.35f;                           // of a label's surface: the mesh is compared with it
+constexpr float other_opacity = 0.45f, other_outline_px = 1.2f;  // of a structure that is not worked on
 
 }  // namespace
 
@@ -24,7 +27,8 @@ void SceneBuilder::update(const Input& input) {
     ++colours_revision_;
   }
   update_label_surface(input);
-  const Structure* structure = document.structure();
+  update_others(input);
+  const Structure* structure = active_structure(input.state, document);
   if (const auto now = structure != nullptr ? structure->the_template : nullptr; now != template_) {
     template_ = now;
     hues_ = template_ ? vertex_hues(*template_->topology) : std::vector<float>();
@@ -33,7 +37,7 @@ void SceneBuilder::update(const Input& input) {
     glyphs_.clear();
     glyph_spacing_mm_ = 0;
   }
-  if (!document.view()) {
+  if (!active_shape(input.state, document)) {
     points_.reset();
     return;
   }
@@ -42,7 +46,7 @@ void SceneBuilder::update(const Input& input) {
 }
 
 void SceneBuilder::update_mesh(const Input& input) {
-  const ShapeView shown = *input.document->view();
+  const ShapeView shown = *active_shape(input.state, *input.document);
   const auto response = input.preview ? input.preview->response : nullptr;
   const bool stopped = input.preview && input.preview->stopped_by_guard;
   const Shape& shape = shown.shape;
@@ -91,6 +95,31 @@ void SceneBuilder::update_label_surface(const Input& input) {
                                                             label_colour(std::max(input.label, 1)));
 }
 
+void SceneBuilder::update_others(const Input& input) {
+  const Structure* active = active_structure(input.state, *input.document);
+  std::map<std::string, Other> before = std::exchange(others_, {});
+  for (const auto& structure : input.document->structures) {
+    const Shape* shape = structure->shape(input.document->frame);
+    if (structure.get() == active || shape == nullptr) continue;
+    Other other = std::move(before[structure->id]);
+    const auto& topology = structure->the_template->topology;
+    if (other.topology != topology || other.colour != structure->colour) {
+      other.colours.reset();
+      if (structure->colour) {
+        const auto [r, g, b] = *structure->colour;
+        const Rgb colour{static_cast<float>(r) / 255, static_cast<float>(g) / 255, static_cast<float>(b) / 255};
+        other.colours = std::make_shared<const std::vector<Rgb>>(index(topology->vertices()), colour);
+      }
+      ++other.revision;
+    }
+    if (other.points != shape->points) ++other.revision;
+    other.topology = topology;
+    other.points = shape->points;
+    other.colour = structure->colour;
+    others_[structure->id] = std::move(other);
+  }
+}
+
 void SceneBuilder::update_glyphs(const Input& input) {
   if (!input.state.preferences.show.glyphs || glyph_spacing_mm_ == input.state.glyph_spacing_mm) return;
   glyph_spacing_mm_ = input.state.glyph_spacing_mm;
@@ -137,6 +166,19 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.surface = show.surface;
     mesh.wireframe = show.wireframe;
     mesh.saturated_outline = false;
+    scene.meshes.push_back(std::move(mesh));
+  }
+  for (const auto& [id, other] : others_) {
+    if (making_) break;
+    MeshLayer mesh;
+    mesh.topology = other.topology;
+    mesh.points = other.points;
+    mesh.colours = other.colours;
+    mesh.points_revision = mesh.colours_revision = other.revision;
+    mesh.outline = show.outline;
+    mesh.outline_px = other_outline_px;
+    mesh.surface = show.surface;
+    mesh.surface_opacity = other_opacity;
     scene.meshes.push_back(std::move(mesh));
   }
   if (label_surface_ && kind == ViewKind::space && !making_) {

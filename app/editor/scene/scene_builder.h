@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "app/editor/state/state.h"
@@ -33,6 +36,7 @@ class SceneBuilder {
  private:
   void update_mesh(const Input& input);
   void update_glyphs(const Input& input);
+  void update_others(const Input& input);
   void update_label_surface(const Input& input);
   GlyphLayer glyph_layer(const Input& input) const;
 
@@ -54,6 +58,15 @@ class SceneBuilder {
   std::shared_ptr<const Mesh> label_surface_;
   std::shared_ptr<const Points> label_points_;
   std::shared_ptr<const std::vector<Rgb>> label_colours_;
+  /// A structure that is not worked on, in one colour.
+  struct Other {
+    std::shared_ptr<const Topology> topology;
+    std::shared_ptr<const Points> points;
+    std::optional<std::array<std::uint8_t, 3>> colour;
+    std::shared_ptr<const std::vector<Rgb>> colours;  ///< null: the mesh's own colour
+    std::uint64_t revision = 0;                       ///< of the points and the colours
+  };
+  std::map<std::string, Other> others_;  ///< by id
   std::vector<std::int32_t> glyphs_;
   double glyph_spacing_mm_ = 0;
 };

@@ -14,6 +14,38 @@
 
 namespace homolog {
 
+const Structure* active_structure(const EditorState& state, const Document& document) {
+  return document.structure(state.structure);
+}
+
+std::optional<ShapeView> active_shape(const EditorState& state, const Document& document) {
+  return document.view(state.structure);
+}
+
+void show_structure(EditorState& state, const Document& document, const std::string& id) {
+  const Structure *before = active_structure(state, document), *now = document.structure(id);
+  state.structure = now != nullptr && now != document.structure() ? now->id : std::string();
+  if (before != nullptr && before == now) return;
+  state.landmark.clear();
+  state.template_landmark.clear();
+  state.renaming.reset();
+  state.volume_curve = {};
+  state.finding.reset();
+  state.unclear_edges.clear();
+  state.intersecting_before.reset();
+  state.intersecting_at_rest = std::numeric_limits<std::size_t>::max();  // not known yet
+  state.snapped.reset();
+  state.confidence.reset();
+  state.last_fit.reset();
+  state.last_refinement.reset();
+  const auto shown = active_shape(state, document);
+  if (!shown) return;
+  state.landmark = next_unplaced_landmark(*shown);
+  state.wheel_sigma_mm.reset();
+  state.sigma_presets_mm = default_sigmas_mm(*shown->shape.reference);
+  follow_organ(state, bounds_of(*shown->shape.reference).diagonal().norm());
+}
+
 bool paints_regions(const EditorState& state) {
   return state.tool == MouseTool::stiffness &&
          (state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill);
@@ -42,8 +74,10 @@ SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeomet
 VolumeGeometry geometry_of(const Document& document) {
   if (document.scan.image) return document.scan.image->geometry;
   VolumeGeometry geometry;
-  const Box box =
-      document.view() ? bounds_of(*document.view()->shape.points) : Box(Vec3(-50, -50, -50), Vec3(50, 50, 50));
+  Box box;
+  for (const auto& structure : document.structures)
+    if (const Shape* shape = structure->shape(document.frame)) box.extend(bounds_of(*shape->points));
+  if (box.isEmpty()) box = Box(Vec3(-50, -50, -50), Vec3(50, 50, 50));
   const Vec3 margin = 0.25 * box.sizes();
   geometry.origin_mm = box.min() - margin;
   for (int axis = 0; axis < 3; ++axis)
@@ -134,12 +168,13 @@ void show_document(EditorState& state, const Document& document, const Layout& l
   state.own_planes = state.own_planes && is_oblique(geometry_of(document));
   if (document.scan.image && !same_image)
     std::tie(state.window_low, state.window_high) = default_window(*document.scan.image);
-  if (const auto shown = document.view()) {
+  state.structure.clear();
+  if (const auto shown = active_shape(state, document)) {
     state.crosshair_mm = bounds_of(*shown->shape.points).center();
     state.wheel_sigma_mm.reset();
     state.sigma_presets_mm = default_sigmas_mm(*shown->shape.reference);
     follow_organ(state, bounds_of(*shown->shape.reference).diagonal().norm());
-    state.landmark = next_unplaced_landmark(document);
+    state.landmark = next_unplaced_landmark(*shown);
   } else {
     state.crosshair_mm = geometry_of(document).bounds_mm().center();
   }
@@ -206,12 +241,13 @@ void show_all(EditorState& state, const Document& document, const Layout& layout
     pan.mm_per_px = 2.04 * std::max(half_width_mm / rect.width, half_height_mm / rect.height);
   }
   link_zoom(state, state.preferences.linked_zoom);
-  const Box target = document.view() ? bounds_of(*document.view()->shape.points) : box;
+  const auto shown = active_shape(state, document);
+  const Box target = shown ? bounds_of(*shown->shape.points) : box;
   // From the front, a little from the patient's left and from above: the planes do not hide each other.
   constexpr double left_px = 70, up_px = 45;
   state.camera = turned(camera_from(LookFrom::anterior, target), -left_px, up_px);
   // A mesh leaves some room for the planes around it.
-  if (document.view() && document.scan.image)
+  if (shown && document.scan.image)
     state.camera.distance_mm *= 1.5;
   else
     state.camera.distance_mm = distance_to_hold(state.camera, target, document.scan.image != nullptr);
@@ -289,22 +325,18 @@ std::string case_name(const std::filesystem::path& file, const Document& documen
   return name;
 }
 
-std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document) {
+std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Template& the_template) {
   std::vector<Landmark> known;
-  const Structure* structure = document.structure();
-  if (structure == nullptr) return known;
-  const auto& names = structure->the_template->landmarks;
+  const auto& names = the_template.landmarks;
   std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(known), [&](const Landmark& landmark) {
     return std::any_of(names.begin(), names.end(), [&](const Landmark& n) { return n.name == landmark.name; });
   });
   return known;
 }
 
-std::string next_unplaced_landmark(const Document& document, const std::string& after) {
-  const auto shown = document.view();
-  if (!shown) return {};
-  const auto& landmarks = shown->the_template().landmarks;
-  const auto& placed = shown->shape.landmarks;
+std::string next_unplaced_landmark(const ShapeView& shown, const std::string& after) {
+  const auto& landmarks = shown.the_template().landmarks;
+  const auto& placed = shown.shape.landmarks;
   std::size_t start = 0;
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     if (landmarks[i].name == after) start = i + 1;
@@ -316,11 +348,13 @@ std::string next_unplaced_landmark(const Document& document, const std::string& 
 }
 
 std::string landmark_in_hand(const EditorState& state, const Document& document) {
-  const Structure* structure = document.structure();
+  const Structure* structure = active_structure(state, document);
   if (structure == nullptr) return {};
   const auto& known = structure->the_template->landmarks;
   const auto is_chosen = [&](const Landmark& landmark) { return landmark.name == state.landmark; };
-  return std::any_of(known.begin(), known.end(), is_chosen) ? state.landmark : next_unplaced_landmark(document);
+  if (std::any_of(known.begin(), known.end(), is_chosen)) return state.landmark;
+  const auto shown = active_shape(state, document);
+  return shown ? next_unplaced_landmark(*shown) : std::string();
 }
 
 Situation situation_of(const EditorState& state, const Document& shown) {

@@ -164,6 +164,8 @@ struct Preferences {
 struct EditorState {
   Preferences preferences;
 
+  std::string structure;  ///< the one that is worked on, by its id; empty: the case's first
+
   Vec3 crosshair_mm = Vec3::Zero();
   double scrolled = 0;  ///< slices, less than one: what the wheel has turned towards the next
   std::array<SlicePan, 3> slices;
@@ -245,6 +247,14 @@ struct EditorState {
   double sigma_mm() const { return wheel_sigma_mm.value_or(sigma_presets_mm[sigma_preset]); }
 };
 
+/// The structure that is worked on; null: the case has none.
+const Structure* active_structure(const EditorState& state, const Document& document);
+/// Its mesh at the document's frame, where it has one.
+std::optional<ShapeView> active_shape(const EditorState& state, const Document& document);
+
+/// Works on another structure from now on; the empty id is the first one's. What was found on the one before is over.
+void show_structure(EditorState& state, const Document& document, const std::string& id);
+
 /// Whether the brush in hand paints regions, or fills them.
 bool paints_regions(const EditorState& state);
 /// The colouring that is shown. While a brush is in hand: what it paints, or the doubt if that was chosen and the
@@ -295,9 +305,9 @@ void turn_sigma(EditorState& state, double sigma_mm);
 /// What to call a case and what is written from it: as its file is called, else as its image.
 std::string case_name(const std::filesystem::path& file, const Document& document);
 /// Those whose names are the template's.
-std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document);
+std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Template& the_template);
 /// The next landmark of the template that the shape has no place for; empty where all are placed.
-std::string next_unplaced_landmark(const Document& document, const std::string& after = {});
+std::string next_unplaced_landmark(const ShapeView& shown, const std::string& after = {});
 
 /// The landmark that the next click places: the one that was chosen, where the template has it, else the next one that
 /// has no place; empty where all are placed.
@@ -312,7 +322,7 @@ void remember_recent(std::vector<std::filesystem::path>& recent, const std::file
 /// The case's frame, or the one that is shown while a cine plays.
 int shown_frame(const EditorState& state, const Document& document);
 
-/// The volume's geometry; a box around the mesh where there is no volume.
+/// The volume's geometry; a box around the meshes where there is no volume.
 VolumeGeometry geometry_of(const Document& document);
 
 }  // namespace homolog

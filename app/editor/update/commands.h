@@ -30,7 +30,7 @@ struct TypeList {
 using AllCommands = TypeList<
     // edits of the case
     PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineAlongSurface, CancelFit, CancelFits,
-    BlendModel, CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
+    BlendModel, CompleteByModel, ChooseStructure, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
     // files
     OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, CancelOpening, CancelReading, CancelWriting, SaveCase,
     SaveCaseAs, ExportMesh, ExportLabelMap, ExportLandmarks, ExportTemplate, ExportTemplateLandmarks, ExportAllFrames,

@@ -90,10 +90,10 @@ ViewMap view_map(const EditorState& state, const Layout& layout, const Document&
 std::optional<Vec3> mesh_at(const EditorState& state, const ControlsContext& context, const ViewMap& map, double x_px,
                             double y_px, double reach_mm) {
   if (map.is_slice())
-    return context.mesh.nearest_on_outline(*context.document.view(), map.slice(),
+    return context.mesh.nearest_on_outline(*context.shape(), map.slice(),
                                            map.on_facing_plane(x_px, y_px, state.crosshair_mm), reach_mm);
   const Ray ray = map.ray(x_px, y_px);
-  const auto hit = context.mesh.first_on_surface(*context.document.view(), ray);
+  const auto hit = context.mesh.first_on_surface(*context.shape(), ray);
   const bool hidden =
       hit && hidden_by_planes(shown_planes(state, context.document), geometry_of(context.document), ray, *hit);
   return hidden ? std::nullopt : hit;
@@ -111,7 +111,7 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
   hover.y_px = y_px;
   const ViewMap map = view_map(state, context.layout, context.document, *kind);
   if (map.is_slice()) hover.p_mm = map.on_facing_plane(x_px, y_px, state.crosshair_mm);
-  if (const auto shown = context.document.view()) {
+  if (const auto shown = context.shape()) {
     const Points& points = *shown->shape.points;
     const float scale = context.layout.scale;
     const double pick_mm = pick_reach_units * scale * map.mm_per_px(state.crosshair_mm);

@@ -41,6 +41,10 @@ struct ControlsContext {
   bool can_undo = false, can_redo = false;
   std::filesystem::path file = {};  ///< of the case; empty where it has none
   bool fits = false;                ///< a fit, a refinement or a propagation goes on
+  std::string_view structure = {};  ///< that is worked on; empty: the first
+
+  /// The mesh that the tools act on.
+  std::optional<ShapeView> shape() const { return document.view(structure); }
 };
 
 /// Does what an event asks for: changes the state, and sends edits and other commands.

@@ -93,8 +93,15 @@ struct Editing {
             shown.snapshot().can_undo,
             shown.snapshot().can_redo,
             shown.snapshot().file,
-            work.fitter.busy() || work.propagator.busy()};
+            work.fitter.busy() || work.propagator.busy(),
+            state.structure};
   }
+  /// Does an edit of the case, or of the structure that is worked on. `joined`: see EditStep.
+  void apply(Action action, bool joined = false) const;
+  /// The structure that is worked on, as it is shown; null: the case has none.
+  const Structure* structure() const { return active_structure(state, shown.document()); }
+  /// Its mesh at the shown frame.
+  std::optional<ShapeView> shape() const { return active_shape(state, shown.document()); }
 };
 
 /// Does one command. Errors end in a notice.

@@ -177,8 +177,7 @@ const FilePurposeKind& file_purpose(FilePurpose purpose) {
   return *std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.purpose == purpose; });
 }
 
-bool has_several_meshes(const Document& document) {
-  const Structure* structure = document.structure();
+bool has_several_meshes(const Structure* structure) {
   return structure != nullptr && structure->shapes.size() > 1;
 }
 
@@ -197,9 +196,10 @@ fs::path file_of_frame(FilePurpose purpose, const fs::path& chosen, int frame, i
 std::vector<fs::path> files_written(FilePurpose purpose, const fs::path& chosen, const EditorState& state,
                                     const Document& document) {
   const bool of_frames = purpose == FilePurpose::export_mesh || purpose == FilePurpose::export_label_map;
-  if (!of_frames || !state.export_all_frames || !has_several_meshes(document)) return {chosen};
+  const Structure* structure = active_structure(state, document);
+  if (!of_frames || !state.export_all_frames || !has_several_meshes(structure)) return {chosen};
   std::vector<fs::path> files;
-  for (const auto& [frame, shape] : document.structure()->shapes)
+  for (const auto& [frame, shape] : structure->shapes)
     files.push_back(file_of_frame(purpose, chosen, frame, document.scan.frames() - 1));
   return files;
 }

@@ -25,7 +25,7 @@ const FilePurposeKind& file_purpose(FilePurpose purpose);
 FilePurpose purpose_of(const std::string& name);
 
 /// Whether an export can write the meshes of several frames.
-bool has_several_meshes(const Document& document);
+bool has_several_meshes(const Structure* structure);
 /// "heart-frame-07.ply": what the file of one frame is called where `chosen` is "heart.ply". `last`: the last frame.
 std::filesystem::path file_of_frame(FilePurpose purpose, const std::filesystem::path& chosen, int frame, int last);
 /// What is written where `chosen` is accepted for a purpose: itself, or a file for each frame.

@@ -47,10 +47,15 @@ void run(const Command& command, Editing& editing) {
   if (!done) add_notice(editing.state, done.error().sentence());
 }
 
+void Editing::apply(Action action, bool joined) const {
+  std::string of = works_on_structure(action) ? state.structure : std::string();
+  shown.session().apply(std::move(action), joined, std::move(of));
+}
+
 void stop_playing(Editing& editing) {
   editing.state.playing = false;
   if (editing.state.shown_frame) {
-    editing.shown.session().apply(SetFrame{*editing.state.shown_frame});
+    editing.apply(SetFrame{*editing.state.shown_frame});
     editing.log.is_done(ShowFrame{*editing.state.shown_frame});
   }
   editing.state.shown_frame.reset();

@@ -9,15 +9,15 @@ namespace homolog {
 
 namespace {
 
-bool has_region(const Document& document, const std::string& name) {
-  const Structure* structure = document.structure();
+bool has_region(const Structure* structure, const std::string& name) {
   if (structure == nullptr) return false;
   const auto& list = structure->paint.regions->list;
   return std::any_of(list.begin(), list.end(), [&](const Region& region) { return region.name == name; });
 }
 
 /// The brush lets go of a region that was taken back.
-void let_go_of_regions(EditorState& state, const Document& before, const Document& now) {
+void let_go_of_regions(EditorState& state, const Document& document_before, const Document& document_now) {
+  const Structure *before = active_structure(state, document_before), *now = active_structure(state, document_now);
   const std::string& brushed = state.brush.region;
   if (has_region(before, brushed) && !has_region(now, brushed)) state.brush.region.clear();
   if (state.renaming && !has_region(now, state.renaming->rename.name)) state.renaming.reset();
@@ -123,7 +123,10 @@ bool ShownCase::update_snapshot(EditorState& state) {
   if (!changed && displayed_->frame == frame) return false;
   const auto before = displayed_;
   displayed_ = at_frame(snapshot_->shown, frame);
-  const auto view_before = before->view(), view_now = displayed_->view();
+  // A structure that was taken away is worked on no more.
+  if (!state.structure.empty() && displayed_->structure(state.structure) == nullptr)
+    show_structure(state, *displayed_, {});
+  const auto view_before = active_shape(state, *before), view_now = active_shape(state, *displayed_);
   if (!view_before || !view_now) return view_before.has_value() != view_now.has_value();
   const Shape &was = view_before->shape, &now = view_now->shape;
   return was.points != now.points || was.doubt_mm != now.doubt_mm || was.confirmed != now.confirmed;

@@ -11,12 +11,13 @@ namespace {
 
 /// Of the placed landmark under the pointer: whether strokes move the mesh there. Empty where there is none.
 std::string hold_hint(const EditorState& state, const Document& shown) {
-  if (!state.hover || state.hover->landmark.empty() || !shown.view()) return {};
-  const Template& the_template = *shown.structure()->the_template;
+  const auto active = active_shape(state, shown);
+  if (!state.hover || state.hover->landmark.empty() || !active) return {};
+  const Template& the_template = active->the_template();
   for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
     const std::string& name = the_template.landmarks[l].name;
     if (name != state.hover->landmark) continue;
-    const LandmarkHold hold = landmark_hold(the_template, l, shown.view()->shape);
+    const LandmarkHold hold = landmark_hold(the_template, l, active->shape);
     if (!hold.placed) return {};
     if (hold.held) return quoted(name) + " is held: strokes leave the mesh here. The lock in Place releases it.";
     if (hold.met) return quoted(name) + " is free: strokes may move the mesh here. The lock in Place holds it.";
@@ -31,9 +32,10 @@ std::string hint(const EditorState& state, const Document& shown, bool making_sh
   if (state.unsaved_found > 0 && !state.drag)
     return std::to_string(state.unsaved_found) + (state.unsaved_found == 1 ? " case was" : " cases were") +
            " not saved. Unsaved cases (Case) recovers them.";
-  if (!shown.scan.image && !shown.view()) return "Open an image, or drop one on the window.";
+  const bool has_shape = active_shape(state, shown).has_value();
+  if (!shown.scan.image && !has_shape) return "Open an image, or drop one on the window.";
   if (making_shown) return "You see the template that is being made. Close it (Template) to see the case's mesh again.";
-  if (!shown.view()) return why_no_mesh(shown);
+  if (!has_shape) return why_no_mesh(state, shown);
   if (const std::string hold = hold_hint(state, shown); !hold.empty() && !state.drag) return hold;
   return kind_of(state.tool).hint(state, shown);
 }
@@ -58,9 +60,9 @@ std::string through_itself(const EditorState& state, const Document& shown) {
 
 }  // namespace
 
-std::string why_no_mesh(const Document& shown) {
-  const Structure* structure = shown.structure();
-  if (shown.view()) return {};
+std::string why_no_mesh(const EditorState& state, const Document& shown) {
+  const Structure* structure = active_structure(state, shown);
+  if (active_shape(state, shown)) return {};
   if (structure == nullptr) return "There is no mesh yet. Load a template first (Template).";
   const bool any_before = structure->shapes.lower_bound(shown.frame) != structure->shapes.begin();
   return any_before ? "This frame has no mesh yet. Start from previous (Cine) copies one."

@@ -19,6 +19,6 @@ struct Status {
 Status status_of(const EditorState& state, const Snapshot& snapshot, const Document& shown, bool making_shown = false);
 
 /// Why a control that needs a mesh is disabled; empty where there is one.
-std::string why_no_mesh(const Document& shown);
+std::string why_no_mesh(const EditorState& state, const Document& shown);
 
 }  // namespace homolog

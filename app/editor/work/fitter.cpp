@@ -38,8 +38,8 @@ Result<std::shared_ptr<const AllowedShapes>> allowed_shapes(const Template& the_
   return std::make_shared<const AllowedShapes>(std::move(*allowed));
 }
 
-Result<Fitted> refined(const Document& document, Progress& progress) {
-  const auto shown = shape_to("refine", document);
+Result<Fitted> refined(const Document& document, const std::string& of, Progress& progress) {
+  const auto shown = shape_to("refine", document, of);
   if (!shown) return fail(shown.error());
   auto refinement = refine_shape(*shown, &progress);
   if (!refinement) return fail(refinement.error());
@@ -181,8 +181,9 @@ Fitted fitted_of(const FitFigures& figures, std::shared_ptr<const Points> made) 
 }
 
 void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings,
-                       const ModelOfFit& model) {
+                       const ModelOfFit& model, std::string of) {
   document_ = document;
+  of_ = of;
   refining_ = false;
   steps_ = std::make_shared<Steps>();
   work_.start(labels.name, [=, steps = steps_, wake = wake_](Progress& progress) {
@@ -192,16 +193,17 @@ void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels lab
       steps->put(std::make_shared<const Points>(points));
       wake();
     };
-    const auto shown = shape_to("fit", *document);
+    const auto shown = shape_to("fit", *document, of);
     return shown ? fit_to_labels(*shown, labels, settings, model, options) : fail(shown.error());
   });
 }
 
-void Fitter::start_refinement(std::shared_ptr<const Document> document) {
+void Fitter::start_refinement(std::shared_ptr<const Document> document, std::string of) {
   document_ = document;
+  of_ = of;
   refining_ = true;
   steps_ = std::make_shared<Steps>();
-  work_.start("The refinement", [document](Progress& progress) { return refined(*document, progress); });
+  work_.start("The refinement", [=](Progress& progress) { return refined(*document, of, progress); });
 }
 
 void Fitter::cancel() {

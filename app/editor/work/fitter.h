@@ -50,15 +50,17 @@ class Fitter {
   explicit Fitter(std::function<void()> wake) : wake_(wake), work_(std::move(wake)) {}
 
   /// `labels` and the document must have the frame; the document must have a shape.
+  /// `of`: the structure; empty: the first.
   void start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings,
-                 const ModelOfFit& model = {});
-  void start_refinement(std::shared_ptr<const Document> document);
+                 const ModelOfFit& model = {}, std::string of = {});
+  void start_refinement(std::shared_ptr<const Document> document, std::string of = {});
   void cancel();
   bool busy() const { return work_.busy(); }
   bool refining() const { return refining_ && busy(); }
   double fraction() const { return work_.fraction(); }
   /// The document that is fitted, as it was when the fit began; null where nothing goes on.
   const std::shared_ptr<const Document>& document() const { return document_; }
+  const std::string& of() const { return of_; }
   /// The shape so far, once a step; a refinement shows none.
   std::shared_ptr<const Points> take_step();
   /// The result, once.
@@ -70,6 +72,7 @@ class Fitter {
   using Steps = Mailbox<std::shared_ptr<const Points>>;
   std::shared_ptr<Steps> steps_ = std::make_shared<Steps>();
   std::shared_ptr<const Document> document_;
+  std::string of_;
   bool refining_ = false;
   Worker<Fitted> work_;
 };

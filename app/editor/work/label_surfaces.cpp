@@ -10,12 +10,11 @@
 namespace homolog {
 
 int label_in_hand(const FitSettings& settings, const std::vector<int>& known, const Volume& labels,
-                  const Document& document) {
+                  const std::optional<ShapeView>& shown) {
   if (known.size() < 2) return known.empty() ? settings.label : known.front();
   if (settings.all_labels) return every_label;
   if (std::find(known.begin(), known.end(), settings.label) != known.end()) return settings.label;
   // Without a mesh nobody has asked for one yet.
-  const auto shown = document.view();
   if (!shown) return settings.label;
   const int there = label_at_mesh(labels, shown->frame, *shown->shape.points);
   return there != 0 ? there : known.front();

@@ -18,7 +18,7 @@ namespace homolog {
 /// The label of a map that a fit would go to: the one that was chosen, else the one that the mesh lies in, else the
 /// first; every_label where all are taken together. `known`: the labels of the map; 0 where there are none.
 int label_in_hand(const FitSettings& settings, const std::vector<int>& known, const Volume& labels,
-                  const Document& document);
+                  const std::optional<ShapeView>& shown);
 
 /// Smooth surfaces of labels, made beside the window when they are wanted, and kept for their label map. Called from
 /// the window's thread only.

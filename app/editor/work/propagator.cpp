@@ -6,17 +6,19 @@
 
 namespace homolog {
 
-void Propagator::start(std::shared_ptr<const Document> document) {
+void Propagator::start(std::shared_ptr<const Document> document, std::string of) {
   document_ = document;
+  of_ = of;
   const std::string subject = document->scan.source;
-  work_.start(subject, [document = std::move(document), subject](Progress& progress) -> Result<CineEdit> {
-    PropagateOptions options;
-    options.progress = &progress;
-    const auto shown = shape_to("propagate", *document);
-    auto edit = shown ? propagate_shape(document->scan, *shown, options) : fail(shown.error());
-    if (!edit && edit.error().subject.empty()) return fail(subject, edit.error().what);
-    return edit;
-  });
+  work_.start(subject,
+              [document = std::move(document), of = std::move(of), subject](Progress& progress) -> Result<CineEdit> {
+                PropagateOptions options;
+                options.progress = &progress;
+                const auto shown = shape_to("propagate", *document, of);
+                auto edit = shown ? propagate_shape(document->scan, *shown, options) : fail(shown.error());
+                if (!edit && edit.error().subject.empty()) return fail(subject, edit.error().what);
+                return edit;
+              });
 }
 
 void Propagator::cancel() {
@@ -25,7 +27,7 @@ void Propagator::cancel() {
 }
 
 bool Propagator::still_of(const Document& now) const {
-  const Structure *was = document_->structure(), *is = now.structure();
+  const Structure *was = document_->structure(of_), *is = now.structure(of_);
   if (was == nullptr || is == nullptr || now.scan.image != document_->scan.image ||
       is->the_template != was->the_template || is->paint.stiffness != was->paint.stiffness)
     return false;

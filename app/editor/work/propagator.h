@@ -15,12 +15,14 @@ class Propagator {
   /// `wake` is called from the thread when it is done.
   explicit Propagator(std::function<void()> wake) : work_(std::move(wake)) {}
 
-  void start(std::shared_ptr<const Document> document);
+  /// `of`: the structure; empty: the first.
+  void start(std::shared_ptr<const Document> document, std::string of = {});
   void cancel();
   bool busy() const { return work_.busy(); }
   double fraction() const { return work_.fraction(); }
   /// The case as it was at the start; null where nothing goes on.
   const std::shared_ptr<const Document>& document() const { return document_; }
+  const std::string& of() const { return of_; }
   /// Whether a case still has the meshes that the work started from; to look at other frames changes nothing.
   bool still_of(const Document& now) const;
   /// The result, once.
@@ -29,6 +31,7 @@ class Propagator {
 
  private:
   std::shared_ptr<const Document> document_;
+  std::string of_;
   Worker<CineEdit> work_;
 };
 

@@ -10,8 +10,9 @@ namespace {
 constexpr int share_of_rest = 9;
 }  // namespace
 
-void QualityMonitor::post(std::shared_ptr<const Document> document) {
-  if (document && document->view()) {
+void QualityMonitor::post(std::shared_ptr<const Document> document, std::string of) {
+  of_ = std::move(of);
+  if (document && document->view(of_)) {
     next_ = std::move(document);
     return;
   }
@@ -22,12 +23,13 @@ void QualityMonitor::post(std::shared_ptr<const Document> document) {
 }
 
 void QualityMonitor::measure() {
-  worker_.queue("The mesh's figures",
-                [document = std::exchange(next_, nullptr), of = figures_of_](Progress&) -> Result<Measured> {
-                  const auto begun = Clock::now();
-                  const QualityFigures figures = of(*document->view());
-                  return Measured{figures, Clock::now() - begun};
-                });
+  worker_.queue(
+      "The mesh's figures",
+      [document = std::exchange(next_, nullptr), of = of_, measure = figures_of_](Progress&) -> Result<Measured> {
+        const auto begun = Clock::now();
+        const QualityFigures figures = measure(*document->view(of));
+        return Measured{figures, Clock::now() - begun};
+      });
 }
 
 bool QualityMonitor::take() {

@@ -21,7 +21,8 @@ class QualityMonitor {
       : figures_of_(std::move(measure)), worker_(std::move(wake)) {}
 
   /// A document without a mesh (or null) forgets the figures so far.
-  void post(std::shared_ptr<const Document> document);
+  /// `of`: the structure; empty: the first.
+  void post(std::shared_ptr<const Document> document, std::string of = {});
   /// Takes in what was measured, and measures the mesh posted last when it has rested. True where the figures changed.
   bool update();
   /// Whether the mesh posted last is not measured yet.
@@ -47,6 +48,7 @@ class QualityMonitor {
   Measure figures_of_;
   Worker<Measured> worker_;
   std::shared_ptr<const Document> next_;
+  std::string of_;  ///< of `next_`
   Clock::time_point rested_{};
   std::optional<QualityFigures> latest_;
   std::string error_;

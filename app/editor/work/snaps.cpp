@@ -23,8 +23,9 @@ SnapOptions options_of(const SnapSettings& settings) {
 }  // namespace
 
 Compute snap_compute(const SnapArea& region, const SnapSettings& settings) {
-  return [region, options = options_of(settings)](const Document& document) -> Result<std::optional<Action>> {
-    const auto shown = shape_to("snap", document);
+  return [region, options = options_of(settings)](const Document& document,
+                                                  const std::string& of) -> Result<std::optional<Action>> {
+    const auto shown = shape_to("snap", document, of);
     if (!shown) return std::optional<Action>();
     auto edit = snap_shape(document.scan, *shown, region, options, SnapHolds::landmarks);
     return edit ? std::optional<Action>(std::move(edit->action)) : std::nullopt;
@@ -65,7 +66,8 @@ std::optional<SnapFound> Snaps::take() {
   return std::exchange(box_->found, std::nullopt);
 }
 
-void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const SnapSettings& settings, bool joined) {
+void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const SnapSettings& settings, bool joined,
+                  const std::string& of) {
   using Clock = std::chrono::steady_clock;
   cancel();
   box_ = std::make_shared<Box>();
@@ -75,10 +77,10 @@ void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const 
   const auto ends = std::shared_ptr<Box>(box_.get(), [box = box_](Box*) { box->end(); });
   session.apply_computed(
       [box = box_, ends, region, options, holds = joined ? SnapHolds::landmarks : SnapHolds::all](
-          const Document& document) -> Result<std::optional<Action>> {
+          const Document& document, const std::string& structure) -> Result<std::optional<Action>> {
         const auto begin = Clock::now();
         auto edit = guarded("The snap", [&]() -> Result<SnapEdit> {
-          const auto shown = shape_to("snap", document);
+          const auto shown = shape_to("snap", document, structure);
           if (!shown) return fail(shown.error());
           return snap_shape(document.scan, *shown, region, options, holds);
         });
@@ -100,7 +102,7 @@ void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const 
         box->put(std::move(found));
         return std::optional<Action>(std::move(edit->action));
       },
-      joined);
+      joined, of);
 }
 
 }  // namespace homolog

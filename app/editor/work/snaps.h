@@ -18,7 +18,9 @@ Compute snap_compute(const SnapArea& region, const SnapSettings& settings);
 /// runs is given up.
 class Snaps {
  public:
-  void start(SessionThread& session, std::optional<SnapArea> region, const SnapSettings& settings, bool joined = false);
+  /// `of`: the structure; empty: the first.
+  void start(SessionThread& session, std::optional<SnapArea> region, const SnapSettings& settings, bool joined = false,
+             const std::string& of = {});
   void cancel();
   bool busy() const;
   /// What the latest snap found, once.

@@ -104,7 +104,8 @@ TEST_CASE("a frame without a mesh says where one comes from and not that a templ
     first.shapes[4] = first.shapes.at(0);
     first.shapes.erase(0);
   });
-  CHECK(why_no_mesh(late) == "This frame has no mesh yet. Go to a frame that has one, and propagate it (Cine).");
+  CHECK(why_no_mesh(driver.state(), late) ==
+        "This frame has no mesh yet. Go to a frame that has one, and propagate it (Cine).");
 }
 
 TEST_CASE("a template that is chosen at a frame of a cine is placed in that frame") {

@@ -186,7 +186,7 @@ TEST_CASE("the model's help does not add up and can be taken back") {
   REQUIRE(session.apply(Confirm{Vec3(26, 0, 0), 15, true}));
   const auto points = [&] { return *session.document().view()->shape.points; };
   const auto blend = [&](double strength) {
-    REQUIRE(session.apply(*test::must(help.completion(strength)(session.document()))));
+    REQUIRE(session.apply(*test::must(help.completion(strength)(session.document(), {}))));
   };
   const Points begun = points();
   blend(0.5);

@@ -78,13 +78,13 @@ TEST_CASE("a snap has ended wherever memory ran out") {
     auto limit = std::make_shared<std::optional<test::MemoryEndsAfter>>();
     const auto nothing = [](const Document&) { return std::optional<Action>(); };
     SessionThread session{EditSession(ball), [] {}};
-    session.apply_computed([=](const Document& document) {
+    session.apply_computed([=](const Document& document, const std::string&) {
       limit->emplace(allocations);
       return nothing(document);
     });
     Snaps snaps;
     snaps.start(session, std::nullopt, {});
-    session.apply_computed([=](const Document& document) {
+    session.apply_computed([=](const Document& document, const std::string&) {
       limit->reset();
       return nothing(document);
     });

@@ -55,7 +55,7 @@ TEST_CASE("what a case refuses while it is closed is not lost") {
   ShownCase shown([] {});
   CHECK(told(shown.close()).empty());
   CHECK(shown.start(EditSession(ball_document(40))).count == 0);
-  shown.session().apply_computed([](const Document&) -> Result<std::optional<Action>> {
+  shown.session().apply_computed([](const Document&, const std::string&) -> Result<std::optional<Action>> {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     return fail("ball", "cannot be snapped");
   });
@@ -122,7 +122,8 @@ TEST_CASE("a case is opened alone or with its image") {
 
 TEST_CASE("landmarks of a file are taken by the template's names") {
   const std::string name = demo().structure()->the_template->landmarks.front().name;
-  const auto known = landmarks_of_template({{"elsewhere", Vec3::Zero()}, {name, Vec3::Ones()}}, demo());
+  const auto known =
+      landmarks_of_template({{"elsewhere", Vec3::Zero()}, {name, Vec3::Ones()}}, *demo().structure()->the_template);
   REQUIRE(known.size() == 1);
   CHECK(known[0].name == name);
 }

@@ -201,11 +201,15 @@ TEST_CASE("a preview changes neither the document nor the file") {
 TEST_CASE("a preview goes on with what is computed of it and says where that is refused") {
   const CaseFolder folder;
   EditSession session(folder.document());
-  const Compute twice = [](const Document& document) -> Result<std::optional<Action>> {
+  const Compute twice = [](const Document& document, const std::string&) -> Result<std::optional<Action>> {
     return SetPoints{by_model, std::nullopt, std::make_shared<const Points>(2 * *document.view()->shape.points)};
   };
-  const Compute nothing = [](const Document&) -> Result<std::optional<Action>> { return std::optional<Action>(); };
-  const Compute refused = [](const Document&) -> Result<std::optional<Action>> { return fail("", "Not today."); };
+  const Compute nothing = [](const Document&, const std::string&) -> Result<std::optional<Action>> {
+    return std::optional<Action>();
+  };
+  const Compute refused = [](const Document&, const std::string&) -> Result<std::optional<Action>> {
+    return fail("", "Not today.");
+  };
   const Stroke stroke = pull(pole, Vec3(0, 0, 50));
   const Points plain = *session.preview(stroke).value().document.view()->shape.points;
   const Updated followed = session.preview(stroke, {nothing, twice, refused}).value();

@@ -51,7 +51,7 @@ TEST_CASE("a session is busy until what was posted is done") {
   SessionThread thread(EditSession(ball_document(40)), nullptr);
   CHECK_FALSE(thread.busy());
   std::atomic<bool> go{false};
-  thread.apply_computed([&](const Document&) -> Result<std::optional<Action>> {
+  thread.apply_computed([&](const Document&, const std::string&) -> Result<std::optional<Action>> {
     while (!go) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return std::optional<Action>();
   });
@@ -110,9 +110,15 @@ TEST_CASE("a refused action is told in a sentence and changes nothing") {
 
 TEST_CASE("a stale preview never outlives the computed edit that ends its gesture either") {
   SessionThread thread(EditSession(ball_document(40)), nullptr);
-  const Compute nothing = [](const Document&) -> Result<std::optional<Action>> { return std::optional<Action>(); };
-  const Compute refused = [](const Document&) -> Result<std::optional<Action>> { return fail("", "Not today."); };
-  const Compute softer = [](const Document&) -> Result<std::optional<Action>> { return SetStiffnessBase{5}; };
+  const Compute nothing = [](const Document&, const std::string&) -> Result<std::optional<Action>> {
+    return std::optional<Action>();
+  };
+  const Compute refused = [](const Document&, const std::string&) -> Result<std::optional<Action>> {
+    return fail("", "Not today.");
+  };
+  const Compute softer = [](const Document&, const std::string&) -> Result<std::optional<Action>> {
+    return SetStiffnessBase{5};
+  };
   std::uint64_t edits = 0;
   for (int k = 0; k < 10; ++k)
     for (const Compute& compute : {nothing, refused, softer}) {
@@ -134,7 +140,8 @@ TEST_CASE("a preview that is shown ends with a computed edit that gives nothing"
   SessionThread thread(EditSession(ball_document(40)), nullptr);
   thread.preview(pull(60));
   REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.preview.has_value(); }));
-  thread.apply_computed([](const Document&) -> Result<std::optional<Action>> { return std::optional<Action>(); });
+  thread.apply_computed(
+      [](const Document&, const std::string&) -> Result<std::optional<Action>> { return std::optional<Action>(); });
   REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.committed == 1; }));
   CHECK(!thread.snapshot()->preview);
   CHECK(thread.snapshot()->shown == thread.snapshot()->document);
@@ -153,12 +160,15 @@ TEST_CASE("what is thrown in a job ends neither the thread nor the case") {
     CHECK((thread.snapshot()->document == done));
     return thread.snapshot()->error;
   };
-  CHECK(told([](const Document&) -> Result<std::optional<Action>> { throw std::bad_alloc(); }).find("Memory ran out") !=
-        std::string::npos);
-  CHECK(told([](const Document&) -> Result<std::optional<Action>> {
+  CHECK(told([](const Document&, const std::string&) -> Result<std::optional<Action>> {
+          throw std::bad_alloc();
+        }).find("Memory ran out") != std::string::npos);
+  CHECK(told([](const Document&, const std::string&) -> Result<std::optional<Action>> {
           throw std::runtime_error("no more threads");
         }).find("no more threads") != std::string::npos);
-  thread.preview(std::nullopt, {[](const Document&) -> Result<std::optional<Action>> { throw std::bad_alloc(); }});
+  thread.preview(std::nullopt, {[](const Document&, const std::string&) -> Result<std::optional<Action>> {
+                   throw std::bad_alloc();
+                 }});
   REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.error.find("Memory ran out") != std::string::npos; }));
   CHECK(thread.snapshot()->committed == jobs);
   thread.apply(pull(50));

@@ -32,7 +32,8 @@ void PreviewEdit::spell(Fields& line) {
   spell_action(line, *action);
 }
 void PreviewEdit::run(Editing& editing) const {
-  editing.shown.session().preview(action, action ? assistance(editing, *action) : std::vector<Compute>{});
+  editing.shown.session().preview(action, action ? assistance(editing, *action) : std::vector<Compute>{},
+                                  editing.state.structure);
 }
 
 void ApplyEdit::spell(Fields& line) {
@@ -45,7 +46,7 @@ void ApplyEdit::run(Editing& editing) const {
   if (std::holds_alternative<Undo>(action) || std::holds_alternative<Redo>(action)) editing.state.landmark.clear();
   if (const auto* placed = std::get_if<PlaceLandmark>(&action); placed != nullptr && !placed->at)
     editing.state.landmark = placed->name;
-  editing.shown.session().apply(action, joined);
+  editing.apply(action, joined);
 }
 
 void GoInHistory::spell(Fields& line) {
@@ -56,7 +57,7 @@ void GoInHistory::run(Editing& editing) const {
   editing.state.landmark.clear();
   constexpr int most = 1000;  // a list shows far fewer
   const int count = std::abs(std::clamp(steps, -most, most));
-  for (int k = 0; k < count; ++k) editing.shown.session().apply(steps < 0 ? Action(Undo{}) : Action(Redo{}));
+  for (int k = 0; k < count; ++k) editing.apply(steps < 0 ? Action(Undo{}) : Action(Redo{}));
 }
 
 void SnapMesh::spell(Fields& line) {
@@ -70,12 +71,12 @@ void SnapMesh::spell(Fields& line) {
 }
 void SnapMesh::run(Editing& editing) const {
   const Document& document = editing.shown.document();
-  if (!document.scan.image || !document.view())
+  if (!document.scan.image || !editing.shape())
     return add_notice(editing.state,
                       "A snap needs an image and a mesh. Open an image and place a template on the organ first.",
                       false);
   stop_playing(editing);
-  editing.work.snaps.start(editing.shown.session(), region, editing.state.snap, joined);
+  editing.work.snaps.start(editing.shown.session(), region, editing.state.snap, joined, editing.state.structure);
 }
 
 void CancelSnap::run(Editing& editing) const {
@@ -89,7 +90,7 @@ void StartFit::spell(Fields& line) {
 }
 void StartFit::run(Editing& editing) const {
   const auto& labels = editing.shown.labels();
-  if (!labels.volume || !editing.shown.document().view()) return;
+  if (!labels.volume || !editing.shape()) return;
   stop_playing(editing);
   FitSettings chosen = settings;
   if (chosen.label == 0 && !labels.values.empty()) chosen.label = labels.values.front();
@@ -105,14 +106,15 @@ void StartFit::run(Editing& editing) const {
     return add_notice(editing.state, "The model for the fit is not open any more; choose a model again.");
   editing.work.fit_seen = false;
   editing.work.started_fit = *this;
-  editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name}, chosen, model);
+  editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name}, chosen, model,
+                                editing.state.structure);
 }
 
 void RefineAlongSurface::run(Editing& editing) const {
-  if (!editing.shown.document().view()) return;
+  if (!editing.shape()) return;
   stop_playing(editing);
   editing.work.started_fit.reset();
-  editing.work.fitter.start_refinement(editing.shown.snapshot().document);
+  editing.work.fitter.start_refinement(editing.shown.snapshot().document, editing.state.structure);
 }
 
 void CancelFit::run(Editing& editing) const {
@@ -126,9 +128,9 @@ void CancelFits::run(Editing& editing) const {
 
 void PropagateFrames::run(Editing& editing) const {
   const Document& document = editing.shown.document();
-  if (!document.view() || !document.scan.image || document.scan.image->frames < 2) return;
+  if (!editing.shape() || !document.scan.image || document.scan.image->frames < 2) return;
   stop_playing(editing);
-  editing.work.propagator.start(editing.shown.done());
+  editing.work.propagator.start(editing.shown.done(), editing.state.structure);
 }
 
 void CancelPropagation::run(Editing& editing) const {
@@ -145,7 +147,19 @@ void BlendModel::run(Editing& editing) const {
 
 void CompleteByModel::run(Editing& editing) const {
   if (auto complete = editing.work.model_help.completion(editing.state.model_help))
-    editing.shown.session().apply_computed(std::move(complete), true);
+    editing.shown.session().apply_computed(std::move(complete), true, editing.state.structure);
+}
+
+void ChooseStructure::spell(Fields& line) {
+  line.member("id", id);
+}
+void ChooseStructure::run(Editing& editing) const {
+  if (editing.shown.document().structure(id) == nullptr)
+    return add_notice(editing.state, "There is no structure \"" + id + "\" in this case.");
+  editing.work.snaps.cancel();
+  show_structure(editing.state, editing.shown.document(), id);
+  editing.work.quality.post(nullptr);
+  editing.work.quality.post(editing.shown.displayed(), editing.state.structure);
 }
 
 void ShowFrame::spell(Fields& line) {
@@ -153,7 +167,7 @@ void ShowFrame::spell(Fields& line) {
 }
 void ShowFrame::run(Editing& editing) const {
   if (frame != editing.shown.snapshot().document->frame) editing.state.landmark.clear();
-  editing.shown.session().apply(SetFrame{frame});
+  editing.apply(SetFrame{frame});
   editing.state.shown_frame.reset();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "app/editor/state/state.h"
 #include "app/editor/update/commands/logged.h"
@@ -101,6 +102,13 @@ struct CancelPropagation {
   static constexpr const char* key = "cancel propagation";
   static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::never;  ///< one that was given up is not logged either
+  void run(Editing& editing) const;
+};
+/// Works on another structure of the case.
+struct ChooseStructure {
+  static constexpr const char* key = "choose structure";
+  std::string id;  ///< empty: the first
+  void spell(Fields& line);
   void run(Editing& editing) const;
 };
 /// Commits the frame that a slider went to.

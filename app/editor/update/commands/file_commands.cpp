@@ -34,7 +34,7 @@ Document as_done(const Editing& editing) {
 bool lacks_template(Editing& editing) {
   const Document& document = *editing.shown.snapshot().document;
   if (!document.structures.empty()) return false;
-  add_notice(editing.state, why_no_mesh(document), false);
+  add_notice(editing.state, why_no_mesh(editing.state, document), false);
   return true;
 }
 
@@ -179,7 +179,7 @@ void ExportMesh::spell(Fields& line) {
 }
 void ExportMesh::run(Editing& editing) const {
   const Document document = as_done(editing);
-  const Structure* structure = document.structure();
+  const Structure* structure = active_structure(editing.state, document);
   const auto write = [&](int frame, const fs::path& file) {
     write_beside(
         editing, file,
@@ -187,12 +187,12 @@ void ExportMesh::run(Editing& editing) const {
             const auto& to, Progress&) { return write_mesh_file(mesh, to); },
         lost_in(path));
   };
-  if (all_frames && has_several_meshes(document)) {
-    for (const auto& [frame, shape] : document.structure()->shapes)
+  if (all_frames && has_several_meshes(structure)) {
+    for (const auto& [frame, shape] : structure->shapes)
       write(frame, file_of_frame(FilePurpose::export_mesh, path, frame, document.scan.frames() - 1));
     return;
   }
-  if (!document.view()) return no_mesh_to_export(editing);
+  if (!active_shape(editing.state, document)) return no_mesh_to_export(editing);
   write(document.frame, path);
 }
 
@@ -201,29 +201,29 @@ void ExportLabelMap::spell(Fields& line) {
   line.optional("all_frames", all_frames, all_frames);
 }
 void ExportLabelMap::run(Editing& editing) const {
-  Document document = as_done(editing);
-  const bool all = all_frames && has_several_meshes(document);
-  if (!all && !document.view()) return no_mesh_to_export(editing);
+  const Document document = as_done(editing);
+  const Structure* structure = active_structure(editing.state, document);
+  const bool all = all_frames && has_several_meshes(structure);
+  if (!all && !active_shape(editing.state, document)) return no_mesh_to_export(editing);
   if (!document.scan.image)
     return add_notice(editing.state, "A label map needs the voxels of an image. Open the image of this mesh first.");
   const auto write = [&](int frame, const fs::path& file) {
-    document.frame = frame;
     write_beside(
         editing, file,
-        [mesh = document.view()->mesh(), grid = document.scan.image->geometry](const auto& to, Progress& progress) {
-          return write_volume(label_map(mesh, grid, 1), to, &progress);
-        });
+        [mesh = ShapeView{*structure, *structure->shape(frame), frame}.mesh(), grid = document.scan.image->geometry](
+            const auto& to, Progress& progress) { return write_volume(label_map(mesh, grid, 1), to, &progress); });
   };
   if (!all) return write(document.frame, path);
-  for (const auto& [frame, shape] : document.structure()->shapes)
+  for (const auto& [frame, shape] : structure->shapes)
     write(frame, file_of_frame(FilePurpose::export_label_map, path, frame, document.scan.frames() - 1));
 }
 
 void ExportLandmarks::run(Editing& editing) const {
   const Document document = as_done(editing);
-  if (!document.view()) return no_mesh_to_export(editing);
+  const auto shown = active_shape(editing.state, document);
+  if (!shown) return no_mesh_to_export(editing);
   std::vector<Landmark> placed;
-  for (const auto& [name, position] : document.view()->shape.landmarks) placed.push_back({name, position});
+  for (const auto& [name, position] : shown->shape.landmarks) placed.push_back({name, position});
   write_beside(editing, path, [placed](const auto& to, Progress&) { return write_landmarks(placed, to); });
 }
 
@@ -234,9 +234,8 @@ void ExportTemplate::run(Editing& editing) const {
 void ExportTemplateLandmarks::run(Editing& editing) const {
   if (lacks_template(editing)) return;
   write_beside(editing, path,
-               [landmarks = as_done(editing).structure()->the_template->landmarks](const auto& to, Progress&) {
-                 return write_landmarks(landmarks, to);
-               });
+               [landmarks = active_structure(editing.state, as_done(editing))->the_template->landmarks](
+                   const auto& to, Progress&) { return write_landmarks(landmarks, to); });
 }
 
 void ExportPicture::run(Editing& editing) const {
@@ -250,7 +249,7 @@ void ExportPicture::run(Editing& editing) const {
 
 void ExportVolumes::run(Editing& editing) const {
   const Document document = as_done(editing);
-  const Structure* structure = document.structure();
+  const Structure* structure = active_structure(editing.state, document);
   if (structure == nullptr) return no_mesh_to_export(editing);
   const double frame_seconds = document.scan.image ? document.scan.image->frame_seconds : 0;
   write_beside(editing, path,

@@ -100,8 +100,8 @@ void ShowFinding::spell(Fields& line) {
 }
 void ShowFinding::run(Editing& editing) const {
   EditorState& state = editing.state;
-  const Document& document = editing.shown.document();
-  if (!document.view()) return;
+  const auto active = editing.shape();
+  if (!active) return;
   std::vector<Finding> all;
   const auto& figures = editing.work.quality.latest();
   if (figures) all = figures->findings;
@@ -123,7 +123,7 @@ void ShowFinding::run(Editing& editing) const {
     if (k <= next) ++shown.number;
   }
   state.finding = std::move(shown);
-  look_closely(state, document.view()->mesh(), state.finding->finding.vertex);
+  look_closely(state, active->mesh(), state.finding->finding.vertex);
 }
 
 void MoveInGuide::spell(Fields& line) {

@@ -11,8 +11,8 @@ namespace homolog {
 namespace {
 
 /// Takes back what the model did.
-Result<std::optional<Action>> without_help(const Document& document) {
-  const auto shown = document.view();
+Result<std::optional<Action>> without_help(const Document& document, const std::string& of) {
+  const auto shown = document.view(of);
   if (!shown || !shown->shape.unaided) return std::optional<Action>();
   return std::optional<Action>(points_edit(*shown, unaided_points(shown->shape), by_model));
 }
@@ -30,8 +30,8 @@ void take_fit(Editing& editing, Fitted fitted) {
   }
   const bool is_fit = fitted.edit.by == by_fit;
   Note figures{"fit", {}, {}, figures_of(fitted)};
-  editing.shown.session().apply(std::move(fitted.edit));
-  if (is_fit) editing.shown.session().apply(std::move(figures), true);
+  editing.apply(std::move(fitted.edit));
+  if (is_fit) editing.apply(std::move(figures), true);
 }
 
 void ask_model(Editing& editing) {
@@ -55,7 +55,7 @@ std::vector<Compute> assistance(const Editing& editing, const Action& action) {
   std::vector<Compute> then;
   const auto* stroke = std::get_if<Stroke>(&action);
   if (stroke == nullptr || !moves_boundary(stroke->tool)) return then;
-  const auto shown = editing.shown.document().view();
+  const auto shown = editing.shape();
   if (shown && editing.state.snap.with_strokes && editing.shown.document().scan.image)
     then.push_back(snap_compute(snap_region(*shown, *stroke), editing.state.snap));
   if (auto complete = editing.work.model_help.completion(editing.state.model_help)) then.push_back(std::move(complete));
@@ -71,14 +71,15 @@ void cancel_fit(Editing& editing) {
 void update_fit(Editing& editing) {
   Fitter& fitter = editing.work.fitter;
   SessionThread& session = editing.shown.session();
-  if (fitter.document() && fitter.document() != editing.shown.snapshot().document) {
+  const bool of_another = fitter.of() != editing.state.structure;
+  if (fitter.document() && (of_another || fitter.document() != editing.shown.snapshot().document)) {
     cancel_fit(editing);
     add_notice(editing.state, "The fit was stopped by an edit, another frame or another case. Start it again.", false);
   }
   if (auto step = fitter.take_step(); step && fitter.busy()) {
     // The organ may be far from where the template was.
     if (!std::exchange(editing.work.fit_seen, true)) look_at_mesh(editing.state, *step);
-    session.preview(SetPoints{by_fit, std::nullopt, std::move(step)});
+    session.preview(SetPoints{by_fit, std::nullopt, std::move(step)}, {}, fitter.of());
   }
   if (auto done = fitter.take()) {
     if (*done) return take_fit(editing, std::move(**done));
@@ -103,7 +104,7 @@ void update_propagation(Editing& editing) {
   for (SetPoints& action : (**done).actions) {
     in_doubt += action.doubt.empty() ? 0 : 1;
     carried += action.by == by_propagation ? 1 : 0;
-    editing.shown.session().apply(std::move(action), std::exchange(joined, true));
+    editing.shown.session().apply(std::move(action), std::exchange(joined, true), propagator.of());
   }
   const std::string news = "Carried through " + std::to_string(carried) + (carried == 1 ? " frame" : " frames");
   add_notice(editing.state,
@@ -118,7 +119,7 @@ void update_learning(Editing& editing) {
   StudyAppearance& appearance = editing.work.study_appearance;
   for (const std::string& sentence : appearance.update()) add_notice(state, sentence, false);
   const Snapshot& snapshot = editing.shown.snapshot();
-  const Structure* structure = snapshot.document->structure();
+  const Structure* structure = active_structure(state, *snapshot.document);
   auto cases = cases_to_learn(state.models.study, snapshot.file);
   if (!state.snap.learn || structure == nullptr || cases.empty())
     appearance.forget();
@@ -128,7 +129,7 @@ void update_learning(Editing& editing) {
 }
 
 void blend_model(Editing& editing, const BlendModel& command) {
-  if (!editing.state.models.model || !editing.shown.snapshot().document->view()) return;
+  if (!editing.state.models.model || !active_shape(editing.state, *editing.shown.snapshot().document)) return;
   ask_model(editing);
   editing.state.model_help = command.strength;
   SessionThread& session = editing.shown.session();
@@ -141,9 +142,9 @@ void blend_model(Editing& editing, const BlendModel& command) {
   }
   editing.work.blend_wanted.reset();
   if (command.commit)
-    session.apply_computed(std::move(complete));
+    session.apply_computed(std::move(complete), false, editing.state.structure);
   else
-    session.preview(std::nullopt, {std::move(complete)});
+    session.preview(std::nullopt, {std::move(complete)}, editing.state.structure);
 }
 
 void update_model_help(Editing& editing) {
@@ -155,7 +156,7 @@ void update_model_help(Editing& editing) {
     state.model_help = 0;
   }
   if (state.model_help <= 0) return;
-  const auto shown = editing.shown.snapshot().document->view();
+  const auto shown = active_shape(state, *editing.shown.snapshot().document);
   if (!state.models.model || !shown || state.models.model->vertices() != shown->the_template().topology->vertices()) {
     state.model_help = 0;
     return;
@@ -172,7 +173,7 @@ bool show_snap(Editing& editing) {
     state.snapped = std::move(found);
     state.shows_confidence = state.snap.show_confidence;
   }
-  const auto view = editing.shown.document().view();
+  const auto view = editing.shape();
   const bool shown = state.snapped && view && state.snapped->is_of(*view->shape.points);
   auto confidence = shown ? state.snapped->confidence : nullptr;
   const bool changed = confidence != state.confidence;

@@ -98,7 +98,7 @@ void import_landmarks(Editing& editing, const std::filesystem::path& path) {
   read_for_case(
       editing, ImportLandmarks{{path}}, [](const auto& file) { return read_landmarks(file); },
       [name = path.filename().string()](Editing& then, const std::vector<Landmark>& read) {
-        const auto known = landmarks_of_template(read, *then.shown.snapshot().document);
+        const auto known = landmarks_of_template(read, *then.structure()->the_template);
         if (known.empty())
           return add_notice(
               then.state,
@@ -106,7 +106,7 @@ void import_landmarks(Editing& editing, const std::filesystem::path& path) {
         stop_playing(then);
         then.state.landmark.clear();
         for (std::size_t i = 0; i < known.size(); ++i)
-          then.shown.session().apply(PlaceLandmark{known[i].name, known[i].position}, i > 0);
+          then.apply(PlaceLandmark{known[i].name, known[i].position}, i > 0);
         if (known.size() < read.size())
           add_notice(then.state,
                      name + ": " + std::to_string(read.size() - known.size()) + " of " + std::to_string(read.size()) +
@@ -126,27 +126,27 @@ void open_fit_model(Editing& editing, const std::filesystem::path& path) {
 }
 
 void import_stiffness(Editing& editing, const std::filesystem::path& path) {
-  const auto topology = editing.shown.snapshot().document->structure()->the_template->topology;
+  const auto topology = editing.structure()->the_template->topology;
   read_for_case(
       editing, ImportStiffness{{path}}, [topology](const auto& file) { return stiffness_in(file, *topology); },
       [](Editing& then, const VertexScalars& factors) {
-        then.shown.session().apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(factors)});
+        then.apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(factors)});
       });
 }
 
 void import_template_landmarks(Editing& editing, const std::filesystem::path& path) {
   read_for_case(
       editing, ImportTemplateLandmarks{{path}},
-      [the_template = editing.shown.snapshot().document->structure()->the_template](const auto& file) {
+      [the_template = editing.structure()->the_template](const auto& file) {
         return landmarks_on(file, *the_template);
       },
       [name = path.filename().string()](Editing& then, const OnTemplate& found) {
-        const auto shown = then.shown.snapshot().document->view();
+        const auto shown = active_shape(then.state, *then.shown.snapshot().document);
         bool joined = false;
         for (const auto& [landmark, at] : found.landmarks) {
           if (!shown) break;
           const Vec3 on_mesh = at.interpolate(*shown->the_template().topology, *shown->shape.points).transpose();
-          then.shown.session().apply(SetTemplateLandmark{landmark, on_mesh}, std::exchange(joined, true));
+          then.apply(SetTemplateLandmark{landmark, on_mesh}, std::exchange(joined, true));
         }
         if (!found.away.empty())
           add_notice(then.state, name + ": points too far from the template were left out: " + found.away +
@@ -157,8 +157,8 @@ void import_template_landmarks(Editing& editing, const std::filesystem::path& pa
 void save_template(Editing& editing, const std::filesystem::path& path) {
   // Read back beside the window: the next image comes with what the file holds.
   const auto saved = std::make_shared<std::shared_ptr<const Template>>();
-  const auto write = [file = painted_template(*editing.shown.snapshot().document->structure()), path,
-                      saved](Progress&) {
+  const auto write = [file = painted_template(*active_structure(editing.state, *editing.shown.snapshot().document)),
+                      path, saved](Progress&) {
     if (auto written = write_mesh_file(file, path); !written) return written;
     auto read = load_template(path.string());
     if (!read) return Result<void>(fail(read.error()));
@@ -168,7 +168,7 @@ void save_template(Editing& editing, const std::filesystem::path& path) {
   editing.work.exports.start(path, write, [&editing, saved, path, number = editing.shown.number()] {
     if (number != editing.shown.number()) return;  // another case is open by now
     editing.shown.adopt_template(*saved);
-    editing.shown.session().apply(Note{"the template was saved", std::nullopt, absolute_path(path).string()});
+    editing.apply(Note{"the template was saved", std::nullopt, absolute_path(path).string()});
     const std::string written = "Written: " + path.string();
     std::erase_if(editing.state.notices, [&](const Notice& notice) { return notice.text == written; });
     add_notice(

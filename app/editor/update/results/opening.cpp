@@ -137,8 +137,8 @@ void start_with(Editing& editing, Opened opened) {
                               ? std::move(*opened.demo)
                               : new_document(source, volume, the_template,
                                              in_place ? std::optional<Similarity>(Similarity{}) : std::nullopt));
-  if (mirrored && !demo) editing.shown.session().apply(MirrorTemplate{});
-  if (!new_image && !demo && frame > 0) editing.shown.session().apply(SetFrame{frame});
+  if (mirrored && !demo) editing.apply(MirrorTemplate{});
+  if (!new_image && !demo && frame > 0) editing.apply(SetFrame{frame});
   if (in_place) look_as(state, view);
   if (demo && editing.shown.document().scan.image->modality == "CT") {
     // Soft tissue: what the demo is about.
@@ -190,12 +190,11 @@ void start_session(Editing& editing, EditSession session) {
   for (const std::string& sentence : told(refused)) add_notice(state, "In the case before: " + sentence);
   if (document.scan.image != (before ? before->scan.image : nullptr)) editing.pictures.forget();
   editing.work.quality.post(nullptr);
-  editing.work.quality.post(shown.displayed());
+  editing.work.quality.post(shown.displayed(), editing.state.structure);
 }
 
 void show_repair(Editing& editing) {
-  if (const auto frame = Models::show_repair(editing.state, editing.shown.snapshot()))
-    editing.shown.session().apply(SetFrame{*frame});
+  if (const auto frame = Models::show_repair(editing.state, editing.shown.snapshot())) editing.apply(SetFrame{*frame});
 }
 
 void show_opened(Editing& editing, Opened opened) {

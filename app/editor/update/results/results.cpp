@@ -89,7 +89,7 @@ bool update_label_surface(Editing& editing) {
   std::optional<LabelSurfaces::Wanted> wanted;
   if (editing.shown.labels_here() && state.preferences.show.label_surface && !state.models.shown) {
     const Document& document = *editing.shown.snapshot().document;
-    const int label = label_in_hand(state.fit_settings, labels.values, *labels.volume, document);
+    const int label = label_in_hand(state.fit_settings, labels.values, *labels.volume, active_shape(state, document));
     const int frame = document.frame < labels.volume->frames ? document.frame : 0;
     if (label != 0) wanted = LabelSurfaces::Wanted{labels.volume, label, frame};
   }
@@ -146,7 +146,7 @@ void forget_old_hints(EditorState& state, const Document& document, double secon
   constexpr double hint_seconds = 20;
   const bool covered = state.models.shown || state.dialog || (state.guide && state.guide->shown);
   if (state.hints_over) return;
-  if (!state.hints_until && !covered && document.view()) state.hints_until = seconds + hint_seconds;
+  if (!state.hints_until && !covered && active_shape(state, document)) state.hints_until = seconds + hint_seconds;
   state.hints_over = state.hints_until && *state.hints_until <= seconds;
 }
 
@@ -161,7 +161,7 @@ void play(EditorState& state, const Document& document, double seconds) {
 /// The guide goes on where its pull is done.
 void follow_guide(Editing& editing) {
   EditorState& state = editing.state;
-  const auto shown = editing.shown.snapshot().document->view();
+  const auto shown = active_shape(state, *editing.shown.snapshot().document);
   if (!state.guide || !state.guide->shown || state.drag || !shown) return;
   Guide& guide = *state.guide;
   if (guide.at >= guide.steps.size() || !is_done(guide.steps[guide.at], shown->mesh())) return;
@@ -210,11 +210,11 @@ bool take_results(Editing& editing, double seconds) {
   take_imports(editing);
   play(state, editing.shown.document(), seconds);
   if (editing.shown.update_snapshot(state)) {
-    work.quality.post(editing.shown.displayed());
+    work.quality.post(editing.shown.displayed(), state.structure);
     follow_guide(editing);
   }
   const Document& shown = editing.shown.document();
-  if (const Structure* structure = shown.structure(); structure != nullptr && shown.scan.frames() > 1)
+  if (const Structure* structure = editing.structure(); structure != nullptr && shown.scan.frames() > 1)
     state.volume_curve = volume_curve(*structure, state.volume_curve);
   editing.shown.keep_window(state);
   count_work(editing, steps_before, seconds);

@@ -20,8 +20,8 @@ std::optional<Vec3> dab_at(const EditorState& state, const ControlsContext& cont
 bool begin_brush(const Press& press) {
   EditorState& state = press.state;
   const Hover& hover = press.hover;
-  if (!press.document().view() || (!hover.on_mesh && press.in_space())) return false;
-  if (paints_regions(state) && press.document().structure()->paint.regions->list.empty())
+  if (!press.shape() || (!hover.on_mesh && press.in_space())) return false;
+  if (paints_regions(state) && press.shape()->paint().regions->list.empty())
     return press.hold({{}, "There is no region to paint yet. Add one first (Template, Regions)."});
   press.stay_at_frame();
   state.drag = BrushDrag{hover.view,
@@ -49,11 +49,11 @@ constexpr const char* paint_hint = "Paint on the outline or on the surface.";
 
 std::string stiffness_hint(const EditorState& state, const Document& shown) {
   if (!paints_regions(state)) return paint_hint;
-  if (shown.structure()->paint.regions->list.empty())
+  if (active_structure(state, shown)->paint.regions->list.empty())
     return "There is no region to paint yet. Add one first (Template, Regions).";
   if (state.brush.erases) return "The brush takes vertices out of their region.";
   // As the brush does: the first one where none of that name is there.
-  const auto& list = shown.structure()->paint.regions->list;
+  const auto& list = active_structure(state, shown)->paint.regions->list;
   const bool known =
       std::any_of(list.begin(), list.end(), [&](const Region& one) { return one.name == state.brush.region; });
   const std::string region = quoted(known ? state.brush.region : list.front().name);
@@ -133,7 +133,7 @@ std::optional<Action> brush_action(const EditorState& state, const Document& doc
   const bool reversed = drag != nullptr && drag->reversed;
   const BrushSettings& brush = state.brush;
   if (state.tool == MouseTool::stiffness) {
-    const auto& regions = document.structure()->paint.regions->list;
+    const auto& regions = active_structure(state, document)->paint.regions->list;
     const bool known =
         std::any_of(regions.begin(), regions.end(), [&](const Region& one) { return one.name == brush.region; });
     const std::string chosen = known || regions.empty() ? brush.region : regions.front().name;
@@ -141,7 +141,8 @@ std::optional<Action> brush_action(const EditorState& state, const Document& doc
     switch (brush.paints) {
       case BrushPaints::factor:
         return PaintStiffness{at, brush.radius_mm,
-                              document.structure()->paint.base * (reversed ? 1 : brush.stiffness_factor), brush.soft};
+                              active_structure(state, document)->paint.base * (reversed ? 1 : brush.stiffness_factor),
+                              brush.soft};
       case BrushPaints::region:
         return PaintRegion{region, at, brush.radius_mm, brush.soft};
       case BrushPaints::smooth:

@@ -12,9 +12,9 @@ namespace {
 bool begin_landmark(const Press& press) {
   EditorState& state = press.state;
   const Hover& hover = press.hover;
-  if (!press.document().view() || !hover.p_mm) return false;
+  if (!press.shape() || !hover.p_mm) return false;
   press.stay_at_frame();
-  const auto& placed = press.document().view()->shape.landmarks;
+  const auto& placed = press.shape()->shape.landmarks;
   if (const auto known = placed.find(hover.landmark); known != placed.end()) {
     state.drag = LandmarkDrag{hover.view, known->first, known->second, known->second - *hover.p_mm, false};
     return true;
@@ -43,7 +43,7 @@ std::optional<Action> landmark_action(const EditorState& state) {
 
 void follow_landmark(EditorState& state, const Action& action, const ControlsContext& context, Outbox&) {
   const auto& placed = std::get<PlaceLandmark>(action);
-  state.landmark = next_unplaced_landmark(context.document, placed.name);
+  state.landmark = next_unplaced_landmark(*context.shape(), placed.name);
   const auto& volume = context.document.scan.image;
   if (volume && placed.at && !volume->geometry.holds(*placed.at))
     add_notice(state, "\"" + placed.name +
@@ -51,14 +51,15 @@ void follow_landmark(EditorState& state, const Action& action, const ControlsCon
 }
 
 std::string landmark_hint(const EditorState& state, const Document& shown) {
-  const std::size_t landmarks = shown.structure()->the_template->landmarks.size();
+  const std::size_t landmarks = active_structure(state, shown)->the_template->landmarks.size();
   if (landmarks == 0) return "This template has no landmarks yet. Name some of its points first (Template).";
   const std::string wanted = landmark_in_hand(state, shown);
   if (wanted.empty())
     return landmarks == 1 ? "The landmark is placed; drag it to move it."
                           : "All " + std::to_string(landmarks) + " landmarks are placed; drag one to move it.";
-  return shown.view()->shape.landmarks.contains(wanted) ? "Click where " + quoted(wanted) + " is now, or drag it there."
-                                                        : "Click where " + quoted(wanted) + " is.";
+  return active_shape(state, shown)->shape.landmarks.contains(wanted)
+             ? "Click where " + quoted(wanted) + " is now, or drag it there."
+             : "Click where " + quoted(wanted) + " is.";
 }
 
 // A landmark of the template: a point of its surface.
@@ -74,7 +75,7 @@ bool begin_template_landmark(const Press& press) {
 
 void follow_template_landmark(EditorState& state, const Action& action, const ControlsContext& context, Outbox&) {
   // A new one is done with its click; whoever moves those that are there may go on in their list.
-  const auto& known = context.document.structure()->the_template->landmarks;
+  const auto& known = context.shape()->the_template().landmarks;
   const auto& name = std::get<SetTemplateLandmark>(action).name;
   if (std::none_of(known.begin(), known.end(), [&](const Landmark& one) { return one.name == name; }))
     state.tool = state.tool_before_naming;

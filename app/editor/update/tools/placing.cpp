@@ -24,13 +24,13 @@ PointerShape cursor_of_part(const EditorState& state) {
 bool begin_placing(const Press& press) {
   EditorState& state = press.state;
   const Hover& hover = press.hover;
-  if (hover.part == PlacePart::none || !press.document().view()) return false;
+  if (hover.part == PlacePart::none || !press.shape()) return false;
   press.stay_at_frame();
   PlaceDrag drag;
   drag.view = hover.view;
   drag.part = hover.part;
-  drag.start = drag.now = press.document().view()->shape.placement;
-  drag.centre_mm = bounds_of(*press.document().view()->shape.points).center();
+  drag.start = drag.now = press.shape()->shape.placement;
+  drag.centre_mm = bounds_of(*press.shape()->shape.points).center();
   drag.press_mm = press.map().on_facing_plane(press.event.x_px, press.event.y_px, drag.centre_mm);
   state.drag = drag;
   return true;

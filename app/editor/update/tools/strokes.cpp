@@ -40,7 +40,7 @@ void follow_stroke(EditorState& state, const Action& action, const ControlsConte
   const auto& stroke = std::get<Stroke>(action);
   state.preferences.hints.dragged = true;
   if (!moves_boundary(stroke.tool)) return;
-  const auto shown = context.document.view();
+  const auto shown = context.shape();
   if (shown && state.snap.with_strokes && context.document.scan.image)
     out.send(SnapMesh{snap_region(*shown, stroke), true});
   if (state.model_help > 0) out.send(CompleteByModel{});

@@ -20,6 +20,7 @@ struct Press {
   const Hover& hover;
 
   const Document& document() const { return context.document; }
+  std::optional<ShapeView> shape() const { return context.shape(); }
   ViewMap map() const { return view_map(state, context.layout, document(), hover.view); }
   bool in_space() const { return hover.view == ViewKind::space; }
   /// What is taken hold of belongs to the frame that is shown.

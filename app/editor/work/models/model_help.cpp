@@ -36,8 +36,8 @@ struct ModelHelp::Completer {
   ShapeModel model;  ///< with_pose
   std::optional<ShapeSolver> solver;
 
-  Result<std::optional<Action>> complete(const Document& document, double strength) {
-    const auto shown = document.view();
+  Result<std::optional<Action>> complete(const Document& document, const std::string& of, double strength) {
+    const auto shown = document.view(of);
     if (!shown) return std::optional<Action>();
     const auto& topology = shown->the_template().topology;
     if (!solver || solver->topology() != topology) solver.emplace(topology);
@@ -62,8 +62,9 @@ void ModelHelp::ask(std::shared_ptr<const StudyModel> study, const std::string& 
 
 Compute ModelHelp::completion(double strength) const {
   if (!completer_ || !(strength > 0)) return {};
-  return
-      [completer = completer_, strength](const Document& document) { return completer->complete(document, strength); };
+  return [completer = completer_, strength](const Document& document, const std::string& of) {
+    return completer->complete(document, of, strength);
+  };
 }
 
 std::optional<std::string> ModelHelp::update() {

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <string>
-#include <utility>
 #include <vector>
 
-#include "core/adapt/adaptation.h"
-#include "core/adapt/boundary/boundary_search.h"
-#include "core/adapt/boundary/boundary_warp.h"
-#include "core/adapt/fit.h"
+#include "core/adapt/boundary/surface_target.h"
+#include "core/adapt/fit_steps.h"
+#include "core/adapt/whole_ways.h"
 
 namespace homolog {
 
@@ -36,12 +33,6 @@ class Fitting {
   Result<FitResult> among_allowed(std::vector<std::int32_t> lacking);
 
  private:
-  /// Where an adaptation begins.
-  struct Start {
-    Points points;         ///< n×3, LPS mm
-    bool matched = false;  ///< with the boundary as a whole, so that it is near and its own reference
-  };
-
   /// What the boundary lacks of an allowed shape: it is far off there for the noise with which it lies on the rest.
   std::vector<std::int32_t> beyond_noise(const Mesh& mesh);
 
@@ -49,38 +40,15 @@ class Fitting {
   /// Around it the shape goes over to what the boundary asks.
   void keep_where_lacking(const Points& likely);
 
+  /// Places the template; with landmarks it is warped then.
   Result<void> place();
-
-  /// `from`: where the template's landmarks are under its similarity; `to`: where they belong, k×3.
-  void know_landmarks(const Points& placed, const Points& from, const Points& to);
-
   /// Neither cut off by the scan nor lacking parts.
   bool whole() const { return boundary_.scan_borders.empty() && !options_.partial; }
-  bool warped() const { return trust_.size() >= fewest_placing_landmarks; }
-
-  /// The landmarks from where they lie on the template as it is now (n×3, LPS mm).
-  KnownMatches known_on(const Points& points) const;
-
-  /// The template as placed or, with landmarks, warped; then that matched with the boundary where that shows the whole.
-  std::vector<Start> starts() const;
 
   /// A partial fit: of several ways the likeliest says what is missing.
   Result<void> adapt_to_parts();
-
-  /// Several ways onto the boundary: the plain fit is kept, or those from matches are averaged, or a mean of both.
-  Result<void> adapt_from_starts();
-
-  /// Whether a smooth displacement alone takes the template to the boundary: 1 where this match lies on it, 0 where the
-  /// organ has a shape that no smooth displacement gives.
-  double differs_smoothly(const Start& match);
-
-  /// The mean of the ways that lie on the boundary, n×3, those of less energy counting far more. The plain fit is
-  /// weighed by `plain_counts`; with landmarks the others by how far they are believed, else the mean is judged. None
-  /// where no way counts.
-  std::optional<Points> mean_way(double plain_counts) const;
-
-  /// From one start to the boundary.
-  Result<Adapted> adapt(const Start& start, const Similarity& placement);
+  /// Several ways onto the boundary, and what is made of them [WholeWays].
+  Result<void> adapt_to_whole();
 
   /// Of the ways onto the boundary about the mesh, squared, by vertex.
   VertexScalars spread_mm2() const;
@@ -93,16 +61,12 @@ class Fitting {
   const FitOptions& options_;
   double round_;       ///< the organ, as its template tells: 0 … 1
   double smooth_ = 0;  ///< how much a smooth warp decided, of a round organ: 0 … round_
-  BoundarySearch search_;
-  Adaptation adaptation_;
-  Adapting shape_;                                              ///< as placed, at first; in the end what the fit makes
-  std::vector<Adapted> ways_;                                   ///< the plain fit first
-  Similarity found_;                                            ///< where the organ is
-  VertexScalars trust_;                                         ///< of each landmark that was given
-  KnownMatches landmarks_;                                      ///< those given and mirrored, from the placed template
-  std::vector<SurfacePoint> landmark_places_;                   ///< on the template, of each of these
-  std::pair<std::size_t, std::size_t> part_of_progress_{0, 1};  ///< which of how many
-  std::vector<std::string> landmark_warnings_;
+  SurfaceTarget target_;
+  FitSteps steps_;
+  PlacedTemplate placed_;
+  Adapting shape_;             ///< as placed, at first; in the end what the fit makes
+  std::vector<Adapted> ways_;  ///< the plain one first
+  PartsOfWork parts_;
   std::vector<Points> about_right_;
   bool matches_beyond_cuts_ = false;
   std::vector<std::int32_t> lacking_;  ///< of a partial fit: where the boundary lacks the organ

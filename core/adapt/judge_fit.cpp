@@ -70,7 +70,7 @@ std::string poor_fit(const Agreement& agreement, double doubt_share, bool partia
 
 /// How far the target of a partial fit, without its flat cuts, lies from the mesh: mean and 95th percentile by area.
 TargetDistance target_distance(const Mesh& target, const Mesh& mesh) {
-  // The fit pulls no farther in the end [boundary_search.h].
+  // The fit pulls no farther in the end [surface_target.h].
   constexpr double cut_share = 0.015;  ///< of the diagonal: a flat face that lies farther off is a cut
   const SurfaceSearch search(mesh);
   const Triangles& triangles = target.topology->triangles();

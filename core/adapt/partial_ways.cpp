@@ -43,18 +43,18 @@ double unexplained_mm2(const Boundary& boundary, const Mesh& mesh) {
 
 }  // namespace
 
-PartialWays::PartialWays(const Template& the_template, const Boundary& boundary, BoundarySearch& search,
-                         Adaptation& adaptation, KnownOn known)
+PartialWays::PartialWays(const Template& the_template, const Boundary& boundary, SurfaceTarget& target, FitSteps& steps,
+                         KnownOn known)
     : reference_(the_template),
       boundary_(boundary),
-      search_(search),
-      adaptation_(adaptation),
+      target_(target),
+      steps_(steps),
       known_(std::move(known)),
       area_mm2_(surface_area_mm2(boundary.surface)) {}
 
 Result<void> PartialWays::add(Result<Adapted> way) {
   if (!way) return fail(way.error());
-  std::vector<std::int32_t> missing = search_.missing(way->shape.mesh);
+  std::vector<std::int32_t> missing = target_.missing(way->shape.mesh);
   const double there = 1 - static_cast<double>(missing.size()) / static_cast<double>(reference_.points.rows());
   const double energy = way->strain / std::max(there, least_there) +
                         unexplained_counts * unexplained_mm2(boundary_, way->shape.mesh) / area_mm2_;
@@ -66,7 +66,7 @@ Result<void> PartialWays::add(Result<Adapted> way) {
 
 Result<void> PartialWays::from_placement(const Points& start, const Similarity& placement) {
   const auto from = [&](const Points& points, const Similarity& placed) {
-    return add(adaptation_.adapt(points, placed, reference_.points, from_placement_of_parts));
+    return add(steps_.adapt(points, placed, reference_.points, from_placement_of_parts));
   };
   if (auto done = from(start, placement); !done) return done;
   const PartialWay& first = tried_.front();
@@ -80,10 +80,10 @@ Result<void> PartialWays::from_placement(const Points& start, const Similarity& 
 Result<void> PartialWays::from_mesh(const Points& mesh) {
   // What lacks may have been drawn into what is there, and would not find out of it.
   Points points = mesh;
-  const std::vector<std::int32_t> missing = search_.missing({reference_.topology, mesh});
+  const std::vector<std::int32_t> missing = target_.missing({reference_.topology, mesh});
   const Similarity placement = placement_of_rest(mesh, missing);
   for (const std::int32_t i : missing) points.row(i) = placement.apply(Points(reference_.points.row(i)));
-  return add(adaptation_.adapt(points, placement, reference_.points, from_mesh_of_parts));
+  return add(steps_.adapt(points, placement, reference_.points, from_mesh_of_parts));
 }
 
 Similarity PartialWays::placement_of_rest(const Points& mesh, const std::vector<std::int32_t>& missing) const {
@@ -114,8 +114,8 @@ Result<void> PartialWays::from_match() {
 Result<Adapted> PartialWays::closest() {
   const Points points = matched();
   if (!points.allFinite()) return tried_.front().way;
-  return adaptation_.adapt(points, nearest_similarity(reference_.points, points, {}), adaptation_.unplaced(points),
-                           from_own_match);
+  return steps_.adapt(points, nearest_similarity(reference_.points, points, {}), steps_.unplaced(points),
+                      from_own_match);
 }
 
 }  // namespace homolog

@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/adapt/adaptation.h"
+#include "core/adapt/fit_steps.h"
 #include "core/placement/known_matches.h"
 
 namespace homolog {
@@ -18,14 +18,14 @@ struct PartialWay {
 };
 
 /// Ways of a template onto a boundary that lacks parts of the organ. The placement of a part is less sure than that of
-/// the whole, so several are tried. `adaptation` and `search` know that parts may be missing.
+/// the whole, so several are tried. `steps` and `target` know that parts may be missing.
 class PartialWays {
  public:
   /// The landmarks that are known, from where they lie on the template as it is placed (n×3, LPS mm).
   using KnownOn = std::function<KnownMatches(const Points& placed)>;
 
   /// All but `known` outlive this.
-  PartialWays(const Template& the_template, const Boundary& boundary, BoundarySearch& search, Adaptation& adaptation,
+  PartialWays(const Template& the_template, const Boundary& boundary, SurfaceTarget& target, FitSteps& steps,
               KnownOn known);
 
   /// From the placed template; where parts turn out to be missing also from larger and moved ones.
@@ -52,8 +52,8 @@ class PartialWays {
 
   const Template& reference_;
   const Boundary& boundary_;
-  BoundarySearch& search_;
-  Adaptation& adaptation_;
+  SurfaceTarget& target_;
+  FitSteps& steps_;
   KnownOn known_;
   double area_mm2_;
   std::vector<PartialWay> tried_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/adapt/annealing.h"
+#include "core/adapt/image/image_target.h"
 #include "core/adapt/untangle.h"
 #include "core/deform/falloff.h"
 #include "core/mesh/mesh_quality.h"
@@ -14,13 +15,7 @@ namespace {
 constexpr int snap_steps = 12;
 constexpr double softest_edges = 1.5;
 constexpr double softest_edges_learned = 3;  ///< a case done before differs less: the shape is trusted more
-constexpr double last_reach_share = 0.3;     ///< of the reach at the last step
 constexpr double least_seen_share = 0.1;
-constexpr double least_clear = 0.15,
-                 clear_enough = 0.5;      ///< confidence of an edge that is none, and of one that counts
-constexpr double most_beyond_others = 3;  ///< times as clear as those around it counts an edge at most
-constexpr double pin_slope = 0.7;         ///< a mm away from a pin the boundary may lie so far off the mesh
-constexpr double pin_tolerance_mm = 2;
 constexpr double doubtful_snap = 0.55;
 
 constexpr const char* no_edge = "shows no edge around the mesh; place the mesh on the organ, or search farther";
@@ -35,40 +30,13 @@ std::vector<std::int32_t> unseen_vertices(const VolumeGeometry& image, const Poi
   return unseen;
 }
 
-/// What an edge counts: nothing where it is hardly one, and little where those around it are none. A single vertex with
-/// an edge would be drawn out to a spur.
-VertexScalars supported(const Topology& topology, const VertexScalars& clearness) {
-  const Eigen::ArrayXd share = ((clearness.array() - least_clear) / (clear_enough - least_clear)).max(0).min(1);
-  const VertexScalars clear = clearness.array() * share.square() * (3 - 2 * share);
-  VertexScalars counts = clear;
-  for (Eigen::Index i = 0; i < clear.size(); ++i) {
-    if (clear[i] <= 0) continue;
-    const auto ring = topology.one_ring(i);
-    double around = 0;
-    for (const std::int32_t j : ring) around += clear[j];
-    counts[i] =
-        std::min(clear[i], most_beyond_others * around / static_cast<double>(std::max<std::size_t>(1, ring.size())));
-  }
-  return counts;
-}
-
-/// Around a pin the surface is known: edges far off the mesh count less the nearer they are to it.
-void mind_pins(const Mesh& mesh, const std::vector<Pin>& pins, BoundaryPull& pull) {
-  for (const Pin& pin : pins) {
-    const Eigen::VectorXd away = (mesh.points.rowwise() - pin.place.transpose()).rowwise().norm();
-    const Eigen::VectorXd shift = (pull.targets - mesh.points).rowwise().norm();
-    const Eigen::ArrayXd off = shift.array() / (pin_tolerance_mm + pin_slope * away.array());
-    pull.weights.array() *= (-0.5 * off.square()).exp();
-  }
-}
-
 class Snapping {
  public:
   Snapping(const Volume& image, int frame, const SnapStart& start, const SnapOptions& options)
       : grid_(image.geometry),
         start_(start),
         options_(options),
-        edges_(image, frame, start.mesh, options.edges),
+        target_(image, frame, start.mesh, options.edges, start.pins),
         shape_{start.mesh,
                start.rest.size() > 0 ? start.rest : start.mesh.points,
                {},
@@ -82,9 +50,9 @@ class Snapping {
   }
 
   Result<SnapResult> run() {
-    if (!edges_.sees_edges()) return fail("", no_edge);
+    if (!target_.is_there()) return fail("", no_edge);
     ShapeSolver solver(shape_.mesh.topology);
-    const Annealing annealing{snap_steps, edges_.learned() ? softest_edges_learned : softest_edges};
+    const Annealing annealing{snap_steps, target_.is_learned() ? softest_edges_learned : softest_edges};
     const auto force = [this](const Mesh& mesh, double share) { return this->force(mesh, share); };
     const auto after_step = [this](double share) { return report(share); };
     if (auto done = anneal(shape_, solver, annealing, force, after_step); !done) return fail(done.error());
@@ -94,11 +62,8 @@ class Snapping {
 
  private:
   /// The pull of the image, and another one back to P⁰ where the image decides in part only.
-  Force force(const Mesh& mesh, double share_of_way) const {
-    const double reach_mm = edges_.reach_mm() * (1 + share_of_way * (last_reach_share - 1));
-    BoundaryPull pull = edges_.find(mesh, reach_mm);
-    pull.weights = supported(*mesh.topology, pull.weights);
-    mind_pins(mesh, start_.pins, pull);
+  Force force(const Mesh& mesh, double share_of_way) {
+    const TargetPull pull = target_.pull(mesh, share_of_way);
     Force force{VertexScalars(pull.weights.size()), Points(pull.weights.size(), 3)};
     for (Eigen::Index i = 0; i < force.weights.size(); ++i) {
       const double share = options_.strength * start_.free[i];
@@ -139,11 +104,11 @@ class Snapping {
     }
   }
 
-  SnapResult finish() const {
+  SnapResult finish() {
     const Mesh& mesh = shape_.mesh;
     SnapResult result;
     result.points = mesh.points;
-    result.confidence = edges_.find(mesh, last_reach_share * edges_.reach_mm()).weights;
+    result.confidence = target_.agreement(mesh);
     result.unseen = unseen_vertices(grid_, mesh.points, start_.free);
     VertexScalars seen = start_.free;
     for (const std::int32_t v : result.unseen) seen[v] = 0;
@@ -163,7 +128,7 @@ class Snapping {
   const VolumeGeometry& grid_;
   const SnapStart& start_;
   const SnapOptions& options_;
-  EdgeSearch edges_;
+  ImageTarget target_;
   Adapting shape_;  ///< its reference is P⁰
 };
 
@@ -177,14 +142,9 @@ Result<AllowedFit> snap_allowed(const Volume& image, int frame, const AllowedSha
   const VertexScalars all = VertexScalars::Ones(start.points.rows());
   if (static_cast<double>(unseen_vertices(image.geometry, start.points, all).size()) > (1 - least_seen_share) * n)
     return fail("", not_there);
-  EdgeSearch edges(image, frame, start, options.edges);
-  if (!edges.sees_edges()) return fail("", no_edge);
-  const auto force = [&](const Mesh& mesh, double share) {
-    const double reach_mm = edges.reach_mm() * (1 + share * (last_reach_share - 1));
-    const BoundaryPull pull = edges.find(mesh, reach_mm);
-    const VertexScalars weights = pull.weights.cwiseMax(least_weight) / least_weight;
-    return Force{weights, weights.asDiagonal() * pull.targets};
-  };
+  const ImageTarget target(image, frame, start, options.edges);
+  if (!target.is_there()) return fail("", no_edge);
+  const auto force = [&](const Mesh& mesh, double share) { return force_of(target.likeliest(mesh, share)); };
   const auto after_step = [&](double share) -> Result<void> {
     if (options.progress == nullptr) return {};
     options.progress->report(0.5 * share);

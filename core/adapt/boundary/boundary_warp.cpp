@@ -131,7 +131,7 @@ struct Look {
 /// landmark.
 WarpedReference warped_from(const Points& start, const std::shared_ptr<const Topology>& topology, const Points& placed,
                             const KnownMatches& landmarks, const VertexScalars& landmark_mm, const Look& look,
-                            BoundarySearch& search) {
+                            Target& target) {
   const Eigen::Index count = landmarks.from.rows(), stride = look.stride,
                      samples = (placed.rows() + stride - 1) / stride;
   Points places(count + samples, 3);
@@ -139,7 +139,7 @@ WarpedReference warped_from(const Points& start, const std::shared_ptr<const Top
   Regression known(placed, places, look.kernel);
   Points warped = start;
   for (int round = 0; round < look.rounds; ++round) {
-    const BoundaryPull there = search.nearest({topology, warped});
+    const TargetPull there = target.nearest({topology, warped});
     const Points normals = look.own_normals ? vertex_normals({topology, warped}) : there.normals;
     std::vector<double> distances;
     for (Eigen::Index v = 0; v < placed.rows(); v += stride)
@@ -164,7 +164,7 @@ WarpedReference warped_from(const Points& start, const std::shared_ptr<const Top
 }  // namespace
 
 Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed,
-                        const KnownMatches& landmarks, double roundness, BoundarySearch& search) {
+                        const KnownMatches& landmarks, double roundness, Target& target) {
   const Eigen::Index count = landmarks.from.rows();
   if (count < fewest_placing_landmarks) return placed;
   const double diagonal_mm = bounds_of(placed).diagonal().norm(), clicked_mm = warp_lengths(diagonal_mm).noise_mm,
@@ -176,11 +176,10 @@ Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const P
                   .rounds = rounds,
                   .outlying = outlying,
                   .own_normals = false};
-  return warped_from(placed, topology, placed, landmarks, std::pow(few, 1.5) * landmarks.noise_mm, look, search).points;
+  return warped_from(placed, topology, placed, landmarks, std::pow(few, 1.5) * landmarks.noise_mm, look, target).points;
 }
 
-Points warp_along_boundary(const Mesh& there, const Points& placed, const KnownMatches& landmarks,
-                           BoundarySearch& search) {
+Points warp_along_boundary(const Mesh& there, const Points& placed, const KnownMatches& landmarks, Target& target) {
   // A vertex may lie far from where it was placed. A direction that is a little off is then off by much, and those of a
   // label's boundary are, as its voxels are seen in them.
   const Look look{.kernel = quadratic_and_bumps(placed),
@@ -190,7 +189,7 @@ Points warp_along_boundary(const Mesh& there, const Points& placed, const KnownM
                   .outlying = {},
                   .own_normals = true};
   WarpedReference warped =
-      warped_from(there.points, there.topology, placed, landmarks, landmarks.noise_mm, look, search);
+      warped_from(there.points, there.topology, placed, landmarks, landmarks.noise_mm, look, target);
   return warped.folds || !warped.points.allFinite() ? there.points : std::move(warped.points);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/adapt/boundary/boundary_search.h"
+#include "core/adapt/target.h"
 #include "core/placement/known_matches.h"
 
 namespace homolog {
@@ -13,13 +13,12 @@ namespace homolog {
 /// (0 … 1), the larger and wider displacements may be: the nearest boundary is seldom that of another part then. Where
 /// the boundary lacks parts it should be 0, since a large displacement runs wild there. `placed`: n×3, LPS mm.
 Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed,
-                        const KnownMatches& landmarks, double roundness, BoundarySearch& search);
+                        const KnownMatches& landmarks, double roundness, Target& target);
 
 /// The same of an organ that is known to differ smoothly from its template, as over a thousand vertices see the
 /// boundary: the likeliest displacement of `placed` says where along the boundary a vertex belongs. It is a quadratic
 /// map of space, nearly free, and small bumps. `landmarks` may be none. `there`: the mesh on the boundary or near it,
 /// from where the boundary is looked for; its points where the displacement would fold.
-Points warp_along_boundary(const Mesh& there, const Points& placed, const KnownMatches& landmarks,
-                           BoundarySearch& search);
+Points warp_along_boundary(const Mesh& there, const Points& placed, const KnownMatches& landmarks, Target& target);
 
 }  // namespace homolog

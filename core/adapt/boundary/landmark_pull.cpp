@@ -13,7 +13,7 @@ constexpr double landmark_weight = 10;  ///< of a named place against a vertex o
 }  // namespace
 
 void pull_landmarks(const Template& the_template, const std::map<std::string, Vec3>& landmarks,
-                    const VertexScalars& trust, const Mesh& mesh, BoundaryPull& pull) {
+                    const VertexScalars& trust, const Mesh& mesh, TargetPull& pull) {
   Eigen::Index known = 0;
   for (std::size_t k = 0; k < the_template.landmarks.size(); ++k) {
     const auto there = landmarks.find(the_template.landmarks[k].name);

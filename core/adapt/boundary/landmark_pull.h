@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/adapt/boundary/boundary_search.h"
+#include "core/adapt/target.h"
 #include "core/template/template.h"
 
 namespace homolog {
@@ -16,7 +16,7 @@ constexpr double believable = 0.5;
 /// lies in, by its weights there. `landmarks`: the organ's by name, LPS mm. `trust`: of those that the template
 /// has too, in its order, 0 to 1.
 void pull_landmarks(const Template& the_template, const std::map<std::string, Vec3>& landmarks,
-                    const VertexScalars& trust, const Mesh& mesh, BoundaryPull& pull);
+                    const VertexScalars& trust, const Mesh& mesh, TargetPull& pull);
 
 /// What a user should know of them: those too few to place by, and those not believed. `off_mm`: how far each lies from
 /// where the placement has it, as `trust`.

@@ -158,8 +158,8 @@ float EdgeSearch::clearness(float height) const {
   return std::min(height * height, 1.0f) * sure;
 }
 
-BoundaryPull EdgeSearch::find(const Mesh& mesh, double reach_mm) const {
-  BoundaryPull pull{mesh.points, VertexScalars::Zero(mesh.points.rows())};
+TargetPull EdgeSearch::find(const Mesh& mesh, double reach_mm) const {
+  TargetPull pull{mesh.points, VertexScalars::Zero(mesh.points.rows())};
   if (!sees_edges()) return pull;
   const Profiles profiles = profiles_of(mesh, reach_mm);
   const Eigen::MatrixXf edge = edges(profiles), score = scores(profiles, edge, reach_mm);

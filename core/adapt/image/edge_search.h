@@ -33,7 +33,7 @@ class EdgeSearch {
   /// For each vertex the likeliest boundary point within `reach_mm` along its normal. The weight is the confidence: 0
   /// beyond the scan and without an edge; low where an edge is weak, or away from those of the neighbours; 1 where it
   /// is as clear as usual.
-  BoundaryPull find(const Mesh& mesh, double reach_mm) const;
+  TargetPull find(const Mesh& mesh, double reach_mm) const;
 
   double reach_mm() const { return options_.reach_mm; }
   Polarity polarity() const { return options_.polarity; }

@@ -56,7 +56,7 @@ FacingSearch::FacingSearch(const Mesh& surface, Index vertices)
   there_.normals = smooth_normals(there_, smooth_of_near * near_mm_);
 }
 
-BoundaryPull FacingSearch::pull(const Mesh& placed, const Mesh& mesh) const {
+TargetPull FacingSearch::pull(const Mesh& placed, const Mesh& mesh) const {
   std::vector<Index> all(static_cast<std::size_t>(placed.points.rows()));
   std::iota(all.begin(), all.end(), 0);
   const SurfaceSamples own = samples_of(placed, vertex_normals(placed), std::move(all));

@@ -16,7 +16,7 @@ class FacingSearch {
   /// Where the vertices of `mesh`, which lies on the surface or near it, are drawn to. `placed`: the template under its
   /// similarity, of the same topology; both LPS mm. The surer a direction tells a place, the larger the weight: about
   /// 0.3 in a plane, where a vertex stays, up to 10 on a sharp edge.
-  BoundaryPull pull(const Mesh& placed, const Mesh& mesh) const;
+  TargetPull pull(const Mesh& placed, const Mesh& mesh) const;
 
   /// The length over which vertices should slide together.
   double stiffness_mm() const;

@@ -44,7 +44,7 @@ struct Shells {
     const Volume volume = image();
     const Mesh ball = icosphere(3, ball_mm);
     const EdgeSearch search(volume, 0, ball, {.reach_mm = reach_mm});
-    const BoundaryPull pull = search.find(ball, reach_mm);
+    const TargetPull pull = search.find(ball, reach_mm);
     CHECK(pull.weights.mean() > 0.3);
     return pull.weights.dot(VertexScalars(pull.targets.rowwise().norm())) / pull.weights.sum();
   }
@@ -88,7 +88,7 @@ TEST_CASE("around an edge that lies elsewhere than its neighbours' nothing is su
         if (p.x() > 0 && std::hypot(p.y(), p.z()) < 6 && p.norm() < 36) voxels[voxel] = 100;  // a thorn of 6 mm
       }
   const Mesh ball = icosphere(3, 30);
-  const BoundaryPull pull = EdgeSearch(image, 0, ball, {.reach_mm = 10}).find(ball, 10);
+  const TargetPull pull = EdgeSearch(image, 0, ball, {.reach_mm = 10}).find(ball, 10);
   Eigen::Index thorn = 0;
   CHECK(ball.points.col(0).maxCoeff(&thorn) > 29.9);
   for (const std::int32_t i : ball.topology->one_ring(thorn)) {

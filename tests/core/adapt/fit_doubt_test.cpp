@@ -131,7 +131,7 @@ TEST_CASE("a landmark pulls ten times as much as a vertex and as far as it is tr
   const auto known = with_landmarks(*make_template({ball.points, ball.topology->triangles()}, "ball").value(),
                                     {{"unknown", Vec3(0, 0, -30)}, {"tip", place}});
   const Vec3 offset(1, 2, -3), found(0, 5, 0);
-  BoundaryPull pull{ball.points, VertexScalars::Zero(ball.points.rows())};
+  TargetPull pull{ball.points, VertexScalars::Zero(ball.points.rows())};
   pull.targets.row(t[1]) += found.transpose();
   pull.weights[t[1]] = 1;
   const VertexScalars trust = VertexScalars::Constant(1, 0.5);

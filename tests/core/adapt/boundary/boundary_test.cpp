@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
 #include "core/adapt/boundary/boundary.h"
-#include "core/adapt/boundary/boundary_search.h"
 #include "core/adapt/boundary/partial_placements.h"
+#include "core/adapt/boundary/surface_target.h"
 #include "core/mesh/mesh_quality.h"
 #include "tests/adapting.h"
 #include "tests/shapes.h"
@@ -62,8 +62,8 @@ TEST_CASE("the counterpart of a vertex is where the boundary faces its way thoug
   Mesh below = plate;
   below.points.col(2).array() -= 4;
   const Boundary boundary = mesh_boundary(plate);
-  BoundarySearch search(boundary, plate.points.rows());
-  const BoundaryPull found = search.nearest(below);
+  SurfaceTarget search(boundary, plate.points.rows());
+  const TargetPull found = search.nearest(below);
   for (Eigen::Index i = 0; i < plate.points.rows(); ++i) {
     if (plate.points.row(i).head<2>().norm() > 10) continue;
     CHECK(found.weights[i] == 1);

@@ -16,7 +16,7 @@ TEST_CASE("a warp along the boundary lays a kidney that differs smoothly near it
     CAPTURE(subject);
     const Mesh truth{the_template->topology, phantom_truth(Organ::kidney, subject).front().points};
     const Boundary boundary = boundary_of(truth);
-    BoundarySearch search(boundary, truth.points.rows());
+    SurfaceTarget search(boundary, truth.points.rows());
     const Points placed = find_placement(*the_template, boundary).placement.apply(the_template->points);
     const Mesh there{the_template->topology, search.nearest({the_template->topology, placed}).targets};
     const Points warped = warp_along_boundary(there, placed, {Points(0, 3), Points(0, 3), {}}, search);
@@ -31,7 +31,7 @@ TEST_CASE("the voxels of a label hardly turn a warp aside") {
     CAPTURE(subject);
     const PhantomSubject phantom = make_phantom(Organ::kidney, subject);
     const Boundary boundary = label_boundary(phantom.label_map, 1, 0, {}, the_template->points.rows()).value();
-    BoundarySearch search(boundary, the_template->points.rows());
+    SurfaceTarget search(boundary, the_template->points.rows());
     PlacementHints hints;
     for (const Landmark& landmark : phantom.landmarks) hints.landmarks[landmark.name] = landmark.position;
     const Placed found = find_placement(*the_template, boundary, hints);

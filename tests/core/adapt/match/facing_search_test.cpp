@@ -13,7 +13,7 @@ TEST_CASE("vertices that slid off a ridge are drawn back to it, on a bent organ 
     CAPTURE(turn_rad);
     const Mesh there = shapes::shaft_with_ridge(turn_rad);
     const Points slid = shapes::slid_along(there, Vec3(0, 0, 2.5));
-    const BoundaryPull pull = FacingSearch(there, own.points.rows()).pull(own, {own.topology, slid});
+    const TargetPull pull = FacingSearch(there, own.points.rows()).pull(own, {own.topology, slid});
     const double before_mm = shapes::apart_at_ridge_mm(own, slid, there.points),
                  after_mm = shapes::apart_at_ridge_mm(own, pull.targets, there.points);
     CAPTURE(before_mm);
@@ -25,7 +25,7 @@ TEST_CASE("vertices that slid off a ridge are drawn back to it, on a bent organ 
 TEST_CASE("where a surface is flat its direction holds vertices weakly, and an edge tells far more") {
   Mesh box = icosphere(5, 15);  // a cube of 30 mm with edges that are a little round
   for (auto p : box.points.rowwise()) p *= 15 / std::pow(p.array().abs().pow(12).sum(), 1.0 / 12);
-  const BoundaryPull pull = FacingSearch(box, box.points.rows()).pull(box, box);
+  const TargetPull pull = FacingSearch(box, box.points.rows()).pull(box, box);
   double flat = 0, edge = 0;
   for (Eigen::Index i = 0; i < box.points.rows(); ++i) {
     const Vec3 p = box.points.row(i).transpose().cwiseAbs();

@@ -1,4 +1,4 @@
-#include "core/adapt/boundary/boundary_search.h"
+#include "core/adapt/boundary/surface_target.h"
 
 #include <algorithm>
 
@@ -9,12 +9,16 @@ namespace homolog {
 
 namespace {
 
-constexpr double same_way = 0.4;  ///< cosine between normals of places that may be counterparts
+constexpr double same_way = 0.4;      ///< cosine between normals of places that may be counterparts
+constexpr double widest_reach = 0.1;  ///< of an organ that may lack parts: how far it looks for counterparts at first
 
 }  // namespace
 
-BoundarySearch::BoundarySearch(const Boundary& boundary, Eigen::Index vertices)
-    : boundary_(boundary), search_(boundary.surface), normals_(vertex_normals(boundary.surface)) {
+SurfaceTarget::SurfaceTarget(const Boundary& boundary, Eigen::Index vertices)
+    : boundary_(boundary),
+      search_(boundary.surface),
+      normals_(vertex_normals(boundary.surface)),
+      size_mm_(std::sqrt(surface_area_mm2(boundary.surface))) {
   const Mesh& surface = boundary.surface;
   const Eigen::Index count = surface.points.rows();
   VertexScalars area = VertexScalars::Zero(count);
@@ -30,12 +34,12 @@ BoundarySearch::BoundarySearch(const Boundary& boundary, Eigen::Index vertices)
   likely_faces_.assign(static_cast<std::size_t>(vertices), 0);
 }
 
-Vec3 BoundarySearch::normal_at(const SurfacePoint& at) const {
+Vec3 SurfaceTarget::normal_at(const SurfacePoint& at) const {
   return at.interpolate(*boundary_.surface.topology, normals_).transpose();
 }
 
-std::optional<BoundarySearch::Counterpart> BoundarySearch::counterpart(const Vec3& p, const Vec3& normal,
-                                                                       std::int32_t& likely_face) const {
+std::optional<SurfaceTarget::Counterpart> SurfaceTarget::counterpart(const Vec3& p, const Vec3& normal,
+                                                                     std::int32_t& likely_face) const {
   if (!boundary_.shows(p)) return std::nullopt;
   const auto nearest = search_.nearest(p, likely_face);
   likely_face = nearest.at.face;
@@ -57,8 +61,8 @@ std::optional<BoundarySearch::Counterpart> BoundarySearch::counterpart(const Vec
   return Counterpart{found->position, normal_at(found->at).stableNormalized()};
 }
 
-BoundaryPull BoundarySearch::nearest(const Mesh& mesh) {
-  BoundaryPull pull{mesh.points, VertexScalars::Zero(mesh.points.rows()), Points::Zero(mesh.points.rows(), 3)};
+TargetPull SurfaceTarget::nearest(const Mesh& mesh) {
+  TargetPull pull{mesh.points, VertexScalars::Zero(mesh.points.rows()), Points::Zero(mesh.points.rows(), 3)};
   const Points normals = vertex_normals(mesh);
   in_parallel(mesh.points.rows(), [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
@@ -72,7 +76,7 @@ BoundaryPull BoundarySearch::nearest(const Mesh& mesh) {
   return pull;
 }
 
-std::vector<std::int32_t> BoundarySearch::missing(const Mesh& mesh) {
+std::vector<std::int32_t> SurfaceTarget::missing(const Mesh& mesh) {
   constexpr int rounds = 5;
   constexpr double fewest = 0.005;  // of the vertices
   VertexScalars found = nearest(mesh).weights;
@@ -91,8 +95,9 @@ std::vector<std::int32_t> BoundarySearch::missing(const Mesh& mesh) {
   return missing;
 }
 
-BoundaryPull BoundarySearch::pull(const Mesh& mesh) {
-  BoundaryPull pull = nearest(mesh);
+TargetPull SurfaceTarget::pull(const Mesh& mesh, double share) {
+  if (std::isfinite(organ_mm_)) reach_mm_ = widest_reach * std::pow(closest_reach / widest_reach, share) * organ_mm_;
+  TargetPull pull = nearest(mesh);
   const Points normals = vertex_normals(mesh);
   if (mesh_)
     mesh_->refit(mesh.points);

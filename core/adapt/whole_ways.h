@@ -1,0 +1,62 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/adapt/fit_steps.h"
+#include "core/adapt/placed_template.h"
+
+namespace homolog {
+
+/// How much of the work of a fit is done, in parts of about the same length.
+struct PartsOfWork {
+  std::size_t done = 0, all = 1;
+};
+
+/// Ways of a template onto the boundary of a whole organ: from where it is placed, and from matches of it with the
+/// boundary as a whole. What is kept is the plain way, the mean of those from matches, or a mean of both.
+class WholeWays {
+ public:
+  /// `roundness`: of the template [roundness.h]. All outlive this.
+  WholeWays(const Template& the_template, const Boundary& boundary, Target& target, FitSteps& steps,
+            const PlacedTemplate& placed, double roundness, PartsOfWork& parts);
+
+  /// Goes them all. `start`: the template as placed or, with landmarks, warped (n×3, LPS mm). `match`: also those from
+  /// matches.
+  Result<void> go(const Points& start, bool match);
+  /// What is made of them.
+  Result<Adapting> kept();
+
+  /// All that were gone, the plain one first.
+  const std::vector<Adapted>& gone() const { return ways_; }
+  /// How much a smooth warp decided of what is kept, of a round organ: 0 … roundness.
+  double smooth() const { return smooth_; }
+
+ private:
+  /// Where a way begins.
+  struct Start {
+    Points points;         ///< n×3, LPS mm
+    bool matched = false;  ///< with the boundary as a whole, so that it is near and its own reference
+  };
+  std::vector<Start> starts(const Points& start, bool match) const;
+  Result<Adapted> from(const Start& start);
+  /// Whether a smooth displacement alone takes the template to the boundary: 1 where the last match lies on it, 0 where
+  /// the organ has a shape that no smooth displacement gives.
+  double differs_smoothly() const;
+  /// The mean of the ways that lie on the boundary, n×3, those of less energy counting far more. The plain way is
+  /// weighed by `plain_counts`; with landmarks the others by how far they are believed, else the mean is judged. None
+  /// where no way counts.
+  std::optional<Points> mean_way(double plain_counts) const;
+
+  const Template& reference_;
+  const Boundary& boundary_;
+  Target& target_;
+  FitSteps& steps_;
+  const PlacedTemplate& placed_;
+  double round_, smooth_ = 0;
+  PartsOfWork& parts_;
+  Points last_match_;  ///< n×3; empty where there was none
+  std::vector<Adapted> ways_;
+};
+
+}  // namespace homolog

@@ -86,7 +86,7 @@ Result<Updated> EditSession::preview(const std::optional<Action>& action, const 
 }
 
 Result<void> EditSession::follow(Document& document, const Compute& compute, const std::string& of) {
-  auto action = compute(document);
+  auto action = compute(document, of);
   if (!action) return fail(action.error());
   if (!*action) return {};
   auto updated = update(document, of, **action, deformer_of(document, of), Pass::preview);

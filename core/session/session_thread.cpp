@@ -135,7 +135,7 @@ struct SessionThread::Shared {
   }
 
   void do_computed(const Computed& computed) {
-    auto action = computed.compute(session.document());
+    auto action = computed.compute(session.document(), computed.of);
     if (action && *action) return do_action({std::move(**action), computed.of, computed.joined});
     Snapshot snapshot = *latest;
     end_edit(snapshot);

@@ -147,9 +147,9 @@ class FlatFaces {
 };
 
 /// What a template says of a flat face that lies near it.
-class PlacedTemplate {
+class TemplateSurface {
  public:
-  PlacedTemplate(const Mesh& on_surface, const Points& placed)
+  TemplateSurface(const Mesh& on_surface, const Points& placed)
       : search_(on_surface),
         normals_(vertex_normals({on_surface.topology, placed})),
         flat_(static_cast<std::size_t>(on_surface.topology->triangles().rows()), 0) {
@@ -190,7 +190,7 @@ std::vector<std::vector<std::int32_t>> flat_faces(const Mesh& surface, double sm
 
 std::vector<std::uint8_t> cut_faces(const Mesh& surface, const std::vector<std::vector<std::int32_t>>& flat,
                                     const Mesh& on_surface, const Points& placed) {
-  const PlacedTemplate the_template(on_surface, placed);
+  const TemplateSurface the_template(on_surface, placed);
   std::vector<std::uint8_t> cut;
   for (const auto& face : flat) {
     if (!the_template.is_cut(surface, face)) continue;

@@ -17,7 +17,11 @@ SetStructure small_kidney(const Document& document) {
   Similarity half = placed;
   half.scale = placed.scale / 2;
   half.translation = placed.translation / 2 + middle / 2 + Vec3(30, 0, 0);
-  return {.id = "s2", .name = "small kidney", .source = "kidney", .placement = half};
+  return {.id = "s2",
+          .name = "small kidney",
+          .source = first.the_template().source,
+          .placement = half,
+          .the_template = first.structure.the_template};
 }
 
 Points points_of(const Driver& driver, const char* id) {
@@ -67,10 +71,10 @@ TEST_CASE("what a hand pulls is the structure that is worked on") {
   driver.app().send(ChooseStructure{});
   driver.settle();
   CHECK(driver.state().structure.empty());
-  driver.app().send(ApplyEdit{SetStiffnessBase{3}});
+  driver.app().send(ApplyEdit{SetStiffnessBase{7}});
   driver.settle();
-  CHECK(driver.document().structure("s1")->paint.base == 3);
-  CHECK(driver.document().structure("s2")->paint.base != 3);
+  CHECK(driver.document().structure("s1")->paint.base == 7);
+  CHECK(driver.document().structure("s2")->paint.base == 3);
   CHECK(driver.lines_with(R"("of":"s2")") == 1);
 }
 

@@ -159,7 +159,7 @@ std::string frame_in_words(const VolumeCurve& curve, int frame) {
 
 void draw_volumes(const UiContext& ui, const VolumeCurve& curve, Outbox& out) {
   const Theme& theme = ui.theme;
-  double most_ml = 0;
+  double most_ml = curve.frames.empty() ? 100 : 0;
   for (const auto& [frame, one] : curve.frames) most_ml = std::max(most_ml, one.volume_ml);
   const std::vector<double> marks = axis_marks(1.1 * most_ml, 3);
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -209,20 +209,23 @@ void draw_doubts(const UiContext& ui, const VolumeCurve& curve, Outbox& out) {
                             case_name(ui.snapshot.file, *ui.snapshot.document) + "-volumes.csv"});
   // Below the buttons, which stay under the pointer from frame to frame.
   const auto here = curve.frames.find(shown);
-  if (here != curve.frames.end() && !here->second.doubt.empty())
-    text_lines(format("Frame %d ", shown) + here->second.doubt + ".", palette::amber);
+  const bool doubtful_here = here != curve.frames.end() && !here->second.doubt.empty();
+  two_lines(theme, doubtful_here ? format("Frame %d ", shown) + here->second.doubt + "." : "", palette::amber);
 }
 
+/// Each figure has its place before it is known, so that nothing below moves.
 void draw_ejection(const UiContext& ui, const VolumeCurve& curve) {
   const Theme& theme = ui.theme;
-  if (!curve.ejection) return;
-  const auto volume = [&](int frame) { return curve.frames.at(frame).volume_ml; };
-  const Ejection& ejection = *curve.ejection;
-  figure(theme, "End diastole", format("%.1f ml, frame %d", volume(ejection.end_diastole), ejection.end_diastole),
+  const auto known = [&](const std::string& value) { return curve.ejection ? value : "not known"; };
+  const Ejection ejection = curve.ejection.value_or(Ejection{});
+  const auto volume = [&](int frame) {
+    return curve.ejection ? format("%.1f ml, frame %d", curve.frames.at(frame).volume_ml, frame) : "";
+  };
+  figure(theme, "End diastole", known(volume(ejection.end_diastole)),
          "ED: the largest volume among the frames that are not in doubt");
-  figure(theme, "End systole", format("%.1f ml, frame %d", volume(ejection.end_systole), ejection.end_systole),
+  figure(theme, "End systole", known(volume(ejection.end_systole)),
          "ES: the smallest volume among the frames that are not in doubt");
-  figure(theme, "Ejection fraction", format("%.1f %%", 100 * ejection.fraction),
+  figure(theme, "Ejection fraction", known(format("%.1f %%", 100 * ejection.fraction)),
          "(largest volume \xe2\x88\x92 smallest volume) / largest volume");
 }
 
@@ -233,7 +236,6 @@ void draw_cine_section(const UiContext& ui, Outbox& out) {
   gap(ui.theme, 4);
   draw_propagate(ui, out);
   const VolumeCurve& curve = ui.state.volume_curve;
-  if (curve.frames.empty()) return;
   gap(ui.theme, 4);
   draw_volumes(ui, curve, out);
   draw_ejection(ui, curve);

@@ -143,14 +143,16 @@ void draw_last_fit(const Theme& theme, const Fitted& fitted) {
     figure(theme, "Dice", format("%.3f", fitted.agreement.dice),
            "Overlap with the closed label. 1 means that both are the same",
            fitted.agreement.dice < 0.9 ? palette::amber : palette::text);
-  for (const std::string& warning : fitted.warnings) text_lines(warning, palette::amber);
-  for (const std::string& remark : fitted.remarks) explanation(theme, remark);
+  std::string said;
+  for (const auto* sentences : {&fitted.warnings, &fitted.remarks})
+    for (const std::string& sentence : *sentences) said += (said.empty() ? "" : " ") + sentence;
+  two_lines(theme, said, fitted.warnings.empty() ? palette::dim : palette::amber);
 }
 
 /// How far the fit is, or how good the last one was; always of the same height, so that nothing below moves.
 void draw_fit_figures(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const float end_px = ImGui::GetCursorPosY() + 3 * theme.px(22);
+  const float end_px = ImGui::GetCursorPosY() + 3 * theme.px(22) + theme.px(36) + ImGui::GetStyle().ItemSpacing.y;
   const bool fitting = ui.fitter.busy() && !ui.fitter.refining();
   if (fitting) {
     if (work_area(theme, "", WorkShown{"Fitting", ui.fitter.fraction(), "The mesh goes back to how it was (Escape)"}))

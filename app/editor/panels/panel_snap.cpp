@@ -50,10 +50,13 @@ bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
   return changed;
 }
 
-/// What the last snap found. Each figure keeps its place when the mesh changes, so that nothing below moves.
+/// What the last snap found. Each figure has its place before the first snap and after the mesh has changed, so that
+/// nothing below moves.
 void draw_last_snap(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const SnapFound& found = *ui.state.snapped;
+  static const SnapFound none;
+  const bool snapped = ui.state.snapped.has_value();
+  const SnapFound& found = snapped ? *ui.state.snapped : none;
   const bool known = ui.state.confidence != nullptr;
   const char* const unknown = "not known";
   figure(
@@ -70,10 +73,13 @@ void draw_last_snap(const UiContext& ui, Outbox& out) {
   else if (figure_link(theme, "No clear edge", format(unclear == 1 ? "%zu place" : "%zu places", unclear),
                        tip + ". Click to go to the next one", palette::amber))
     out.send(ShowFinding{FindingKind::unclear});
-  figure(theme, "Held", found.held.empty() ? "nothing" : found.held,
+  figure(theme, "Held",
+         !snapped             ? unknown
+         : found.held.empty() ? "nothing"
+                              : found.held,
          "Placed landmarks and what was pulled since the last fit stay where you put them. The lock of a landmark, and "
          "Confirm (C) with Alt, let go");
-  figure(theme, "Moved", format("%.1f mm in %.2f s", found.moved_mm, found.seconds),
+  figure(theme, "Moved", snapped ? format("%.1f mm in %.2f s", found.moved_mm, found.seconds) : unknown,
          "Mean distance that the vertices moved, and how long it took");
 }
 
@@ -98,10 +104,8 @@ void draw_snap(const UiContext& ui, Outbox& out) {
     out.send(CancelSnap{});
   SnapSettings snap = ui.state.snap;
   if (draw_snap_settings(ui, snap)) out.send(SetSnap{snap});
-  if (ui.state.snapped) {
-    draw_last_snap(ui, out);
-    if (snap.show_confidence) draw_colouring_legend(ui, Colouring::confidence);
-  }
+  draw_last_snap(ui, out);
+  if (snap.show_confidence) draw_colouring_legend(ui, Colouring::confidence);
   rule(theme);
 }
 

@@ -103,6 +103,21 @@ void progress_bar(const Theme& theme, double fraction) {
   ImGui::Dummy({width, height});
 }
 
+void two_lines(const Theme& theme, const std::string& text, ImU32 colour) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = available();
+  constexpr float lines = 2, of_broken_lines = 0.85f;
+  ImGui::BeginGroup();
+  ImGui::PushFont(theme.small);
+  const std::string shown = shortened(text, lines * of_broken_lines * width);
+  if (!text.empty()) text_lines(shown, colour);
+  ImGui::PopFont();
+  ImGui::EndGroup();
+  if (shown != text && is_explained()) tooltip(theme, text);
+  ImGui::SetCursorScreenPos(at);
+  ImGui::Dummy({width, theme.px(36)});
+}
+
 bool work_area(const Theme& theme, const std::string& at_rest, const std::optional<WorkShown>& running) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = available(), height = theme.px(36), cancel_width = theme.px(72);
@@ -120,13 +135,8 @@ bool work_area(const Theme& theme, const std::string& at_rest, const std::option
     ImGui::GetWindowDrawList()->PopClipRect();
     ImGui::SetCursorScreenPos({at.x + width - cancel_width, at.y});
     cancelled = button(theme, "Cancel", running->cancel_tip, {}, cancel_width);
-  } else if (!at_rest.empty()) {
-    constexpr float lines = 2, of_broken_lines = 0.85f;
-    ImGui::PushFont(theme.small);
-    const std::string shown = shortened(at_rest, lines * of_broken_lines * width);
-    ImGui::PopFont();
-    explanation(theme, shown);
-    if (shown != at_rest && is_explained()) tooltip(theme, at_rest);
+  } else {
+    two_lines(theme, at_rest, palette::dim);
   }
   ImGui::EndGroup();
   ImGui::PopStyleVar();

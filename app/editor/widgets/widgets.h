@@ -123,6 +123,9 @@ void gap(const Theme& theme, float units);
 /// A bar that fills as work goes on, as wide as there is room.
 void progress_bar(const Theme& theme, double fraction);
 
+/// A room of two lines, always of the same height: a longer text is shortened and shown whole at the pointer.
+void two_lines(const Theme& theme, const std::string& text, ImU32 colour);
+
 /// Work that goes on: "Fitting".
 struct WorkShown {
   std::string what;

@@ -33,7 +33,8 @@ void click_curve(Driver& driver, int frame) {
 
 TEST_CASE("a cine is propagated and corrected and propagated again in the window") {
   Driver driver(BeatingBall::document(), {1280, 1400, 1});
-  CHECK_FALSE(driver.has("Cine/volume curve"));
+  CHECK(driver.shows("End systole"));
+  CHECK(driver.shows("not known"));
   CHECK(driver.shows("From frame 0."));
   driver.click("Cine/Propagate");
   driver.wait_until("every frame has a mesh", [&] { return all_frames_have_volumes(driver); });
@@ -141,8 +142,8 @@ TEST_CASE("why a frame is in doubt is said where a person sees it also where the
     if (item.name.find(reason) == std::string::npos) continue;
     ++(item.seen.height >= item.rect.height && item.seen.width >= item.rect.width ? whole : hidden);
   }
-  CHECK(hidden == 1);  // in the panel
-  CHECK(whole == 1);
+  CHECK(hidden + whole == 2);  // the panel, which may end before it, and the status
+  CHECK(whole >= 1);
 }
 
 TEST_CASE("a cine that starts from a template that lacks a part of its label is in doubt and the panel says why") {

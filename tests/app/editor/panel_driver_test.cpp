@@ -93,7 +93,7 @@ TEST_CASE("nothing below a snap's figures moves when a stroke makes them unknown
   CHECK(driver.shows("not known"));
 }
 
-TEST_CASE("the section that a person looks at stays when one above it grows") {
+TEST_CASE("the section that a person looks at stays when the cine above it gets its curve") {
   Driver driver(BeatingBall::document(), {1280, 800, 1});
   driver.press('L');
   driver.settle();
@@ -104,11 +104,11 @@ TEST_CASE("the section that a person looks at stays when one above it grows") {
   pull.to = 1.1 * pull.at;
   pull.sigma_mm = 12;
   driver.app().send(ApplyEdit{pull});
-  driver.wait_until("the cine has its curve", [&] { return driver.has("Cine/volume curve"); });
+  driver.wait_until("the cine has its curve", [&] { return !driver.state().volume_curve.frames.empty(); });
   driver.settle();
   CHECK(driver.control("side panel/Place").rect.y == before);
   driver.app().send(ApplyEdit{Undo{}});
-  driver.wait_until("the curve is gone", [&] { return !driver.has("Cine/volume curve"); });
+  driver.wait_until("the curve is gone", [&] { return driver.state().volume_curve.frames.empty(); });
   driver.settle();
   CHECK(driver.control("side panel/Place").rect.y == before);
 }

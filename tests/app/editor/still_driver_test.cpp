@@ -53,11 +53,13 @@ Watched watch(Driver& driver, const char* start, const std::function<bool()>& bu
   driver.button(MouseButton::left, true);
   driver.button(MouseButton::left, false);
   Watched watched;
-  for (int k = 0; k < 5000 && (k < 3 || busy()); ++k) {
+  int at_rest = 0;
+  for (int k = 0; k < 5000 && at_rest < 3; ++k) {
     driver.frame();
     watched.moved = moved_since(before, driver, above_px);
     if (!watched.moved.empty()) break;
     watched.frames += busy() ? 1 : 0;
+    at_rest = busy() ? 0 : at_rest + 1;
   }
   driver.settle();
   return watched;
@@ -104,9 +106,9 @@ TEST_CASE("no control of the panel moves while a fit or a refinement or a snap r
     driver.wait_until("the map is open", [&] {
       return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
     });
-    for (const char* start : {"Place/Fit to the label", "Refine along the surface", "Snap/Snap the whole mesh"}) {
+    for (const std::string start : {"Place/Fit to the label", "Refine along the surface", "Snap/Snap the whole mesh"}) {
       CAPTURE(start);
-      const Watched watched = watch(driver, start, [&] { return driver.app().busy(); });
+      const Watched watched = watch(driver, start.c_str(), [&] { return driver.app().busy(); });
       CHECK(watched.moved == "");
     }
     CHECK(driver.shows("The smallest angle was"));

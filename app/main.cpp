@@ -1,6 +1,3 @@
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <atomic>
 #include <cerrno>
 #include <charconv>
@@ -25,6 +22,7 @@
 #include "core/base/limits.h"
 #include "core/base/memory.h"
 #include "core/base/parallel.h"
+#include "core/base/process.h"
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
 
@@ -250,22 +248,12 @@ int run_main(int argc, char** argv) {
   return run_verb(asked.run, given("--json"), given("--quiet"));
 }
 
-/// A file that the program opens must not get the number of a standard stream that is closed, or what is printed would
-/// be written into it. The descriptor taken in its place cannot be written to, so that printing fails as it should.
-void hold_standard_streams() {
-  int taken = 0;
-  do taken = ::open("/dev/null", O_RDONLY);
-  while (taken >= 0 && taken <= STDERR_FILENO);
-  if (taken > STDERR_FILENO) ::close(taken);
-}
-
 }  // namespace
 
 }  // namespace homolog
 
 int main(int argc, char** argv) {
   homolog::keep_freed_memory();
-  homolog::hold_standard_streams();
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing, which is told
+  homolog::prepare_process();
   return homolog::run_main(argc, argv);
 }

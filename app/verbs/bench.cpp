@@ -1,4 +1,3 @@
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +15,7 @@
 #include "app/verbs/bench_templates.h"
 #include "app/verbs/median.h"
 #include "app/verbs/verb.h"
+#include "core/base/process.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/session.h"
@@ -70,13 +70,6 @@ Json gesture_figures(const Mesh& mesh) {
           {"gesture_begin_ms", begin_ms},         {"commit_ms", committed}};
 }
 
-/// The time that the calling thread has had a core, in ms. Other programs that take turns do not count.
-double core_ms() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
 /// What solving for x, y and z costs, and beside it a limit: reading as many numbers as the factor has twice, in single
 /// precision, up and down as the solve does. Both by turns, so that they find the caches in one state.
 Json solve_figures(const ShapeSolver& solver, const Points& points) {
@@ -85,13 +78,13 @@ Json solve_figures(const ShapeSolver& solver, const Points& points) {
   std::vector<double> solve_ms, limit_ms;
   float sum = 0;
   (void)median_ms([&](int) {
-    const double start = core_ms();
+    const double start = thread_core_ms();
     (void)solver.solve(points);
-    const double middle = core_ms();
+    const double middle = thread_core_ms();
     for (Eigen::Index i = 0; i < count; i += block) sum += numbers.segment(i, std::min(block, count - i)).sum();
     for (Eigen::Index i = (count - 1) / block * block; i >= 0; i -= block)
       sum += numbers.segment(i, std::min(block, count - i)).sum();
-    const double end = core_ms();
+    const double end = thread_core_ms();
     solve_ms.push_back(middle - start);
     limit_ms.push_back(end - middle);
   });

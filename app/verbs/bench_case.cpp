@@ -1,14 +1,13 @@
 #include "app/verbs/bench_case.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <random>
 #include <vector>
 
 #include "app/verbs/median.h"
-#include "app/verbs/memory.h"
+#include "core/base/memory.h"
+#include "core/base/process.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/session/case_file.h"
@@ -22,14 +21,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int gestures = 5000;
 constexpr double radius_mm = 60;
-
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("homolog-bench-" + std::to_string(::getpid()));
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
 
 /// Gestures of a day: strokes, touches of the stiffness brush, and, two of five, what a snap of the whole mesh finds: a
 /// smooth way of half a millimetre and noise. (A real snap searches the image first, which is no matter of the case.)
@@ -81,11 +72,9 @@ Result<Json> work(EditSession session, Progress& progress) {
 }  // namespace
 
 Result<Json> case_figures(Progress& progress) {
-  const Folder folder;
-  std::error_code error;
-  fs::create_directories(folder.path, error);
+  const ScratchFolder folder("homolog-bench");
   const fs::path source = folder.path / "ball.ply", file = folder.path / "day.homolog";
-  const double before_mb = memory_mb("VmRSS:");
+  const double before_mb = resident_memory_mb();
   forget_peak_memory();
   if (auto written = write_mesh(icosphere(5, radius_mm), source); !written) return fail(written.error());
   auto the_template = load_template(source.string());
@@ -96,15 +85,16 @@ Result<Json> case_figures(Progress& progress) {
   if (!done) return done;
   Json figures{{"vertices", (*the_template)->points.rows()}, {"gestures", gestures}};
   figures.update(*done);
-  figures["work_peak_mb"] = memory_mb("VmHWM:") - before_mb;
-  figures["file_mb"] = static_cast<double>(fs::file_size(file, error)) / 1e6;
+  figures["work_peak_mb"] = peak_memory_mb() - before_mb;
+  std::error_code none;
+  figures["file_mb"] = static_cast<double>(fs::file_size(file, none)) / 1e6;
 
   forget_peak_memory();
   const auto start = Clock::now();
   auto opened = open_case(file);
   if (!opened) return fail(opened.error());
   figures["open_seconds"] = milliseconds(Clock::now() - start) / 1000;
-  figures["open_peak_mb"] = memory_mb("VmHWM:") - before_mb;
+  figures["open_peak_mb"] = peak_memory_mb() - before_mb;
   double longest = 0;
   const auto begun = Clock::now();
   for (int k = 0; opened->session.can_undo(); ++k) {
@@ -116,7 +106,7 @@ Result<Json> case_figures(Progress& progress) {
   }
   figures["undo_all_seconds"] = milliseconds(Clock::now() - begun) / 1000;
   figures["longest_undo_ms"] = longest;
-  figures["undo_peak_mb"] = memory_mb("VmHWM:") - before_mb;
+  figures["undo_peak_mb"] = peak_memory_mb() - before_mb;
   return figures;
 }
 

@@ -1,7 +1,7 @@
 #include "app/verbs/bench_model.h"
 
 #include "app/verbs/median.h"
-#include "app/verbs/memory.h"
+#include "core/base/memory.h"
 #include "core/base/parallel.h"
 #include "core/mesh/icosphere.h"
 #include "core/model/measures.h"
@@ -78,7 +78,7 @@ Json hundred_shapes() {
 }
 
 Json thousand_shapes() {
-  const double before_mb = memory_mb("VmRSS:");
+  const double before_mb = resident_memory_mb();
   ShapeMatrix shapes = made_shapes(1000);
   const double data_mb = static_cast<double>(shapes.size() * sizeof(double)) / 1e6;
   forget_peak_memory();
@@ -88,7 +88,7 @@ Json thousand_shapes() {
   const ShapeModel model = make_model(components, 0.95, nullptr, {});
   return {{"shapes", 1000},         {"vertices", components.vertices()},
           {"modes", model.modes()}, {"model_ms", milliseconds(Clock::now() - start)},
-          {"data_mb", data_mb},     {"peak_mb", memory_mb("VmHWM:") - before_mb}};
+          {"data_mb", data_mb},     {"peak_mb", peak_memory_mb() - before_mb}};
 }
 
 }  // namespace

@@ -2,13 +2,13 @@
 
 #include <zlib.h>
 
-#include <unistd.h>
 #include <filesystem>
 
 #include "app/editor/drawing/gallery_pictures.h"
 #include "app/editor/work/models/build_study_model.h"
 #include "app/editor/work/opening/demo.h"
 #include "app/verbs/median.h"
+#include "core/base/process.h"
 #include "core/correspondence/colours.h"
 #include "core/volume/volume_io.h"
 #include "render/offscreen.h"
@@ -56,7 +56,8 @@ double inflate_ms(const fs::path& path) {
 
 /// Opening a 512×512×200 int16 .nii.gz until its first slice is drawn, against its decompression alone.
 Json opening_figures(Renderer& renderer) {
-  const fs::path path = fs::temp_directory_path() / ("homolog-bench-" + std::to_string(::getpid()) + ".nii.gz");
+  const ScratchFolder folder("homolog-bench");
+  const fs::path path = folder.path / "made.nii.gz";
   if (auto written = write_volume(made_volume(512, 512, 200), path); !written) return written.error().sentence();
   const double inflate = inflate_ms(path);
   const auto start = std::chrono::steady_clock::now();
@@ -71,21 +72,17 @@ Json opening_figures(Renderer& renderer) {
     (void)renderer.draw(scene, view, {0, 0, 640, 400, 1});
     figures["read_and_drawn_ms"] = milliseconds(std::chrono::steady_clock::now() - start);
   }
-  std::error_code ignored;
-  fs::remove(path, ignored);
   return figures;
 }
 
 /// A frame of the Models mode while its 24 shapes of 2,500 vertices are turned, in a window of 1280×800.
 Json gallery_frame_ms(Renderer& renderer, Framebuffer& framebuffer) {
-  const fs::path folder = fs::temp_directory_path() / ("homolog-bench-" + std::to_string(::getpid()));
-  std::error_code ignored;
-  fs::create_directories(folder, ignored);
+  const ScratchFolder folder("homolog-bench");
   StudyModelRequest request;
   for (int number = 1; number <= 24; ++number) {
     StudyCase one;
     one.name = "kidney-" + std::to_string(number);
-    one.file = folder / (one.name + ".ply");
+    one.file = folder.path / (one.name + ".ply");
     if (auto written = write_mesh_file(phantom_truth(Organ::kidney, number).front(), one.file); !written)
       return written.error().sentence();
     request.cases.push_back(std::move(one));
@@ -93,7 +90,6 @@ Json gallery_frame_ms(Renderer& renderer, Framebuffer& framebuffer) {
   Progress progress;
   ModelsState state;
   show_model(state, build_study_model(request, progress).model);
-  fs::remove_all(folder, ignored);
   if (!state.model) return "no model could be made";
   state.turning = true;
   GalleryPictures pictures;

@@ -1,7 +1,5 @@
 #include "app/verbs/progress_line.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <string>
 
 #include "app/verbs/case_pool.h"
+#include "core/base/process.h"
 #include "core/base/text.h"
 
 namespace homolog {
@@ -28,7 +27,7 @@ std::string time_left(double fraction, double seconds) {
 }
 
 ProgressLine::ProgressLine(const Progress& progress, bool quiet) {
-  if (quiet || ::isatty(STDERR_FILENO) == 0) return;
+  if (quiet || !errors_are_seen()) return;
   thread_ = std::jthread([this, &progress](const std::stop_token& stop) {
     const auto start = std::chrono::steady_clock::now();
     std::unique_lock lock(mutex_);

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <cstdint>
 #include <cstdio>
 #include <string>
@@ -29,8 +27,8 @@ class ConfinedChild {
   std::FILE* output() { return output_; }
 
  private:
-  ConfinedChild(pid_t process, std::FILE* output) : process_(process), output_(output) {}
-  pid_t process_;
+  ConfinedChild(int process, std::FILE* output) : process_(process), output_(output) {}
+  int process_;  ///< the system's number
   std::FILE* output_;
 };
 

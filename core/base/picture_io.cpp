@@ -2,6 +2,7 @@
 
 #include "core/base/files.h"
 #include "core/base/picture_module.h"
+#include "core/base/process.h"
 #include "core/base/system_modules.h"
 
 namespace homolog {
@@ -14,7 +15,7 @@ fs::path chosen_module;
 /// From the program's own folder or the place that it named, and no other, since what is loaded is run.
 Result<const PictureModule*> load_module() {
   std::error_code error;
-  const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path() / HOMOLOG_PICTURES;
+  const fs::path beside = program_file().parent_path() / HOMOLOG_PICTURES;
   const fs::path file = chosen_module.empty() ? beside : chosen_module;
   std::string reason = "not found";
   if (fs::exists(file, error)) {

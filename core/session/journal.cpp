@@ -1,11 +1,5 @@
 #include "core/session/journal.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <sys/statvfs.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -24,31 +18,15 @@ constexpr const char* not_on_the_disk = "could not be written to the disk";
 constexpr const char* changed_by_another = "was changed by another program while it was open";
 constexpr auto blink = std::chrono::milliseconds(10);
 
-/// Writes all of `bytes`; 0 or the errno.
-int write_all(int descriptor, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return written < 0 ? errno : EIO;
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return 0;
-}
-
 Error open_elsewhere(const fs::path& path) {
   return {path.string(), "is open in another program; close it there, or open a copy"};
 }
 
-bool same_file(const struct stat& a, const struct stat& b) {
-  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
-}
-
 /// The disk that a file's folder is on; none where the folder is not there.
-std::optional<std::uint64_t> device_of_folder(const fs::path& file) {
-  struct stat folder {};
+std::optional<std::uint64_t> disk_of_folder(const fs::path& file) {
   const fs::path parent = file.parent_path();
-  if (::stat(parent.empty() ? "." : parent.c_str(), &folder) != 0) return std::nullopt;
-  return folder.st_dev;
+  const auto folder = status_of(parent.empty() ? "." : parent);
+  return folder ? std::optional(folder->disk) : std::nullopt;
 }
 
 }  // namespace
@@ -62,50 +40,47 @@ Result<std::unique_ptr<Journal>> Journal::create(const fs::path& path, const Wri
 }
 
 Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_APPEND | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0) {
-    return fail(path.string(), std::string("cannot be opened for writing (") + std::strerror(errno) +
+  auto opened = OpenFile::open(path, OpenFile::For::appending);
+  if (!opened) {
+    return fail(path.string(), std::string("cannot be opened for writing (") + std::strerror(opened.error()) +
                                    "); make it writable or save the case elsewhere");
   }
-  auto file = std::make_shared<const LineFile>(path, descriptor);
-  struct stat status {};
-  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
+  auto lines = std::make_shared<const LineFile>(path, std::move(*opened));
+  const OpenFile& file = lines->file();
+  const auto status = file.status();
+  if (!status || status->kind != FileStatus::Kind::file)
     return fail(path.string(), "is no file that a case could be kept in; choose another name");
   // Who only asks whether it is in use holds it for the blink of an eye.
-  for (int attempts = 5; ::flock(descriptor, LOCK_EX | LOCK_NB) != 0; std::this_thread::sleep_for(blink))
+  for (int attempts = 5; !file.lock(); std::this_thread::sleep_for(blink))
     if (--attempts == 0) return fail(open_elsewhere(path));
-  return std::unique_ptr<Journal>(new Journal(std::move(file), static_cast<std::uint64_t>(status.st_size)));
+  return std::unique_ptr<Journal>(new Journal(std::move(lines), status->bytes));
 }
 
-Journal::Journal(std::shared_ptr<const LineFile> file, std::uint64_t bytes)
-    : file_(std::move(file)), bytes_(bytes), folder_device_(device_of_folder(file_->path()).value_or(0)) {
+Journal::Journal(std::shared_ptr<const LineFile> lines, std::uint64_t bytes)
+    : lines_(std::move(lines)), bytes_(bytes), folder_disk_(disk_of_folder(lines_->path()).value_or(0)) {
   remember();
 }
 
 Journal::~Journal() {
   mend();  // else a line that was refused would be there when the case is opened
-  if (unsynced() && ::fsync(file_->descriptor()) != 0) write_unsynced_again();
-  ::flock(file_->descriptor(), LOCK_UN);  // the file may be read on
+  if (unsynced() && open_file().sync() != 0) write_unsynced_again();
+  open_file().unlock();  // the file may be read on
 }
 
 bool Journal::in_use(const fs::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0) return false;
-  const bool used = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0;
-  ::close(descriptor);
-  return used;
+  const auto file = OpenFile::open(path, OpenFile::For::reading);
+  return file && !file->lock();
 }
 
 bool Journal::is_at(const fs::path& path) const {
-  struct stat here {
-  }, there{};
-  return ::fstat(file_->descriptor(), &here) == 0 && ::stat(path.c_str(), &there) == 0 && same_file(here, there);
+  const auto here = open_file().status(), there = status_of(path);
+  return here && there && here->is_same_file(*there);
 }
 
 Result<void> Journal::keep_first(std::uint64_t keep_bytes) {
   if (bytes_ == keep_bytes) return {};  // a whole file is left alone, its time of change too
-  int error = ::ftruncate(file_->descriptor(), static_cast<off_t>(keep_bytes)) == 0 ? 0 : errno;
-  if (error == 0 && ::fsync(file_->descriptor()) != 0) error = errno;
+  int error = open_file().cut_to(keep_bytes);
+  if (error == 0) error = open_file().sync();
   if (error != 0)
     return fail(path().string(),
                 std::string("cannot be written (") + std::strerror(error) + "); save the case elsewhere");
@@ -115,24 +90,17 @@ Result<void> Journal::keep_first(std::uint64_t keep_bytes) {
 }
 
 void Journal::remember() {
-  struct stat here {};
-  if (::fstat(file_->descriptor(), &here) == 0) changed_ = here.st_ctim;
+  if (const auto here = open_file().status()) changed_ns_ = here->changed_ns;
 }
 
 Journal::Fate Journal::fate() {
   mend();
-  struct stat here {
-  }, there{};
-  struct statvfs disk {};
-  if (::stat(path().c_str(), &there) != 0)
-    return device_of_folder(path()) == folder_device_ ? Fate::deleted : Fate::deleted_with_all;
-  if (::fstat(file_->descriptor(), &here) != 0 || !same_file(here, there)) return Fate::replaced;
-  if (read_only_ || (::fstatvfs(file_->descriptor(), &disk) == 0 && (disk.f_flag & ST_RDONLY) != 0))
-    return Fate::read_only;
+  const auto here = open_file().status(), there = status_of(path());
+  if (!there) return disk_of_folder(path()) == folder_disk_ ? Fate::deleted : Fate::deleted_with_all;
+  if (!here || !here->is_same_file(*there)) return Fate::replaced;
+  if (read_only_ || open_file().is_on_read_only_disk()) return Fate::read_only;
   if (broken_ != nullptr) return broken_ == changed_by_another ? Fate::touched : Fate::as_left;
-  const bool as_left = static_cast<std::uint64_t>(here.st_size) == bytes_ && here.st_ctim.tv_sec == changed_.tv_sec &&
-                       here.st_ctim.tv_nsec == changed_.tv_nsec;
-  return as_left ? Fate::as_left : Fate::touched;
+  return here->bytes == bytes_ && here->changed_ns == changed_ns_ ? Fate::as_left : Fate::touched;
 }
 
 void Journal::let_go() {
@@ -145,11 +113,9 @@ Result<void> Journal::unharmed() const {
   const auto refused = [this](const std::string& what) {
     return fail(path().string(), what + ", so the edit was not made; save the case elsewhere");
   };
-  struct stat here {};
   if (broken_ != nullptr) return refused(broken_);
   if (!is_at(path())) return refused("was deleted, moved or replaced while it was open");
-  if (::fstat(file_->descriptor(), &here) != 0 || static_cast<std::uint64_t>(here.st_size) != bytes_)
-    return refused(changed_by_another);
+  if (const auto here = open_file().status(); !here || here->bytes != bytes_) return refused(changed_by_another);
   return {};
 }
 
@@ -158,11 +124,10 @@ Result<void> Journal::append(std::string_view lines, bool sync) {
   if (auto fit = unharmed(); !fit) return fit;
   if (!sync)
     unsynced_.reserve(unsynced_.size() + lines.size());  // memory that is short is noticed before the disk changes
-  const int descriptor = file_->descriptor();
-  int error = write_all(descriptor, lines);
-  if (error == 0 && sync && ::fsync(descriptor) != 0) {
-    error = errno;
-    sync_failed_ = true;
+  int error = open_file().append(lines);
+  if (error == 0 && sync) {
+    error = open_file().sync();
+    sync_failed_ = sync_failed_ || error != 0;
   }
   if (error == 0) {
     bytes_ += lines.size();
@@ -186,14 +151,13 @@ Result<void> Journal::append(std::string_view lines, bool sync) {
 
 /// Leaves the lines that were accepted, all of them on the disk; where the disk fails, `broken_` says how.
 void Journal::take_back() {
-  const int descriptor = file_->descriptor();
   broken_ = nullptr;
   if (!sync_failed_ || unsynced_.empty()) {
-    if (::ftruncate(descriptor, static_cast<off_t>(bytes_)) != 0) {
+    if (open_file().cut_to(bytes_) != 0) {
       broken_ = line_is_left;
       return;
     }
-    sync_failed_ = ::fsync(descriptor) != 0;
+    sync_failed_ = open_file().sync() != 0;
     if (!sync_failed_) unsynced_.clear();
   }
   if (unsynced_.empty())
@@ -204,14 +168,13 @@ void Journal::take_back() {
 
 /// The disk may let itself be written by now. A file that another program made longer or shorter stays as it is.
 void Journal::mend() {
-  struct stat here {};
-  if (broken_ == nullptr || ::fstat(file_->descriptor(), &here) != 0) return;
-  const auto size = static_cast<std::uint64_t>(here.st_size);
-  if (size < synced_bytes() || size > most_bytes_) {
+  const auto here = broken_ == nullptr ? std::nullopt : open_file().status();
+  if (!here) return;
+  if (here->bytes < synced_bytes() || here->bytes > most_bytes_) {
     broken_ = changed_by_another;
     return;
   }
-  sync_failed_ = sync_failed_ || size < bytes_;  // what is missing is written again
+  sync_failed_ = sync_failed_ || here->bytes < bytes_;  // what is missing is written again
   take_back();
   remember();
 }
@@ -219,10 +182,8 @@ void Journal::mend() {
 /// After a sync that failed the system may have dropped what it held of the file, and the next sync succeeds without
 /// it. So it is written anew.
 bool Journal::write_unsynced_again() {
-  const int descriptor = file_->descriptor();
-  if (::ftruncate(descriptor, static_cast<off_t>(synced_bytes())) != 0 || write_all(descriptor, unsynced_) != 0 ||
-      ::fsync(descriptor) != 0)
-    return false;
+  const OpenFile& file = open_file();
+  if (file.cut_to(synced_bytes()) != 0 || file.append(unsynced_) != 0 || file.sync() != 0) return false;
   unsynced_.clear();
   sync_failed_ = false;
   return true;
@@ -232,11 +193,11 @@ Result<void> Journal::sync() {
   mend();
   if (broken_ != nullptr) return fail(path().string(), std::string(broken_) + "; save the case elsewhere");
   if (!unsynced()) return {};
-  if (::fsync(file_->descriptor()) == 0) {
+  const int error = open_file().sync();
+  if (error == 0) {
     unsynced_.clear();
     return {};
   }
-  const int error = errno;
   sync_failed_ = true;
   most_bytes_ = bytes_;
   const bool written = write_unsynced_again();

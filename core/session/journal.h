@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -47,9 +46,9 @@ class Journal {
   /// Brings to the disk what was appended without. Errors: the disk fails, or did before and still does; append() tries
   /// again.
   Result<void> sync();
-  const std::filesystem::path& path() const { return file_->path(); }
+  const std::filesystem::path& path() const { return lines_->path(); }
   /// For reading; lives on when the journal is closed.
-  const std::shared_ptr<const LineFile>& file() const { return file_; }
+  const std::shared_ptr<const LineFile>& file() const { return lines_; }
   std::uint64_t bytes() const { return bytes_; }
   /// Whether `path` is this very file.
   bool is_at(const std::filesystem::path& path) const;
@@ -70,7 +69,8 @@ class Journal {
   void let_go();
 
  private:
-  explicit Journal(std::shared_ptr<const LineFile> file, std::uint64_t bytes);
+  explicit Journal(std::shared_ptr<const LineFile> lines, std::uint64_t bytes);
+  const OpenFile& open_file() const { return lines_->file(); }
   Result<void> unharmed() const;
   std::uint64_t synced_bytes() const { return bytes_ - unsynced_.size(); }
   void remember();
@@ -78,15 +78,15 @@ class Journal {
   void mend();
   bool write_unsynced_again();
 
-  std::shared_ptr<const LineFile> file_;
+  std::shared_ptr<const LineFile> lines_;
   std::uint64_t bytes_;
   std::string unsynced_;          ///< accepted lines, kept until they are on the disk
   bool sync_failed_ = false;      ///< since `unsynced_` was written, which may be lost
   bool read_only_ = false;        ///< the disk refused a write as such
   const char* broken_ = nullptr;  ///< why nothing can be appended until mend() succeeds; null: it can
   std::uint64_t most_bytes_ = 0;  ///< of the broken file: what this program may have left there
-  timespec changed_{};            ///< when the file or its attributes changed last, as this program knows it
-  std::uint64_t folder_device_ = 0;
+  std::int64_t changed_ns_ = 0;   ///< when the file or its attributes changed last, as this program knows it
+  std::uint64_t folder_disk_ = 0;
 };
 
 }  // namespace homolog

@@ -1,9 +1,5 @@
 #include "core/session/line_file.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -18,32 +14,25 @@ constexpr std::size_t longest_line = std::size_t{1} << 30;
 }  // namespace
 
 Result<std::shared_ptr<const LineFile>> LineFile::open(const std::filesystem::path& path) {
-  // Not to wait for the other end of a pipe.
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0) {
-    return fail(path.string(), errno == ENOENT || errno == ENOTDIR ? "does not exist; check the name"
-                                                                   : "cannot be read; check its permissions");
+  auto opened = OpenFile::open(path, OpenFile::For::reading);
+  if (!opened) {
+    const bool absent = opened.error() == ENOENT || opened.error() == ENOTDIR;
+    return fail(path.string(), absent ? "does not exist; check the name" : "cannot be read; check its permissions");
   }
-  auto file = std::make_shared<const LineFile>(path, descriptor);
-  struct stat status {};
-  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
-    return fail(path.string(), S_ISDIR(status.st_mode)
+  auto file = std::make_shared<const LineFile>(path, std::move(*opened));
+  const auto kind = file->file().status().value_or(FileStatus{}).kind;
+  if (kind != FileStatus::Kind::file)
+    return fail(path.string(), kind == FileStatus::Kind::folder
                                    ? "is a folder, not a file; give the name of a file in it"
                                    : "is a device or a pipe, not a file; copy what it gives into a file");
   return file;
 }
 
-LineFile::~LineFile() {
-  ::close(descriptor_);
-}
-
 Result<std::size_t> LineFile::read_some(char* into, std::size_t most, std::uint64_t at) const {
-  for (;;) {
-    const ssize_t got = ::pread(descriptor_, into, most, static_cast<off_t>(at));
-    if (got >= 0) return static_cast<std::size_t>(got);
-    if (errno != EINTR)
-      return fail(path_.string(), std::string("cannot be read (") + std::strerror(errno) + "); check the disk");
-  }
+  const auto got = file_.read_at(into, most, at);
+  if (!got)
+    return fail(path_.string(), std::string("cannot be read (") + std::strerror(got.error()) + "); check the disk");
+  return *got;
 }
 
 Result<std::string> LineFile::read(std::uint64_t at, std::uint64_t bytes) const {

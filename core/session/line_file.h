@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/open_file.h"
 #include "core/base/result.h"
 
 namespace homolog {
@@ -17,14 +18,11 @@ class LineFile {
  public:
   /// Errors: absent, unreadable, no file of a disk (a folder, a pipe).
   static Result<std::shared_ptr<const LineFile>> open(const std::filesystem::path& path);
-  /// Takes over an open descriptor.
-  LineFile(std::filesystem::path path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
-  ~LineFile();
-  LineFile(const LineFile&) = delete;
-  LineFile& operator=(const LineFile&) = delete;
+  /// Of a file that is open already.
+  LineFile(std::filesystem::path path, OpenFile file) : path_(std::move(path)), file_(std::move(file)) {}
 
   const std::filesystem::path& path() const { return path_; }
-  int descriptor() const { return descriptor_; }
+  const OpenFile& file() const { return file_; }
   /// Bytes at a place. Errors: the file ends before, a disk error.
   Result<std::string> read(std::uint64_t at, std::uint64_t bytes) const;
   /// Calls `visit(line, at, ended)` for each line, without its line feed, with where it begins; the last one may lack
@@ -37,7 +35,7 @@ class LineFile {
   Result<std::size_t> read_some(char* into, std::size_t most, std::uint64_t at) const;
 
   std::filesystem::path path_;
-  int descriptor_;
+  OpenFile file_;
 };
 
 }  // namespace homolog

@@ -1,12 +1,11 @@
 #include "core/session/unsaved_cases.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
 
 #include "core/base/files.h"
+#include "core/base/process.h"
 #include "core/session/case_file.h"
 
 namespace homolog {
@@ -32,7 +31,7 @@ Result<fs::path> new_unsaved_path() {
                     (made.error().subject == "HOME" ? " or XDG_STATE_HOME" : ", for instance by XDG_STATE_HOME"));
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const auto stamp = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-  return folder / ("unsaved-" + std::to_string(stamp) + "-" + std::to_string(::getpid()) + case_extension);
+  return folder / ("unsaved-" + std::to_string(stamp) + "-" + std::to_string(process_number()) + case_extension);
 }
 
 Result<EditSession> create_unsaved_case(Document initial) {

@@ -1,10 +1,8 @@
 #include "core/volume/dicom_pixels.h"
 
-#include <fcntl.h>
 #include <gdcmImage.h>
 #include <gdcmSequenceOfFragments.h>
 #include <gdcmTrace.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -17,6 +15,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/base/process.h"
 #include "core/volume/codestream.h"
 #include "core/volume/dicom_rle.h"
 #include "core/volume/readers.h"
@@ -83,38 +82,12 @@ tl::unexpected<Error> not_decodable(const DicomHeader& header) {
   return fail(header.path.string(), "holds pixels that do not decode; copy it again or export it uncompressed");
 }
 
-/// The decoders of JPEG print on file descriptor 2 what they dislike, whatever GDCM is told.
-class SilencedErrors {
- public:
-  SilencedErrors() : lock_(mutex()) {
-    gdcm::Trace::DebugOff();
-    gdcm::Trace::WarningOff();
-    gdcm::Trace::ErrorOff();
-    std::fflush(stderr);
-    before_ = ::dup(STDERR_FILENO);
-    if (before_ < 0) return;  // what is printed then can be borne: nothing could bring it back
-    if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) {
-      ::dup2(nowhere, STDERR_FILENO);
-      ::close(nowhere);
-    }
-  }
-  ~SilencedErrors() {
-    std::fflush(stderr);
-    if (before_ < 0) return;
-    ::dup2(before_, STDERR_FILENO);
-    ::close(before_);
-  }
-  SilencedErrors(const SilencedErrors&) = delete;
-  SilencedErrors& operator=(const SilencedErrors&) = delete;
-
- private:
-  static std::mutex& mutex() {
-    static std::mutex only;
-    return only;
-  }
-  std::lock_guard<std::mutex> lock_;
-  int before_ = -1;
-};
+/// The decoders of JPEG print on the standard error what they dislike, whatever GDCM is told.
+void silence_gdcm() {
+  gdcm::Trace::DebugOff();
+  gdcm::Trace::WarningOff();
+  gdcm::Trace::ErrorOff();
+}
 
 /// Streams of the JPEG family end with the marker FFD9, perhaps padded; decoders make up what a cut one lacks.
 bool is_closed(const std::string& transfer_syntax, const std::vector<char>& stream) {
@@ -159,6 +132,7 @@ bool decode_jpeg(const DicomHeader& header, std::span<const char> stream, std::s
   gdcm::Image image = empty_image(header, syntax);
   image.SetDataElement(pixels);
   const SilencedErrors silence;
+  silence_gdcm();
   return image.GetBufferLength() == out.size() && image.GetBuffer(reinterpret_cast<char*>(out.data()));
 }
 

@@ -1,8 +1,6 @@
 #include "app/editor/window/editor_frames.h"
 
 #include <imgui.h>
-#include <time.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +14,7 @@
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/window/input_router.h"
 #include "app/editor/work/opening/demo.h"
+#include "core/base/process.h"
 #include "core/base/statistics.h"
 #include "core/session/case_file.h"
 #include "render/offscreen.h"
@@ -28,13 +27,6 @@ namespace fs = std::filesystem;
 
 constexpr int width_px = 1280, height_px = 800;
 constexpr double frame_seconds = 1.0 / 60;
-
-/// The time that the calling thread has had a core.
-double thread_ms() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 /// The editor with a hand on the mouse. `framebuffer` is null where nothing is drawn.
 class Hand {
@@ -90,13 +82,13 @@ std::vector<double> drag_ms(EditorApp& app, Hand& hand, int tool, int frames) {
   std::vector<double> times;
   int event = 0;
   for (int k = 0; k < frames; ++k) {
-    const double before = thread_ms();
+    const double before = thread_core_ms();
     for (int i = 0; i < events_a_frame; ++i) {
       const double turn = 2 * std::numbers::pi * ++event / (60.0 * events_a_frame);  // once in a second
       hand.move(start + 12 * Eigen::Vector2d(std::cos(turn) - 1, std::sin(turn)));
     }
     hand.frame();
-    times.push_back(thread_ms() - before);
+    times.push_back(thread_core_ms() - before);
     // The solver has its time too, as between two frames of a display.
     std::this_thread::sleep_for(std::chrono::milliseconds(8));
   }
@@ -113,19 +105,6 @@ struct Tool {
 };
 constexpr std::array<Tool, 6> tools{
     {{"pull", 'P'}, {"grab", 'G'}, {"slide", 'S'}, {"relax", 'R'}, {"stiffness brush", 'B'}, {"confirm brush", 'C'}}};
-
-/// A folder that is gone with its bench.
-struct BenchFolder {
-  fs::path path = fs::temp_directory_path() / ("homolog-bench-editor-" + std::to_string(::getpid()));
-  BenchFolder() {
-    std::error_code ignored;
-    fs::create_directories(path, ignored);
-  }
-  ~BenchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
 
 Result<EditSession> demo_session(const fs::path& file) {
   auto document = demo_document(Organ::kidney, 1);
@@ -145,7 +124,7 @@ std::vector<std::vector<double>> all_drags(EditorApp& app, Framebuffer* framebuf
 }  // namespace
 
 Result<std::vector<FrameCost>> frame_costs() {
-  const BenchFolder folder;
+  const ScratchFolder folder("homolog-bench-editor");
   std::vector<FrameCost> costs;
   {
     auto session = demo_session(folder.path / "plain.homolog");

@@ -1,7 +1,5 @@
 #include "app/editor/work/opening/opener.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
 #include <utility>
@@ -10,6 +8,7 @@
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/work/opening/demo.h"
 #include "app/editor/work/opening/sample.h"
+#include "core/base/open_file.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
@@ -215,8 +214,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     return {};
   }
   if (!request.case_file.empty()) {
-    const bool read_only =
-        ::access(request.case_file.c_str(), R_OK) == 0 && ::access(request.case_file.c_str(), W_OK) != 0;
+    const bool read_only = is_write_protected(request.case_file);
     ReplayOptions options;
     options.progress = &progress;
     options.volume_source = request.volume_source;

@@ -109,6 +109,18 @@ double available_memory_bytes() {
                    control_group_room_bytes(membership, "/sys/fs/cgroup"), process_room_bytes()});
 }
 
+double resident_memory_mb() {
+  return kilobytes_of("/proc/self/status", "VmRSS").value_or(0) / 1.024e6;
+}
+
+double peak_memory_mb() {
+  return kilobytes_of("/proc/self/status", "VmHWM").value_or(0) / 1.024e6;
+}
+
+void forget_peak_memory() {
+  std::ofstream("/proc/self/clear_refs") << 5;
+}
+
 void keep_freed_memory() {
 #ifdef __GLIBC__
   constexpr int largest_kept_block = 64 << 20, most_kept = 512 << 20;  // bytes

@@ -1,0 +1,79 @@
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <string>
+
+#include "core/base/process.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+std::mutex& only_one_is_silent() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+}  // namespace
+
+void prepare_process() {
+  // The descriptor that takes the place of a closed stream cannot be written to, so that printing fails as it should.
+  int taken = 0;
+  do taken = ::open("/dev/null", O_RDONLY);
+  while (taken >= 0 && taken <= STDERR_FILENO);
+  if (taken > STDERR_FILENO) ::close(taken);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+long process_number() {
+  return ::getpid();
+}
+
+fs::path program_file() {
+  std::error_code none;
+  return fs::read_symlink("/proc/self/exe", none);
+}
+
+double thread_core_ms() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+bool errors_are_seen() {
+  return ::isatty(STDERR_FILENO) != 0;
+}
+
+SilencedErrors::SilencedErrors() : lock_(only_one_is_silent()) {
+  std::fflush(stderr);
+  before_ = ::dup(STDERR_FILENO);
+  if (before_ < 0) return;  // what is printed then can be borne: nothing could bring it back
+  if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) {
+    ::dup2(nowhere, STDERR_FILENO);
+    ::close(nowhere);
+  }
+}
+
+SilencedErrors::~SilencedErrors() {
+  std::fflush(stderr);
+  if (before_ < 0) return;
+  ::dup2(before_, STDERR_FILENO);
+  ::close(before_);
+}
+
+ScratchFolder::ScratchFolder(const char* name)
+    : path(fs::temp_directory_path() / (name + ("-" + std::to_string(process_number())))) {
+  std::error_code ignored;  // told by what is written there
+  fs::create_directories(path, ignored);
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(path, ignored);
+}
+
+}  // namespace homolog

@@ -46,6 +46,8 @@ class OpenFile {
   int sync() const;
   /// Locks the file against all others that lock it; false where one has done so.
   bool lock() const;
+  /// Whether another has locked it. Any number may ask at once.
+  bool is_locked() const;
   void unlock() const;
 
  private:

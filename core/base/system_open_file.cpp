@@ -88,6 +88,12 @@ bool OpenFile::lock() const {
   return ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
 }
 
+bool OpenFile::is_locked() const {
+  if (::flock(descriptor_, LOCK_SH | LOCK_NB) != 0) return true;
+  ::flock(descriptor_, LOCK_UN);
+  return false;
+}
+
 void OpenFile::unlock() const {
   ::flock(descriptor_, LOCK_UN);
 }

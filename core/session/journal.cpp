@@ -69,7 +69,7 @@ Journal::~Journal() {
 
 bool Journal::in_use(const fs::path& path) {
   const auto file = OpenFile::open(path, OpenFile::For::reading);
-  return file && !file->lock();
+  return file && file->is_locked();
 }
 
 bool Journal::is_at(const fs::path& path) const {

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <random>
 #include <sstream>
+#include <thread>
 
 #include "core/session/case_lines.h"
 #include "core/session/unsaved_cases.h"
@@ -95,6 +96,22 @@ TEST_CASE("a journal that is open is nobody else's") {
   CHECK(says(journal->append("{}\n"), "changed by another program"));
   fs::resize_file(path, 3);
   CHECK(journal->append("{}\n"));
+}
+
+TEST_CASE("a file is not in use because another asks whether it is") {
+  const CaseFolder folder;
+  const fs::path path = folder.folder.path / "lines";
+  write_bytes(path, "{}\n");
+  std::atomic<bool> over = false;
+  std::atomic<std::uint64_t> asked = 0;
+  std::jthread other([&] {
+    for (; !over; ++asked) Journal::in_use(path);
+  });
+  while (asked == 0) std::this_thread::yield();
+  int in_use = 0;
+  for (int k = 0; k < 20000; ++k) in_use += Journal::in_use(path) ? 1 : 0;
+  over = true;
+  CHECK(in_use == 0);
 }
 
 TEST_CASE("half a line that cannot be taken back is the last one that a journal gets") {

@@ -69,11 +69,12 @@ std::vector<std::string> shape_names(const std::vector<std::string>& files) {
   std::vector<std::string> names;
   std::map<std::string, int> used;
   for (const std::string& file : files) {
-    // "heart.homolog frame 7" is the shape "heart frame 7".
-    const std::size_t frame = file.rfind(" frame ");
-    const bool of_cine = frame != std::string::npos && is_case_file(file.substr(0, frame));
-    const std::string stem =
-        of_cine ? fs::path(file.substr(0, frame)).stem().string() + file.substr(frame) : fs::path(file).stem().string();
+    // "heart.homolog structure s2 frame 7" is the shape "heart structure s2 frame 7".
+    std::size_t which = file.rfind(" structure ");
+    if (which == std::string::npos || !is_case_file(file.substr(0, which))) which = file.rfind(" frame ");
+    const bool is_of_case = which != std::string::npos && is_case_file(file.substr(0, which));
+    const std::string stem = is_of_case ? fs::path(file.substr(0, which)).stem().string() + file.substr(which)
+                                        : fs::path(file).stem().string();
     std::string name = stem;
     while (used.contains(name)) name = stem + "-" + std::to_string(++used[stem]);
     used[name] = 1;

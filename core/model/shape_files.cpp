@@ -31,8 +31,9 @@ bool is_study(const fs::path& file) {
 }
 
 std::vector<std::optional<int>> frames_of(const ShapeSource& source, const ShapesOfFile& shapes, bool all_frames) {
-  if (source.frame || !all_frames || shapes.edited.empty()) return {source.frame};
-  return {shapes.edited.begin(), shapes.edited.end()};
+  const ShapesOfStructure* structure = shapes.structure(source.structure);
+  if (source.frame || !all_frames || structure == nullptr || structure->edited.empty()) return {source.frame};
+  return {structure->edited.begin(), structure->edited.end()};
 }
 
 /// Sources that come one after the other and name one file, as the frames of a cine do.
@@ -62,7 +63,7 @@ FileRead read_file(const OneFile& file, const ShapeReading& reading, std::mutex&
   read.warnings = shapes->warnings;
   for (const ShapeSource* source : file.sources)
     for (const auto& frame : frames_of(*source, *shapes, reading.all_frames)) {
-      auto mesh = shapes->shape(frame, path.string());
+      auto mesh = shapes->shape({source->structure, frame}, path.string());
       if (!mesh) {
         read.shapes.emplace_back(fail(mesh.error()));
         continue;
@@ -77,27 +78,40 @@ FileRead read_file(const OneFile& file, const ShapeReading& reading, std::mutex&
 
 }  // namespace
 
-Result<std::shared_ptr<const MeshFile>> ShapesOfFile::shape(std::optional<int> frame, const std::string& name) const {
-  const auto found = frames.find(frame.value_or(shown));
-  if (found != frames.end()) return found->second;
-  return fail(name, (frame ? "has no mesh at frame " + std::to_string(*frame) : std::string("has no mesh")) +
-                        " yet; place a template in it first");
+const ShapesOfStructure* ShapesOfFile::structure(std::string_view id) const {
+  const auto found = std::find_if(structures.begin(), structures.end(),
+                                  [&](const ShapesOfStructure& one) { return id.empty() || one.id == id; });
+  return found == structures.end() ? nullptr : &*found;
+}
+
+Result<std::shared_ptr<const MeshFile>> ShapesOfFile::shape(const WhichShape& which, const std::string& name) const {
+  const ShapesOfStructure* one = structure(which.structure);
+  if (one == nullptr && !which.structure.empty())
+    return fail(name, "has no structure \"" + which.structure + "\"; correct the study, or choose another file");
+  if (one != nullptr)
+    if (const auto found = one->frames.find(which.frame.value_or(shown)); found != one->frames.end())
+      return found->second;
+  return fail(name,
+              (which.frame ? "has no mesh at frame " + std::to_string(*which.frame) : std::string("has no mesh")) +
+                  " yet; place a template in it first");
 }
 
 ShapesOfFile shapes_of(const Document& document) {
   ShapesOfFile shapes;
   shapes.shown = document.frame;
-  const Structure* structure = document.structure();
-  if (structure == nullptr) return shapes;
-  for (const auto& [frame, shared] : structure->shapes) {
-    const Shape& shape = *shared;
-    MeshFile file = to_mesh_file({*structure, shape, frame}, document.scan.frames() > 1);
-    // Those that nobody placed lie where the mesh has carried them.
-    for (Landmark& landmark : carried_landmarks(*structure->the_template, file.points))
-      if (!shape.landmarks.contains(landmark.name)) file.landmarks.push_back(std::move(landmark));
-    if (shape.confirmed) file.arrays["confirmed"] = *shape.confirmed;
-    shapes.frames[frame] = std::make_shared<const MeshFile>(std::move(file));
-    if (shape.strokes > 0) shapes.edited.push_back(frame);
+  for (const auto& structure : document.structures) {
+    ShapesOfStructure& of = shapes.structures.emplace_back();
+    of.id = structure->id;
+    for (const auto& [frame, shared] : structure->shapes) {
+      const Shape& shape = *shared;
+      MeshFile file = to_mesh_file({*structure, shape, frame}, document.scan.frames() > 1);
+      // Those that nobody placed lie where the mesh has carried them.
+      for (Landmark& landmark : carried_landmarks(*structure->the_template, file.points))
+        if (!shape.landmarks.contains(landmark.name)) file.landmarks.push_back(std::move(landmark));
+      if (shape.confirmed) file.arrays["confirmed"] = *shape.confirmed;
+      of.frames[frame] = std::make_shared<const MeshFile>(std::move(file));
+      if (shape.strokes > 0) of.edited.push_back(frame);
+    }
   }
   return shapes;
 }
@@ -117,7 +131,7 @@ Result<ShapesOfFile> read_shapes_of(const fs::path& file) {
   if (!mesh) return fail(mesh.error());
   ShapesOfFile shapes;
   for (const std::string& warning : mesh->warnings) shapes.warnings.push_back(file.string() + ": " + warning);
-  shapes.frames[0] = std::make_shared<const MeshFile>(std::move(*mesh));
+  shapes.structures.push_back({{}, {{0, std::make_shared<const MeshFile>(std::move(*mesh))}}, {}});
   return shapes;
 }
 
@@ -143,7 +157,8 @@ Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& file
     for (const StudyCase& one : read->study.cases) {
       if (one.waits() || !(group.empty() || one.group == group)) continue;
       const bool done = one.state == CaseState::done;
-      sources.push_back({one.file, one.frame, one.flipped, done ? std::string() : one.doubt, one.group, done});
+      sources.push_back(
+          {one.file, one.frame, one.flipped, done ? std::string() : one.doubt, one.group, done, one.structure});
     }
     if (sources.size() > before) continue;
     if (std::any_of(read->study.cases.begin(), read->study.cases.end(),

@@ -15,15 +15,29 @@
 
 namespace homolog {
 
+/// The shapes of one structure.
+struct ShapesOfStructure {
+  std::string id;                                         ///< empty: of a mesh
+  std::map<int, std::shared_ptr<const MeshFile>> frames;  ///< frame 0 alone where it is no cine
+  std::vector<int> edited;                                ///< frames that were worked on, ascending
+};
+
+/// Which shape of a file is meant.
+struct WhichShape {
+  std::string structure{};     ///< by its id; empty: the first
+  std::optional<int> frame{};  ///< none: the one that is shown
+};
+
 /// The shapes that one file holds.
 struct ShapesOfFile {
-  std::map<int, std::shared_ptr<const MeshFile>> frames;  ///< frame 0 alone where it is no cine
-  std::vector<int> edited;                                ///< frames of a case that were worked on, ascending
-  int shown = 0;                                          ///< the frame that a case shows
-  std::vector<std::string> warnings;                      ///< each a sentence
+  std::vector<ShapesOfStructure> structures;  ///< one of a mesh; none of a case without a template
+  int shown = 0;                              ///< the frame that a case shows
+  std::vector<std::string> warnings;          ///< each a sentence
 
-  /// The frame, or the one that is shown. Errors: there is no mesh of it.
-  Result<std::shared_ptr<const MeshFile>> shape(std::optional<int> frame, const std::string& name) const;
+  /// A structure by its id; the empty id is the first one's. Null: there is none.
+  const ShapesOfStructure* structure(std::string_view id) const;
+  /// Errors: there is no such structure, or no mesh of it in the frame.
+  Result<std::shared_ptr<const MeshFile>> shape(const WhichShape& which, const std::string& name) const;
 };
 
 /// The meshes of a case that is open. A landmark that was placed in the image lies there; the template's others where
@@ -41,10 +55,12 @@ struct ShapeSource {
   std::string doubt{};       ///< of a study's case that nobody has looked at yet: why it has to be; empty: no doubt
   std::string group{};       ///< of a study's case; empty: none
   bool done = false;         ///< a study's case that somebody looked at and found done
+  std::string structure{};   ///< of a case, by its id; empty: the first
 
-  /// "case_3.ply", with its frame where one of several is taken.
+  /// "case_3.homolog", with its structure and its frame where one of several is taken.
   std::string name(const std::optional<int>& of_frame) const {
-    return file.string() + (of_frame ? " frame " + std::to_string(*of_frame) : "");
+    return file.string() + (structure.empty() ? "" : " structure " + structure) +
+           (of_frame ? " frame " + std::to_string(*of_frame) : "");
   }
 };
 /// Files as sources, one each; a folder stands for its shapes [shape_folder.h], a study (*.study.json) stands for its

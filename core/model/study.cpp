@@ -59,8 +59,9 @@ Result<CaseState> parsed_state(const std::string& text, const std::string& where
 Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& folder) {
   std::string where = "case " + std::to_string(number);
   if (!json.is_object()) return fail("", where + " is no object; correct it in an editor");
-  std::array<std::string, 8> texts;
-  constexpr std::array<const char*, 8> keys{"name", "file", "group", "state", "notes", "imported", "labels", "doubt"};
+  std::array<std::string, 9> texts;
+  constexpr std::array<const char*, 9> keys{"name",     "file",   "group", "state",    "notes",
+                                            "imported", "labels", "doubt", "structure"};
   for (std::size_t k = 0; k < keys.size(); ++k) {
     auto text = take_text(json, keys[k], where);
     if (!text) return fail(text.error());
@@ -77,6 +78,7 @@ Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& fol
   one.imported = absolute_in(folder, texts[5]);
   if (!texts[6].empty()) one.labels = absolute_in(folder, texts[6]);
   one.doubt = texts[7];
+  one.structure = texts[8];
   const auto state = parsed_state(texts[3], where);
   if (!state) return fail(state.error());
   one.state = *state;
@@ -148,6 +150,7 @@ std::vector<std::string> missing_files(const Study& study, const fs::path& path)
 
 Json case_json(const StudyCase& one, const fs::path& folder) {
   Json json{{"name", one.name}, {"file", relative_to(folder, one.file)}, {"state", state_name(one.state)}};
+  if (!one.structure.empty()) json["structure"] = one.structure;
   if (one.frame) json["frame"] = *one.frame;
   if (one.flipped) json["flipped"] = true;
   if (!one.imported.empty()) json["imported"] = relative_to(folder, one.imported);

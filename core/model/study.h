@@ -13,7 +13,7 @@ namespace homolog {
 
 enum class CaseState { to_do, in_work, done };
 
-/// One shape of a study: a case file (a cine: one of its frames), or a mesh made elsewhere.
+/// One shape of a study: a structure of a case file (a cine: in one of its frames), or a mesh made elsewhere.
 struct StudyCase {
   std::string name;
   std::filesystem::path file;  ///< .homolog or a mesh; absolute in memory, relative to the study's folder on disk
@@ -28,6 +28,7 @@ struct StudyCase {
   std::string doubt;               ///< why a person has to look at what the fit gave, as a sentence; empty: no doubt
   double seconds = 0;              ///< that a person worked on it
   std::int64_t gestures = 0;       ///< that a person did on it
+  std::string structure;           ///< of a case file, by its id; empty: the first
   nlohmann::ordered_json other = nlohmann::ordered_json::object();  ///< fields that are not known here, kept
 
   /// Whether it has no shape of its own yet: the template lies somewhere in its scan.

@@ -186,7 +186,7 @@ void Models::open_case(const OpenCaseOfStudy& command, EditorState& state, const
   const StudyCase* one = find_case(models.study, command.name);
   if (one == nullptr) return;
   if (!is_case_file(one->file)) return repair_case(*one, command, state);
-  models.repair = RepairPlace{one->file, one->frame, command.vertex};
+  models.repair = RepairPlace{one->file, one->frame, command.vertex, one->structure};
   models.shown = false;
   if (snapshot.file != one->file) {
     OpenRequested open = open_case_file(one->file);
@@ -204,7 +204,7 @@ void Models::repair_case(const StudyCase& one, const OpenCaseOfStudy& command, E
                       one.name + ": its file could not be read; check the file, or remove the case from the study.");
   const std::string subject = "the case of " + one.name;
   if (const auto now = files_.running(); now && now->subject == subject) return;  // asked for twice
-  const auto make = [command, mesh = file->second.shapes.frames.at(0), mesh_file = one.file,
+  const auto make = [command, mesh = file->second.shapes.structures.front().frames.at(0), mesh_file = one.file,
                      faces = models.model ? models.model->topology : nullptr,
                      folder = models.study_file.parent_path() / "repaired"](Progress& progress) -> Result<FileDone> {
     if (progress.cancelled()) return FileDone();
@@ -256,9 +256,10 @@ std::optional<int> Models::show_repair(EditorState& state, const Snapshot& snaps
   if (!repair || repair->file != snapshot.file) return std::nullopt;
   const Document& document = *snapshot.document;
   const int frame = repair->frame.value_or(document.frame);
-  const Structure* structure = document.structure();
+  const Structure* structure = document.structure(repair->structure);
   const Shape* shape = structure != nullptr ? structure->shape(frame) : nullptr;
   if (shape == nullptr) return std::nullopt;
+  show_structure(state, document, repair->structure);
   const Points& points = *shape->points;
   if (repair->vertex && *repair->vertex < points.rows()) {
     const Mesh mesh{structure->the_template->topology, points};

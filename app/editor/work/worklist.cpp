@@ -259,7 +259,8 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   if (!read) return fail(read.error());
   EditSession& session = read->session;
   if (was_worked_on(session)) return std::string();
-  if (!session.document().view()) return fail(one.name, "has no template; take it off the study and add it again");
+  const auto view = session.document().view(one.structure);
+  if (!view) return fail(one.name, "has no template; take it off the study and add it again");
   auto labels = read_case_labels(one, settings, progress);
   if (!labels) return fail(labels.error());
   if (labels->label == 0) {
@@ -272,13 +273,14 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   settings.as_placed = false;
   FitOptions fit;
   fit.progress = &progress;
-  auto fitted = fit_to_labels(*session.document().view(), labels->map, settings, {}, fit);
+  auto fitted = fit_to_labels(*view, labels->map, settings, {}, fit);
   if (!fitted) return fail(fitted.error());
   // What is wrong with the fit is said last.
   const std::string reason = fitted->warnings.empty() ? "The fit is doubtful." : fitted->warnings.back();
   const Note figures{"fit", {}, {}, figures_of(*fitted)};
-  if (auto applied = session.apply(std::move(fitted->edit)); !applied) return fail(applied.error());
-  if (auto noted = session.apply(figures); !noted) return fail(noted.error());
+  if (auto applied = session.apply(std::move(fitted->edit), false, one.structure); !applied)
+    return fail(applied.error());
+  if (auto noted = session.apply(figures, false, one.structure); !noted) return fail(noted.error());
   if (auto named = name_labels(session, one.labels); !named) return fail(named.error());
   if (!fitted->doubtful) return labels->warnings.empty() ? std::string() : labels->warnings.front();
   return reason;

@@ -208,7 +208,7 @@ TEST_CASE("the other frames of a cine become cases beside the first") {
   add_cases(state, {"/heart.homolog", "/knee.ply"});
   CHECK(other_frames(state, state.study.cases[0]).empty());
   ReadFile file;
-  file.shapes.edited = {0, 2, 3};
+  file.shapes.structures.push_back({"s1", {}, {0, 2, 3}});
   file.shapes.shown = 2;
   state.files["/heart.homolog"] = file;
   CHECK(other_frames(state, state.study.cases[0]) == std::vector<int>{0, 3});

@@ -13,6 +13,7 @@
 #include "core/model/study.h"
 #include "core/model/training_set.h"
 #include "core/session/case_file.h"
+#include "tests/must.h"
 #include "tests/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -81,14 +82,46 @@ TEST_CASE("of a cine the frames that were edited are shapes and without asking t
   REQUIRE(session.apply(SetFrame{3}));
   const ShapesOfFile shapes = shapes_of(session.document());
   CHECK(shapes.shown == 3);
-  CHECK(shapes.edited == std::vector<int>{1, 3});
+  CHECK(shapes.structure({})->edited == std::vector<int>{1, 3});
   CHECK(shapes.shape({}, "heart").value()->points == lopsided_organ(3).points);
-  CHECK(shapes.shape(1, "heart").value()->points == lopsided_organ(1).points);
-  const auto none = shapes.shape(7, "heart");
+  CHECK(shapes.shape({{}, 1}, "heart").value()->points == lopsided_organ(1).points);
+  const auto none = shapes.shape({{}, 7}, "heart");
   REQUIRE(!none);
   CHECK(none.error().sentence() == "heart: has no mesh at frame 7 yet; place a template in it first");
   CHECK(shape_names({"a/heart.homolog frame 1", "b/heart.homolog frame 1"}) ==
         std::vector<std::string>{"heart frame 1", "heart frame 1-2"});
+}
+
+TEST_CASE("each structure of a case gives its own shapes") {
+  const ShapeFolder files;
+  const fs::path path = files.path / "two.homolog";
+  {
+    const fs::path organ = files.write(lopsided_organ(0), "organ.ply"),
+                   other = files.write(lopsided_organ(5), "other.ply");
+    EditSession made = test::must(create_case(new_document("", nullptr, load_template(organ.string()).value()), path));
+    REQUIRE(made.apply(SetStructure{.id = "s2", .name = "other", .source = other.string()}));
+    REQUIRE(made.apply(SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(6).points)}, false, "s2"));
+  }
+  const ShapesOfFile shapes = test::must(read_shapes_of(path));
+  CHECK(shapes.structure("s2")->edited == std::vector<int>{0});
+  CHECK(shapes.structure({})->edited.empty());
+  CHECK(shapes.shape({"s2", 0}, "two").value()->points == lopsided_organ(6).points);
+  CHECK(shapes.shape({"s1", 0}, "two").value()->points == shapes.shape({{}, 0}, "two").value()->points);
+  const auto none = shapes.shape({"s9", {}}, "two");
+  REQUIRE(!none);
+  CHECK(none.error().sentence() == "two: has no structure \"s9\"; correct the study, or choose another file");
+
+  Study study;
+  study.cases.push_back({"plain", files.write(lopsided_organ(7), "plain.ply")});
+  StudyCase of_second{"second", path, 0};
+  of_second.structure = "s2";
+  study.cases.push_back(of_second);
+  const fs::path file = files.path / "s.study.json";
+  REQUIRE(write_study(study, file));
+  const TrainingSetRead read = test::must(read_training_set({file}));
+  REQUIRE(read.set.shapes.cols() == 2);
+  CHECK(points_of(read.set.shapes, 1) == lopsided_organ(6).points);
+  CHECK(shape_names(read.set.names) == std::vector<std::string>{"plain", "two structure s2 frame 0"});
 }
 
 TEST_CASE("a study stands for its cases and a group for those that belong to it") {

@@ -133,10 +133,12 @@ StudyCase* find_case(Study& study, const std::string& name) {
   return const_cast<StudyCase*>(find_case(std::as_const(study), name));
 }
 
-const StudyCase* find_case(const ModelsState& state, const fs::path& file, int frame) {
+const StudyCase* find_case(const ModelsState& state, const fs::path& file, const Document& document,
+                           std::string_view structure) {
   const auto& cases = state.study.cases;
   const auto found = std::find_if(cases.begin(), cases.end(), [&](const StudyCase& one) {
-    return one.file == file && one.frame.value_or(frame) == frame;
+    return one.file == file && one.frame.value_or(document.frame) == document.frame &&
+           document.structure(one.structure) == document.structure(structure);
   });
   return found == cases.end() ? nullptr : &*found;
 }
@@ -162,9 +164,11 @@ std::optional<int> frame_of(const ModelsState& state, const StudyCase& one) {
 std::vector<int> other_frames(const ModelsState& state, const StudyCase& one) {
   const auto file = state.files.find(one.file);
   if (file == state.files.end()) return {};
-  std::vector<int> frames = file->second.shapes.edited;
+  const ShapesOfStructure* of = file->second.shapes.structure(one.structure);
+  if (of == nullptr) return {};
+  std::vector<int> frames = of->edited;
   for (const StudyCase& other : state.study.cases)
-    if (other.file == one.file)
+    if (other.file == one.file && file->second.shapes.structure(other.structure) == of)
       if (const auto frame = frame_of(state, other)) std::erase(frames, *frame);
   return frames;
 }
@@ -182,6 +186,7 @@ void add_frames(ModelsState& state, const std::string& name) {
     StudyCase one;
     one.file = first.file;
     one.frame = frame;
+    one.structure = first.structure;
     one.group = first.group;
     one.flipped = first.flipped;
     const std::string stem = first.name + " frame " + std::to_string(frame);

@@ -27,6 +27,7 @@ struct RepairPlace {
   std::filesystem::path file;
   std::optional<int> frame;
   std::optional<Eigen::Index> vertex;
+  std::string structure;  ///< empty: the first
 };
 
 /// A text of a case that is being typed.
@@ -124,7 +125,8 @@ std::size_t add_cases(ModelsState& state, const std::vector<std::filesystem::pat
 void remove_case(ModelsState& state, const std::string& name);
 /// Null where there is none of that name.
 /// The study's case of a file's frame; null where it is none.
-const StudyCase* find_case(const ModelsState& state, const std::filesystem::path& file, int frame);
+const StudyCase* find_case(const ModelsState& state, const std::filesystem::path& file, const Document& document,
+                           std::string_view structure);
 StudyCase* find_case(Study& study, const std::string& name);
 const StudyCase* find_case(const Study& study, const std::string& name);
 /// Takes cases left for right from now on, or as they lie where they were flipped.

@@ -99,7 +99,7 @@ void StartFit::run(Editing& editing) const {
   if (chosen.model == FitModel::file) model.model = editing.state.fit_model;
   if (chosen.model == FitModel::study) {
     model.study = editing.state.models.fitted.model;
-    const StudyCase* one = find_case(editing.state.models, snapshot.file, snapshot.document->frame);
+    const StudyCase* one = find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.structure);
     if (one != nullptr) model.left_out = one->name;
   }
   if (chosen.model != FitModel::none && !model.model && !model.study)

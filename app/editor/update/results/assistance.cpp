@@ -36,7 +36,7 @@ void take_fit(Editing& editing, Fitted fitted) {
 
 void ask_model(Editing& editing) {
   const Snapshot& snapshot = editing.shown.snapshot();
-  const StudyCase* one = find_case(editing.state.models, snapshot.file, snapshot.document->frame);
+  const StudyCase* one = find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.structure);
   editing.work.model_help.ask(editing.state.models.fitted.model, one != nullptr ? one->name : std::string());
 }
 

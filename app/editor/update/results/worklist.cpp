@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 StudyCase* case_on_screen(Editing& editing) {
   const Snapshot& snapshot = editing.shown.snapshot();
   if (snapshot.file.empty()) return nullptr;
-  const StudyCase* one = find_case(editing.state.models, snapshot.file, snapshot.document->frame);
+  const StudyCase* one = find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.structure);
   return one == nullptr ? nullptr : find_case(editing.state.models.study, one->name);
 }
 

@@ -27,9 +27,13 @@ ReadFile open_file(const StudyModelRequest& request) {
   ReadFile open{{}, shapes_of(*request.open_document)};
   const auto known = request.known.find(request.open_file);
   if (known == request.known.end()) return open;
-  for (auto& [frame, mesh] : open.shapes.frames) {
-    const auto before = known->second.shapes.frames.find(frame);
-    if (before != known->second.shapes.frames.end() && same_shape(*before->second, *mesh)) mesh = before->second;
+  for (ShapesOfStructure& now : open.shapes.structures) {
+    const ShapesOfStructure* before = known->second.shapes.structure(now.id);
+    if (before == nullptr) continue;
+    for (auto& [frame, mesh] : now.frames)
+      if (const auto found = before->frames.find(frame);
+          found != before->frames.end() && same_shape(*found->second, *mesh))
+        mesh = found->second;
   }
   return open;
 }
@@ -47,7 +51,7 @@ Result<ReadFile> read_file(const fs::path& file, const StudyModelRequest& reques
 }
 
 Result<std::shared_ptr<const MeshFile>> shape_of(const StudyCase& one, const ReadFile& file) {
-  auto mesh = file.shapes.shape(one.frame, one.name);
+  auto mesh = file.shapes.shape({one.structure, one.frame}, one.name);
   if (!mesh || !one.flipped) return mesh;
   return std::make_shared<const MeshFile>(mirrored(**mesh));
 }
@@ -55,7 +59,7 @@ Result<std::shared_ptr<const MeshFile>> shape_of(const StudyCase& one, const Rea
 /// What the study says of the case, or the mesh of itself.
 std::string doubt_of(const StudyCase& one, ReadFile& file) {
   if (!one.doubt.empty()) return one.doubt;
-  const auto own = file.shapes.shape(one.frame, one.name);
+  const auto own = file.shapes.shape({one.structure, one.frame}, one.name);
   if (!own) return {};
   const auto [known, is_new] = file.doubts.try_emplace(*own);
   if (is_new) known->second = doubt_of_shape(**own);

@@ -13,7 +13,7 @@ constexpr std::size_t most_cases = 8;
 /// Errors: no image, no mesh in the frame, another template.
 Result<void> learn_case(const StudyCase& one, const Document& document, Eigen::Index vertices, Appearance& appearance) {
   const int frame = one.frame.value_or(document.frame);
-  const Structure* structure = document.structure();
+  const Structure* structure = document.structure(one.structure);
   const Shape* shape = structure != nullptr ? structure->shape(frame) : nullptr;
   if (!document.scan.image || shape == nullptr)
     return fail(one.name, "has no image with a mesh on it, so nothing can be learned from it");
@@ -56,7 +56,7 @@ LearnedAppearance learn_appearance(const std::vector<StudyCase>& cases, Eigen::I
 void StudyAppearance::ask(std::vector<StudyCase> cases, Eigen::Index vertices) {
   std::vector<std::string> asked;
   for (const StudyCase& one : cases)
-    asked.push_back(one.file.string() + (one.frame ? " " + std::to_string(*one.frame) : ""));
+    asked.push_back(one.file.string() + " " + one.structure + (one.frame ? " " + std::to_string(*one.frame) : ""));
   if (asked == asked_ && vertices == vertices_) return;
   asked_ = std::move(asked);
   vertices_ = vertices;

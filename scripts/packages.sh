@@ -22,10 +22,12 @@ install_missing() {
     $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
 }
 
-# build PRESET [TARGET…]
+# build PRESET [TARGET…]: with ccache where it is installed.
 build() {
-  local preset=$1; shift
-  cmake --preset "$preset" >"build-$preset.log" 2>&1 || { cat "build-$preset.log" >&2; return 1; }
+  local preset=$1 launcher=""; shift
+  command -v ccache >/dev/null && launcher=-DCMAKE_CXX_COMPILER_LAUNCHER=ccache
+  export CCACHE_SLOPPINESS=pch_defines,time_macros
+  cmake --preset "$preset" $launcher >"build-$preset.log" 2>&1 || { cat "build-$preset.log" >&2; return 1; }
   rm -f "build-$preset.log"
   cmake --build --preset "$preset" ${1:+--target "$@"}
 }

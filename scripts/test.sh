@@ -23,7 +23,7 @@ step() {
 suite() {
   local preset=$1 start=$SECONDS output
   output=$(mktemp)
-  ctest --test-dir "build/$preset" --output-on-failure -j2 2>&1 | tee "$output" |
+  ctest --test-dir "build/$preset" --output-on-failure -j"$(nproc)" 2>&1 | tee "$output" |
     grep -vE '^ *(Start|[0-9]+/[0-9]+ Test .*Passed)'
   count_tests "$output" "build/$preset/Testing/Temporary/LastTest.log"
   rm -f "$output"

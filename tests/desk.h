@@ -52,10 +52,10 @@ struct Desk {
   /// A px on the outline in a slice view: sideways from the cross-hair.
   Eigen::Vector2d on_outline(ViewKind kind) {
     const ViewMap map = view_map(state, layout, document, kind);
-    const Eigen::Vector2d start = *map.to_px(state.crosshair_mm);
+    const Eigen::Vector2d start = *map.to_px(state.look.crosshair_mm);
     for (double x = start.x(); x > layout.image(kind).x; x -= 1) {
       update_hover(state, context(), x, start.y());
-      if (state.hover && state.hover->on_mesh) return *map.to_px(*state.hover->on_mesh);
+      if (state.pointer.hover && state.pointer.hover->on_mesh) return *map.to_px(*state.pointer.hover->on_mesh);
     }
     FAIL("the cross-hair's row does not meet the outline");
     return start;

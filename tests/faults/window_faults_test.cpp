@@ -151,10 +151,10 @@ std::vector<Deed> openings() {
          apply(driver, BallDesk::pull(4));
        }},
       {"fit to a label", label,
-       [](Driver& driver, const BallDesk&) { driver.app().send(StartFit{driver.state().fit_settings}); }},
+       [](Driver& driver, const BallDesk&) { driver.app().send(StartFit{driver.state().automatic.fit_settings}); }},
       {"make a template and use it", label,
        [](Driver& driver, const BallDesk& desk) {
-         TemplateSettings settings = driver.state().template_settings;
+         TemplateSettings settings = driver.state().automatic.template_settings;
          settings.mask.vertices = 300;
          driver.app().send(MakeTemplate{settings, {}});
          driver.settle();

@@ -46,8 +46,8 @@ void draw_show_toggles(const UiContext& ui, Outbox& out) {
 /// The steps that can be done again, the last of them first, and those that can be taken back: a click goes there.
 void draw_history_menu(const UiContext& ui, Outbox& out) {
   if (!begin_menu(ui.theme, "history")) return;
-  const auto& undo = ui.snapshot.undo_names;
-  const auto& redo = ui.snapshot.redo_names;
+  const auto& undo = ui.snapshot().undo_names;
+  const auto& redo = ui.snapshot().redo_names;
   const int back = static_cast<int>(undo.size()), on = static_cast<int>(redo.size());
   const auto item = [&](const std::string& text, int steps, const char* tip) {
     ImGui::PushID(steps);
@@ -64,9 +64,9 @@ void draw_history_menu(const UiContext& ui, Outbox& out) {
 
 void draw_history_buttons(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const auto& undo = ui.snapshot.undo_names;
-  const auto& redo = ui.snapshot.redo_names;
-  const bool fits = ui.fitter.busy() || ui.propagator.busy();
+  const auto& undo = ui.snapshot().undo_names;
+  const auto& redo = ui.snapshot().redo_names;
+  const bool fits = ui.work.fitter.busy() || ui.work.propagator.busy();
   if (icon_button(theme, icon::undo, "undo",
                   fits           ? "Stop the fit (Ctrl+Z)"
                   : undo.empty() ? "Undo (Ctrl+Z)"
@@ -108,7 +108,7 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
   const float toggles = 6 * theme.px(30) + 3 * theme.px(30) + theme.px(16);
   const float beside = std::max(toggles, theme.px(320));  // the switch and the file buttons
   ImGui::PushFont(theme.strong);
-  const std::string whole = case_title(ui.snapshot);
+  const std::string whole = case_title(ui.snapshot());
   const std::string title = shortened(whole, bar.width - 2 * (beside + theme.px(16)));
   const ImVec2 size = ImGui::CalcTextSize(title.c_str());
   const ImVec2 title_at{std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)};
@@ -139,7 +139,7 @@ void draw_tool_strip(const UiContext& ui, Outbox& out) {
   for (const ToolKind* kind : tool_kinds) {
     if (kind->glyph[0] == '\0') continue;
     const std::string refusal = kind->needs_image ? ui.needs_volume() : ui.needs_shape();
-    if (icon_button(theme, kind->glyph, kind->name, kind->tip, refusal, ui.state.tool == kind->tool, 40))
+    if (icon_button(theme, kind->glyph, kind->name, kind->tip, refusal, ui.state.hand.tool == kind->tool, 40))
       out.send(ChooseTool{kind->tool});
     if (kind->ends_group) gap(theme, 4);
   }

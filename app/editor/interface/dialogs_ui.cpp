@@ -250,7 +250,7 @@ void draw_replace(const UiContext& ui, const ReplaceDialog& dialog, Outbox& out)
 void draw_quit(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "This case was not saved", 520, 0)) close_dialog(out);
-  const bool kept = !ui.snapshot.file.empty();
+  const bool kept = !ui.snapshot().file.empty();
   explanation(theme,
               kept ? "It is kept, and offered again at the next start."
                    : "It could not be written to the disk. Save it in a folder that you may write to, or it is lost.");

@@ -81,8 +81,8 @@ void Drawing::draw(int width_px, int height_px, double frames_per_second) {
   if (letters_wait()) find_letters();
   if (light_ != state_.preferences.light) set_scale(scale_);
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
-                        {state_.maximised, state_.preferences.panel_open, state_.models.shown});
-  if (!state_.models.shown && std::exchange(state_.fit_views_wanted, false)) {
+                        {state_.look.maximised, state_.preferences.panel_open, state_.models.shown});
+  if (!state_.models.shown && std::exchange(state_.look.fit_views_wanted, false)) {
     show_all(state_, shown_.document(), layout_);
     if (const auto frame = Models::show_repair(state_, shown_.snapshot())) out_.send(ShowFrame{*frame});
   }
@@ -110,7 +110,7 @@ void Drawing::draw_pictures(int width_px, int height_px) {
     const Scene scene = scenes_.scene(input, kind);
     views[index_of(kind)] =
         kind == ViewKind::space
-            ? pictures_->space(scene, state_.camera, target, state_.drag.has_value())
+            ? pictures_->space(scene, state_.look.camera, target, state_.pointer.drag.has_value())
             : pictures_->slice(kind, scene, slice_view(state_, kind, geometry_of(shown_.document())), target);
   }
   const ModelsLayout models = models_layout(layout_);
@@ -155,7 +155,7 @@ Result<Picture> Drawing::window_picture() {
   (*framebuffer)->bind();
   // As it is on the screen, but for what the pointer and the program have to say just now.
   auto notices = std::exchange(state_.notices, {});
-  auto hover = std::exchange(state_.hover, std::nullopt);
+  auto hover = std::exchange(state_.pointer.hover, std::nullopt);
   const Hints hints = std::exchange(state_.preferences.hints, {true, true, true});
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
@@ -164,7 +164,7 @@ Result<Picture> Drawing::window_picture() {
   draw(width, height, 0);
   io.MousePos = pointer;
   state_.preferences.hints = hints;
-  state_.hover = std::move(hover);
+  state_.pointer.hover = std::move(hover);
   state_.notices.insert(state_.notices.begin(), notices.begin(), notices.end());
   return (*framebuffer)->read();
 }
@@ -179,9 +179,9 @@ void Drawing::draw_view_picture(const PictureOptions& options) {
         make_layout(layout_.top_bar.width, layout_.status_line.y + layout_.status_line.height, scale_, {}).image(kind);
   const double smaller = std::max(rect.width / width, rect.height / height);
   EditorState state = state_;
-  state.hover.reset();
+  state.pointer.hover.reset();
   state.preferences.light = options.light;  // of the picture's ground, not of the window
-  if (kind != ViewKind::space) state.slices[index_of(kind)].mm_per_px *= smaller;
+  if (kind != ViewKind::space) state.look.slices[index_of(kind)].mm_per_px *= smaller;
   const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / smaller)};
   const SceneBuilder::Input input = scene_input(state);
   Scene scene = scenes_.scene(input, kind);
@@ -191,7 +191,7 @@ void Drawing::draw_view_picture(const PictureOptions& options) {
     scene.background = {1, 1, 1, 1};
   const auto drawn =
       kind == ViewKind::space
-          ? pictures_->renderer().draw(scene, state.camera, target)
+          ? pictures_->renderer().draw(scene, state.look.camera, target)
           : pictures_->renderer().draw(scene, slice_view(state, kind, geometry_of(shown_.document())), target);
   if (!drawn) add_notice(state_, drawn.error().sentence());  // the rest of the scene is there all the same
   if (!options.captions) return;
@@ -294,28 +294,14 @@ std::vector<RunningWork> Drawing::running_work() const {
 }
 
 UiContext Drawing::ui_context(const EditorState& state, double fps) const {
-  return {*theme_,
-          layout_,
-          state,
-          shown_.snapshot(),
-          shown_.displayed(),
-          work_.quality,
-          running_work(),
-          shown_.labels().volume,
-          shown_.labels().name,
-          shown_.labels().values,
-          shown_.labels().sizes_mm,
-          shown_.labels().frame,
-          work_.template_maker,
-          work_.fitter,
-          work_.propagator,
-          work_.study_appearance,
-          thumbnails_,
-          work_.observers.busy() ? std::optional(work_.observers.fraction()) : std::nullopt,
-          work_.snaps.busy(),
-          shown_making(state, work_) != nullptr,
-          fps,
-          shown_.template_is_mirrored()};
+  return {.theme = *theme_,
+          .layout = layout_,
+          .state = state,
+          .on_screen = shown_,
+          .work = work_,
+          .thumbnails = thumbnails_,
+          .running = running_work(),
+          .frames_per_second = fps};
 }
 
 }  // namespace homolog

@@ -88,7 +88,7 @@ bool faces_away(const UiContext& ui, std::size_t landmark, const Points& points)
   const Template& the_template = *ui.structure()->the_template;
   const auto t = the_template.topology->triangles().row(the_template.landmark_points[landmark].face);
   const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
-  return (b - a).cross(c - a).dot(ui.state.camera.to_eye) < 0;
+  return (b - a).cross(c - a).dot(ui.state.look.camera.to_eye) < 0;
 }
 
 std::vector<ShownLandmark> shown_landmarks(const UiContext& ui, const ViewMap& map) {
@@ -101,7 +101,7 @@ std::vector<ShownLandmark> shown_landmarks(const UiContext& ui, const ViewMap& m
     ShownLandmark one{the_template.landmarks[l].name};
     one.met = hold.met;
     one.held = hold.held;
-    one.lit = hold.placed && ui.state.hover && ui.state.hover->landmark == one.name;
+    one.lit = hold.placed && ui.state.pointer.hover && ui.state.pointer.hover->landmark == one.name;
     const float side = !map.is_slice() && faces_away(ui, l, *shape.points) ? behind : 1;
     const auto look_at = [&](const Vec3& p_mm, std::optional<ImVec2>& at, float& alpha) {
       const auto px = map.to_px(p_mm);
@@ -130,7 +130,7 @@ std::array<Letters, 4> letters_of(const UiContext& ui, const ViewMap& map) {
   ImFont* font = ui.theme.strong;
   const float inset = ui.theme.px(8);
   const Vec3 right = map.right();
-  const Vec3 down = map.is_slice() ? map.slice().down : Vec3(-ui.state.camera.up);
+  const Vec3 down = map.is_slice() ? map.slice().down : Vec3(-ui.state.look.camera.up);
   const auto put = [&](const Vec3& direction, float share_x, float share_y) {
     const std::string letters = direction_letters(direction);
     const ImVec2 size = text_size(font, letters);
@@ -142,7 +142,7 @@ std::array<Letters, 4> letters_of(const UiContext& ui, const ViewMap& map) {
 }
 
 void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
-  if (ui.making_shown) return;
+  if (ui.making_shown()) return;
   auto shown = shown_landmarks(ui, map);
   NameTags tags(ui.theme, map.rect(), draw);
   if (ui.state.preferences.show.letters)
@@ -157,7 +157,7 @@ void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
     if (a.placed.has_value() != b.placed.has_value()) return a.placed.has_value();
     return a.alpha > b.alpha;
   });
-  const bool named = ui.state.tool == MouseTool::template_landmark || ui.state.tool == MouseTool::landmark;
+  const bool named = ui.state.hand.tool == MouseTool::template_landmark || ui.state.hand.tool == MouseTool::landmark;
   constexpr float faint = 0.3f;
   for (const ShownLandmark& one : shown) {
     if (one.carried) {

@@ -15,8 +15,8 @@ namespace {
 
 /// "R 17.6 P 35.3 S 12.1    voxel 120 88 40    124": where the pointer is.
 std::string read_out(const UiContext& ui) {
-  if (!ui.state.hover || !ui.state.hover->p_mm) return {};
-  const Vec3& p_mm = *ui.state.hover->p_mm;
+  if (!ui.state.pointer.hover || !ui.state.pointer.hover->p_mm) return {};
+  const Vec3& p_mm = *ui.state.pointer.hover->p_mm;
   std::string text = position_text(p_mm);
   const auto& volume = ui.document().scan.image;
   if (!volume) return text;
@@ -63,15 +63,15 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   const float y = begin_status_line(ui);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float left = bar.x + theme.px(12), middle = bar.x + std::max(theme.px(300), std::round(bar.width * 0.36f));
-  const auto& snapshot = ui.snapshot;
-  const Status status = status_of(ui.state, snapshot, ui.document(), ui.making_shown);
+  const auto& snapshot = ui.snapshot();
+  const Status status = status_of(ui.state, snapshot, ui.document(), ui.making_shown());
   const ImU32 colour = status.warns ? palette::amber : palette::dim;
   const std::string message = status.warns ? std::string(icon::warning) + "  " + status.text : status.text;
 
   std::string right;
   if (snapshot.solver_ms > 0) right = format("solved in %.2f ms", snapshot.solver_ms);
   // A window at rest, or one that shows how far work is, draws as seldom as it can.
-  const bool moves = ui.state.drag || ui.state.playing;
+  const bool moves = ui.state.pointer.drag || ui.state.look.playing;
   if (moves && ui.frames_per_second >= 1) right += format("    %.0f frames/s", ui.frames_per_second);
   std::optional<EvenDigits> digits(std::in_place, theme);  // gone before the line ends
   const ImVec2 size = ImGui::CalcTextSize(right.c_str());

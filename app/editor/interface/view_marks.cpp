@@ -38,7 +38,7 @@ void put_within(ImDrawList& draw, const Theme& theme, const RectPx& view, ImVec2
 void draw_scale_bar(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const RectPx& rect = map.rect();
   const Theme& theme = ui.theme;
-  const double mm_per_px = map.mm_per_px(ui.state.crosshair_mm);
+  const double mm_per_px = map.mm_per_px(ui.state.look.crosshair_mm);
   const float x = rect.x + theme.px(12), aside = theme.px(8), tick = theme.px(4);
   float y = rect.y + rect.height - theme.px(14), longest_px = 0.25f * rect.width;
   if (ui.state.preferences.show.letters) {
@@ -64,7 +64,7 @@ void draw_scale_bar(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
 
 /// Lines of the other two planes, in their hues, with a gap around the cross-hair's middle.
 void draw_crosshair(const UiContext& ui, ViewKind kind, const ViewMap& map, ImDrawList& draw) {
-  const auto middle = map.to_px(ui.state.crosshair_mm);
+  const auto middle = map.to_px(ui.state.look.crosshair_mm);
   if (!middle) return;
   const VolumeGeometry geometry = geometry_of(ui.document());
   const float gap_px = ui.theme.px(12);
@@ -86,10 +86,11 @@ void draw_placement_handles(const UiContext& ui, const ViewMap& map, ImDrawList&
   const auto handles = placement_handles(map, *ui.shown().shape.points, ui.theme.scale);
   if (!handles) return;
   PlacePart lit = PlacePart::none;
-  if (ui.state.drag) {
-    if (const auto* drag = std::get_if<PlaceDrag>(&*ui.state.drag)) lit = drag->part;
-  } else if (ui.state.hover && map.rect().contains(ui.state.hover->x_px, ui.state.hover->y_px)) {
-    lit = ui.state.hover->part;
+  if (ui.state.pointer.drag) {
+    if (const auto* drag = std::get_if<PlaceDrag>(&*ui.state.pointer.drag)) lit = drag->part;
+  } else if (ui.state.pointer.hover &&
+             map.rect().contains(ui.state.pointer.hover->x_px, ui.state.pointer.hover->y_px)) {
+    lit = ui.state.pointer.hover->part;
   }
   const auto colour = [&](PlacePart part) { return lit == part ? palette::accent : with_alpha(palette::mark, 0.7f); };
   const auto radius = static_cast<float>(handles->radius_px);
@@ -115,13 +116,13 @@ void draw_stroke_note(const UiContext& ui, const StrokeDrag& drag, bool stopped,
     ImU32 colour;
     std::string text;
   };
-  const double moved_mm = ui.snapshot.preview ? ui.snapshot.preview->moved_mm : 0;
+  const double moved_mm = ui.snapshot().preview ? ui.snapshot().preview->moved_mm : 0;
   std::vector<Line> lines{
       {ui.theme.even_digits(ui.theme.strong), stopped ? palette::amber : palette::mark,
        format("%.1f mm%s", moved_mm, stopped ? "  stopped" : "")},
       {ui.theme.even_digits(ui.theme.small), palette::mark_dim, format("\xcf\x83 %.1f mm", drag.stroke.sigma_mm)}};
-  const auto& figures = ui.quality.latest();
-  if (figures && figures->intersecting > ui.state.intersecting_at_rest)
+  const auto& figures = ui.work.quality.latest();
+  if (figures && figures->intersecting > ui.state.found.intersecting_at_rest)
     lines.push_back({ui.theme.small, palette::amber, "passes through the opposite wall"});
   ImVec2 size{0, 0};
   for (const Line& line : lines) {
@@ -129,7 +130,8 @@ void draw_stroke_note(const UiContext& ui, const StrokeDrag& drag, bool stopped,
     size = {std::max(size.x, one.x), size.y + one.y};
   }
   const float pad = ui.theme.px(6), right = ui.theme.px(20), below = ui.theme.px(12);
-  const auto px = static_cast<float>(ui.state.hover->x_px), py = static_cast<float>(ui.state.hover->y_px);
+  const auto px = static_cast<float>(ui.state.pointer.hover->x_px),
+             py = static_cast<float>(ui.state.pointer.hover->y_px);
   const auto low_x = static_cast<float>(view.x) + pad, low_y = static_cast<float>(view.y) + pad;
   const float high_x = low_x + static_cast<float>(view.width) - 2 * pad - size.x;
   const float high_y = low_y + static_cast<float>(view.height) - 2 * pad - size.y;
@@ -145,17 +147,17 @@ void draw_stroke_note(const UiContext& ui, const StrokeDrag& drag, bool stopped,
 
 /// The gesture's hold on the surface, its σ as a ring, and what is said of it at the pointer.
 void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map, ImDrawList& draw) {
-  const bool stopped = ui.snapshot.preview && ui.snapshot.preview->stopped_by_guard;
+  const bool stopped = ui.snapshot().preview && ui.snapshot().preview->stopped_by_guard;
   const ImU32 colour = stopped ? palette::amber : palette::mark;
-  const Vec3 held = ui.snapshot.preview && ui.snapshot.preview->on ? *ui.snapshot.preview->on : drag.stroke.at;
+  const Vec3 held = ui.snapshot().preview && ui.snapshot().preview->on ? *ui.snapshot().preview->on : drag.stroke.at;
   draw_ring(draw, map, held, drag.stroke.sigma_mm, with_alpha(colour, 0.55f));
   if (const auto px = map.to_px(held)) draw.AddCircleFilled(on_screen(*px), ui.theme.px(3), colour);
-  if (ui.state.hover && drag.moved) draw_stroke_note(ui, drag, stopped, map.rect(), draw);
+  if (ui.state.pointer.hover && drag.moved) draw_stroke_note(ui, drag, stopped, map.rect(), draw);
 }
 
 /// The finding that is looked at: its triangles, a ring, and what it is.
 void draw_finding(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
-  const ShownFinding& shown = *ui.state.finding;
+  const ShownFinding& shown = *ui.state.found.finding;
   const Points& points = *ui.shown().shape.points;
   const auto& triangles = ui.structure()->the_template->topology->triangles();
   if (shown.finding.vertex >= points.rows()) return;
@@ -185,17 +187,18 @@ void draw_finding(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
 
 /// What a press would do: the point that would be taken hold of, with σ or the brush around it.
 void draw_hover(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
-  const Hover& hover = *ui.state.hover;
-  const ToolMarks marks = kind_of(ui.state.tool).marks;
+  const Hover& hover = *ui.state.pointer.hover;
+  const ToolMarks marks = kind_of(ui.state.hand.tool).marks;
   const bool brush = marks == ToolMarks::brush_circle;
   if (brush && map.is_slice()) {
     // The circle paints what it covers, wherever its middle is.
-    draw_ring(draw, map, *hover.p_mm, ui.state.brush.radius_mm, with_alpha(palette::mark, hover.on_mesh ? 0.6f : 0.2f));
+    draw_ring(draw, map, *hover.p_mm, ui.state.hand.brush.radius_mm,
+              with_alpha(palette::mark, hover.on_mesh ? 0.6f : 0.2f));
     return;
   }
   if (!hover.on_mesh) return;
   if (!brush && marks != ToolMarks::sigma_ring) return;
-  const double radius_mm = brush ? ui.state.brush.radius_mm : ui.state.sigma_mm();
+  const double radius_mm = brush ? ui.state.hand.brush.radius_mm : ui.state.hand.sigma_mm();
   draw_ring(draw, map, *hover.on_mesh, radius_mm, with_alpha(palette::mark, 0.35f));
   if (const auto px = map.to_px(*hover.on_mesh)) {
     draw.AddCircleFilled(on_screen(*px), ui.theme.px(4), palette::mark);
@@ -204,7 +207,7 @@ void draw_hover(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
 }
 
 void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
-  const Ruler& ruler = *ui.state.ruler;
+  const Ruler& ruler = *ui.state.hand.ruler;
   const auto from = map.to_px(ruler.from), to = map.to_px(ruler.to);
   if (!from || !to) return;
   const double half_step_mm = slice_step_mm(geometry_of(ui.document()), map.into_screen()) / 2;
@@ -253,9 +256,10 @@ void draw_guide_arrow(const UiContext& ui, const GuideStep& step, const ViewMap&
 
 void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const Hints& hints = ui.state.preferences.hints;
-  if (ui.state.hints_over || !ui.has_shape() || ui.state.drag || (ui.state.guide && ui.state.guide->shown)) return;
+  if (ui.state.hints_over || !ui.has_shape() || ui.state.pointer.drag || (ui.state.guide && ui.state.guide->shown))
+    return;
   std::string text;
-  if (kind == ViewKind::axial && !hints.dragged && kind_of(ui.state.tool).stroke)
+  if (kind == ViewKind::axial && !hints.dragged && kind_of(ui.state.hand.tool).stroke)
     text = "Drag the coloured outline to the organ's edge";
   else if (kind == ViewKind::sagittal && !hints.scrolled)
     text = "Turn the wheel to go through the slices";
@@ -314,17 +318,17 @@ void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   {
     const MarksOnGround marks(!map.is_slice() && ui.state.preferences.light);
     if (show.crosshair && map.is_slice()) draw_crosshair(ui, kind, map, draw);
-    if (ui.state.ruler) draw_ruler(ui, map, draw);
+    if (ui.state.hand.ruler) draw_ruler(ui, map, draw);
     if (ui.has_shape()) {
       draw_landmarks(ui, map, draw);
-      if (kind_of(ui.state.tool).marks == ToolMarks::handles) draw_placement_handles(ui, map, draw);
-      if (ui.state.finding) draw_finding(ui, map, draw);
+      if (kind_of(ui.state.hand.tool).marks == ToolMarks::handles) draw_placement_handles(ui, map, draw);
+      if (ui.state.found.finding) draw_finding(ui, map, draw);
     }
     if (show.letters) draw_letters(ui, map, draw);
     if (map.is_slice()) draw_scale_bar(ui, map, draw);
   }
   // In the 3D view, or in the one that fills the window: above its scale bar and the letters.
-  if (kind == ui.state.maximised.value_or(ViewKind::space)) {
+  if (kind == ui.state.look.maximised.value_or(ViewKind::space)) {
     const RectPx& rect = map.rect();
     const bool narrow = rect.width < ui.theme.px(420), above = map.is_slice() || (show.letters && narrow);
     // For a while a narrow view has a hint there.
@@ -334,9 +338,10 @@ void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const auto& guide = ui.state.guide;
   const bool pulls = guide && guide->shown && guide->at < guide->steps.size() && ui.has_shape();
   if (pulls && guide->steps[guide->at].view == kind) draw_guide_arrow(ui, guide->steps[guide->at], map, draw);
-  const auto* stroke = ui.state.drag ? std::get_if<StrokeDrag>(&*ui.state.drag) : nullptr;
+  const auto* stroke = ui.state.pointer.drag ? std::get_if<StrokeDrag>(&*ui.state.pointer.drag) : nullptr;
   if (stroke != nullptr && stroke->view == kind) draw_stroke(ui, *stroke, map, draw);
-  if (!ui.state.drag && ui.state.hover && ui.state.hover->view == kind) draw_hover(ui, map, draw);
+  if (!ui.state.pointer.drag && ui.state.pointer.hover && ui.state.pointer.hover->view == kind)
+    draw_hover(ui, map, draw);
   draw_hints(ui, kind, draw);
 }
 

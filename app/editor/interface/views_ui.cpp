@@ -16,7 +16,7 @@ namespace {
 void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
   const Theme& theme = ui.theme;
   const RectPx& rect = ui.layout.headers[index_of(kind)];
-  const std::string title = view_title(kind, geometry_of(ui.document()), ui.state.own_planes);
+  const std::string title = view_title(kind, geometry_of(ui.document()), ui.state.look.own_planes);
   begin_region(("header " + title).c_str(), rect, palette::surface);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.AddRectFilled({rect.x, rect.y}, {rect.x + theme.px(3), rect.y + rect.height}, view_hue(kind));
@@ -28,7 +28,7 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
 
   if (kind != ViewKind::space) {
     const Vec3 normal = slice_view(ui.state, kind, geometry_of(ui.document())).normal();
-    const double along = normal.dot(ui.state.crosshair_mm);
+    const double along = normal.dot(ui.state.look.crosshair_mm);
     const std::string letters = direction_letters(along < 0 ? Vec3(-normal) : normal);
     const std::string position = format("%s %.1f mm", letters.c_str(), std::abs(along));
     const EvenDigits digits(theme);
@@ -37,7 +37,7 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
 
   const float side = theme.px(24), top = theme.px(2);
   ImGui::SetCursorPos({rect.width - side - theme.px(4), top});
-  const bool whole = ui.state.maximised == kind;
+  const bool whole = ui.state.look.maximised == kind;
   if (icon_button(theme, whole ? icon::shrink : icon::enlarge, "maximise",
                   whole ? "All four views (double-click)" : "This view alone (double-click)", {}, false, 24))
     out.send(MaximiseView{whole ? std::nullopt : std::optional(kind)});
@@ -48,8 +48,8 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
 
 /// What the pointer's shape tells: what a press would take hold of, or what the drag does.
 ImGuiMouseCursor pointer_shape(const EditorState& state) {
-  if (state.drag && is_of_view(*state.drag)) return ImGuiMouseCursor_ResizeAll;
-  switch (kind_of(state.drag ? state.begun_with : state.tool).cursor(state)) {
+  if (state.pointer.drag && is_of_view(*state.pointer.drag)) return ImGuiMouseCursor_ResizeAll;
+  switch (kind_of(state.pointer.drag ? state.pointer.begun_with : state.hand.tool).cursor(state)) {
     case PointerShape::arrow:
       return ImGuiMouseCursor_Arrow;
     case PointerShape::hand:
@@ -83,12 +83,12 @@ void draw_views(const UiContext& ui, Outbox& out) {
     draw_view_marks(ui, kind, draw);
     leave_part();
     draw.PopClipRect();
-    const bool under_pointer = ui.state.hover && ui.state.hover->view == kind;
+    const bool under_pointer = ui.state.pointer.hover && ui.state.pointer.hover->view == kind;
     draw.AddRect(low, high, with_alpha(view_hue(kind), under_pointer ? 0.9f : 0.35f));
     if (has_guides_pull(ui, kind)) draw.AddRect(low, high, palette::accent, 0, 0, ui.theme.px(2));
     draw_header(ui, kind, out);
   }
-  if (ui.state.drag || ui.state.hover) ImGui::SetMouseCursor(pointer_shape(ui.state));
+  if (ui.state.pointer.drag || ui.state.pointer.hover) ImGui::SetMouseCursor(pointer_shape(ui.state));
 }
 
 }  // namespace homolog

@@ -13,14 +13,14 @@ namespace homolog {
 
 CaseNumber::CaseNumber(const UiContext& ui, std::string control, double committed)
     : value(committed), ui_(ui), control_(std::move(control)), committed_(committed) {
-  const auto& edit = ui.state.panel_edit;
+  const auto& edit = ui.state.hand.panel_edit;
   if (edit && edit->control == control_) value = edit->value;
 }
 
 void CaseNumber::settle(bool changed, bool released, const std::function<Action(double)>& action_for,
                         Outbox& out) const {
   if (changed && !released) {
-    if (ui_.state.playing) out.send(PlayFrames{false});
+    if (ui_.state.look.playing) out.send(PlayFrames{false});
     out.send(ChangeNumber{PanelEdit{control_, value}});
     out.preview(action_for(value));
   }

@@ -38,8 +38,8 @@ void draw_window_presets(const UiContext& ui, Outbox& out) {
   const auto& volume = ui.document().scan.image;
   const bool ct = volume && (volume->modality == "CT" || volume->range_min < -500);
   const std::string refusal = !volume ? ui.needs_volume() : ct ? "" : "Only for CT images: their values are in HU.";
-  const double centre = (ui.state.window_low + ui.state.window_high) / 2;
-  const double window_width = ui.state.window_high - ui.state.window_low;
+  const double centre = (ui.state.look.window_low + ui.state.look.window_high) / 2;
+  const double window_width = ui.state.look.window_high - ui.state.look.window_low;
   figure(theme, "Window", format("%.4g \xc2\xb1 %.4g", centre, window_width / 2),
          "Centre and half width of the grey values shown. A right-drag in a slice changes them");
   const float width = (ImGui::GetContentRegionAvail().x - 3 * theme.px(4)) / 4;
@@ -60,20 +60,21 @@ void draw_window_presets(const UiContext& ui, Outbox& out) {
 void draw_labels_frame(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const int shown = shown_frame(ui.state, ui.document());
-  const auto& of = ui.labels_frame;
+  const auto& of = ui.labels().frame;
   const char* const tip = "The label map holds one frame. It is shown there only";
   if (!of)
-    figure(theme, "Belongs to", !ui.labels ? "none" : "every frame", "A label map of one frame is shown at its frame");
+    figure(theme, "Belongs to", !ui.labels().volume ? "none" : "every frame",
+           "A label map of one frame is shown at its frame");
   else if (figure_link(theme, "Belongs to", format("frame %d", *of), format("%s. Click to go there", tip),
                        *of == shown ? palette::text : palette::amber)) {
     out.send(SeekFrame{*of});
     out.send(ShowFrame{*of});
   }
   if (button(theme, "It is of this frame", format("The label map belongs to frame %d, which is shown", shown),
-             !ui.labels     ? "Overlay a label map first."
-             : !of          ? "The label map holds every frame."
-             : *of == shown ? "It belongs to this frame already."
-                            : "",
+             !ui.labels().volume ? "Overlay a label map first."
+             : !of               ? "The label map holds every frame."
+             : *of == shown      ? "It belongs to this frame already."
+                                 : "",
              ImGui::GetContentRegionAvail().x))
     out.send(SetLabelsFrame{shown});
 }
@@ -117,7 +118,7 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   bool radiological = ui.state.preferences.radiological;
   if (toggle(theme, "Radiological", radiological, "Shows the patient's right side on the left of the screen"))
     out.send(ShowRadiological{radiological});
-  bool own = ui.state.own_planes;
+  bool own = ui.state.look.own_planes;
   if (toggle(
           theme, "The image's own planes", own, "Slices lie as they were acquired, not along the patient's axes",
           is_oblique(document.scan.image->geometry) ? "" : "The image was acquired along the patient's axes already."))
@@ -131,21 +132,21 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
 
   rule(theme);
   // The same rows with a label map and without one: what lies below stays where it is when one is opened.
-  figure(theme, "Labels", ui.labels ? ui.labels_name : "none");
-  double opacity = 100 * ui.state.label_opacity;
+  figure(theme, "Labels", ui.labels().volume ? ui.labels().name : "none");
+  double opacity = 100 * ui.state.look.label_opacity;
   bool released = false;
   if (slider(theme, "Opacity", opacity, {0, 100, "%.0f", "%", false}, "Of the label map over the image", released,
-             ui.labels ? "" : "Overlay a label map first."))
+             ui.labels().volume ? "" : "Overlay a label map first."))
     out.send(SetLabelOpacity{opacity / 100});
   ShownParts parts = ui.state.preferences.show;
   if (toggle(
           theme, "Label's surface in 3D", parts.label_surface,
           "The smooth surface of the label that a fit would go to (Place), seen through, to compare the mesh with (U)",
-          ui.labels ? "" : "Overlay a label map first."))
+          ui.labels().volume ? "" : "Overlay a label map first."))
     out.send(ShowParts{parts});
   const float width = ImGui::GetContentRegionAvail().x;
   if (document.scan.image->frames > 1) draw_labels_frame(ui, out);
-  if (ui.labels) {
+  if (ui.labels().volume) {
     if (button(theme, "Remove the overlay", "The file is not changed", {}, width)) out.send(CloseLabels{});
   } else if (button(theme, "Overlay a label map…", "Shown over the slices in colours", {}, width)) {
     out.send(ShowFileDialog{FilePurpose::open_labels, {}});

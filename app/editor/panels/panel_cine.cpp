@@ -30,11 +30,13 @@ void draw_frame_controls(const UiContext& ui, Outbox& out) {
     out.send(SeekFrame{static_cast<int>(std::lround(value))});
   // A number that is typed changes and is released at once.
   const int wanted = static_cast<int>(std::lround(value));
-  if (released && !ui.state.playing && (ui.state.shown_frame || wanted != document.frame)) out.send(ShowFrame{wanted});
+  if (released && !ui.state.look.playing && (ui.state.look.shown_frame || wanted != document.frame))
+    out.send(ShowFrame{wanted});
   if (button(theme,
-             std::string(ui.state.playing ? icon::pause : icon::play) + (ui.state.playing ? "  Pause" : "  Play"),
+             std::string(ui.state.look.playing ? icon::pause : icon::play) +
+                 (ui.state.look.playing ? "  Pause" : "  Play"),
              "Play the frames (Space)"))
-    out.send(PlayFrames{!ui.state.playing});
+    out.send(PlayFrames{!ui.state.look.playing});
   ImGui::SameLine();
   static const decltype(Structure::shapes) none;
   const auto& shapes = ui.structure() != nullptr ? ui.structure()->shapes : none;
@@ -63,8 +65,8 @@ std::string frames_in_words(const std::vector<int>& frames) {
 
 void draw_propagate(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const bool busy = ui.propagator.busy();
-  const std::string needs = ui.fitter.busy() ? "Wait for the fit." : ui.needs_shape();
+  const bool busy = ui.work.propagator.busy();
+  const std::string needs = ui.work.fitter.busy() ? "Wait for the fit." : ui.needs_shape();
   const std::string from = needs.empty() ? frames_in_words(starting_frames(ui.shown())) : "";
   if (button(theme, "Propagate",
              "Carries the mesh of " + from +
@@ -72,7 +74,7 @@ void draw_propagate(const UiContext& ui, Outbox& out) {
              busy ? "The mesh is being carried through the cine." : needs, ImGui::GetContentRegionAvail().x, true))
     out.send(PropagateFrames{});
   std::optional<WorkShown> running;
-  if (busy) running = {"Propagating", ui.propagator.fraction(), "The meshes stay as they were (Escape)"};
+  if (busy) running = {"Propagating", ui.work.propagator.fraction(), "The meshes stay as they were (Escape)"};
   if (work_area(theme, from.empty() ? "" : "From " + from + ". Correct a frame, and propagate again.", running))
     out.send(CancelPropagation{});
   if (!needs.empty()) return;
@@ -206,7 +208,7 @@ void draw_doubts(const UiContext& ui, const VolumeCurve& curve, Outbox& out) {
   ImGui::SameLine(0, theme.px(8));
   if (button(theme, "Volumes\xe2\x80\xa6", "The volume of every frame as a table: .csv", {}, half))
     out.send(ShowFileDialog{FilePurpose::export_volumes,
-                            case_name(ui.snapshot.file, *ui.snapshot.document) + "-volumes.csv"});
+                            case_name(ui.snapshot().file, *ui.snapshot().document) + "-volumes.csv"});
   // Below the buttons, which stay under the pointer from frame to frame.
   const auto here = curve.frames.find(shown);
   const bool doubtful_here = here != curve.frames.end() && !here->second.doubt.empty();
@@ -235,7 +237,7 @@ void draw_cine_section(const UiContext& ui, Outbox& out) {
   draw_frame_controls(ui, out);
   gap(ui.theme, 4);
   draw_propagate(ui, out);
-  const VolumeCurve& curve = ui.state.volume_curve;
+  const VolumeCurve& curve = ui.state.found.volume_curve;
   gap(ui.theme, 4);
   draw_volumes(ui, curve, out);
   draw_ejection(ui, curve);

@@ -80,11 +80,11 @@ void draw_colour_choice(const UiContext& ui, Outbox& out) {
   }
   // It has its place also where it is not known, so that nothing moves when it is.
   std::vector<std::string> refusals(names.size());
-  if (!ui.state.confidence)
+  if (!ui.state.found.confidence)
     refusals[static_cast<std::size_t>(Colouring::confidence)] =
         "Snap the mesh to the image first. It is known until the mesh changes.";
   const Colouring shown = shown_colouring(ui.state);
-  const bool brush = ui.state.tool == MouseTool::confirm || ui.state.tool == MouseTool::stiffness;
+  const bool brush = ui.state.hand.tool == MouseTool::confirm || ui.state.hand.tool == MouseTool::stiffness;
   int colouring = static_cast<int>(shown);
   caption(theme, "Colours of the mesh");
   if (choice(theme, "overlay", names, colouring, tips,
@@ -93,9 +93,9 @@ void draw_colour_choice(const UiContext& ui, Outbox& out) {
     out.send(ChooseColouring{static_cast<Colouring>(colouring)});
   draw_colouring_legend(ui, shown);
   if (ui.state.preferences.show.glyphs) {
-    double spacing_mm = ui.state.glyph_spacing_mm;
+    double spacing_mm = ui.state.look.glyph_spacing_mm;
     bool released = false;
-    const double organ_mm = ui.state.organ_mm;
+    const double organ_mm = ui.state.look.organ_mm;
     if (slider(theme, "Glyph spacing", spacing_mm, {organ_mm / 50, organ_mm / 2, "%.1f", "mm", true},
                "Smallest distance between two glyphs, on the template", released))
       out.send(SpaceGlyphs{spacing_mm});
@@ -156,8 +156,9 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
     return;
   }
   draw_colour_choice(ui, out);
-  if (!ui.quality.latest()) return explanation(theme, ui.quality.error().empty() ? "Measuring…" : ui.quality.error());
-  draw_quality(ui, *ui.quality.latest(), out);
+  if (!ui.work.quality.latest())
+    return explanation(theme, ui.work.quality.error().empty() ? "Measuring…" : ui.work.quality.error());
+  draw_quality(ui, *ui.work.quality.latest(), out);
   draw_refinement(ui, out);
 }
 

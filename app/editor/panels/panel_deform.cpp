@@ -11,8 +11,8 @@ namespace {
 
 void draw_sigma(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const auto& presets = ui.state.sigma_presets_mm;
-  int chosen = ui.state.wheel_sigma_mm ? -1 : static_cast<int>(ui.state.sigma_preset);
+  const auto& presets = ui.state.hand.sigma_presets_mm;
+  int chosen = ui.state.hand.wheel_sigma_mm ? -1 : static_cast<int>(ui.state.hand.sigma_preset);
   const auto label = [&](std::size_t i) { return format("%zu   %.1f mm", i + 1, presets[i]); };
   caption(theme, "Width of a stroke");
   if (choice(theme, "sigma", {label(0), label(1), label(2)}, chosen,
@@ -20,7 +20,7 @@ void draw_sigma(const UiContext& ui, Outbox& out) {
               "Large: a whole end of the organ (key 3)"},
              ui.needs_shape()))
     out.send(ChooseSigma{static_cast<std::size_t>(chosen)});
-  double sigma_mm = ui.state.sigma_mm();
+  double sigma_mm = ui.state.hand.sigma_mm();
   bool released = false;
   if (slider(theme, "Width \xcf\x83", sigma_mm, {smallest_sigma_mm, 100, "%.1f", "mm", true},
              "How wide a stroke is. This slider changes the chosen preset. The wheel during a drag does not", released,
@@ -100,12 +100,12 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
 
 void draw_brush(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  BrushSettings brush = ui.state.brush;
+  BrushSettings brush = ui.state.hand.brush;
   bool released = false, changed = false;
   changed |= slider(theme, "Brush radius", brush.radius_mm,
-                    {0.008 * ui.state.organ_mm, 0.8 * ui.state.organ_mm, "%.1f", "mm", true},
+                    {0.008 * ui.state.look.organ_mm, 0.8 * ui.state.look.organ_mm, "%.1f", "mm", true},
                     "Radius of the stiffness brush and of Confirm", released);
-  if (ui.state.tool == MouseTool::stiffness) {
+  if (ui.state.hand.tool == MouseTool::stiffness) {
     changed |= draw_paints(ui, brush);
   } else {
     caption(theme, "The brush");
@@ -119,7 +119,7 @@ void draw_brush(const UiContext& ui, Outbox& out) {
 
 void draw_scheme(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const Document& document = *ui.snapshot.document;
+  const Document& document = *ui.snapshot().document;
   int scheme = static_cast<int>(document.scheme);
   caption(theme, "How edits are solved");
   if (choice(theme, "scheme", {"Anchored", "Paper", "Raw"}, scheme,
@@ -140,9 +140,9 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   draw_sigma(ui, out);
   if (!ui.has_shape()) return;
-  const MouseTool tool = ui.state.tool;
+  const MouseTool tool = ui.state.hand.tool;
   if (tool == MouseTool::relax) {
-    double strength = 100 * ui.state.relax_strength;
+    double strength = 100 * ui.state.hand.relax_strength;
     bool released = false;
     if (slider(theme, "Strength", strength, {0, 100, "%.0f", "%", false},
                "How far each dab brings the mesh back towards the template's shape", released))
@@ -151,7 +151,7 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   if (tool == MouseTool::stiffness || tool == MouseTool::confirm) draw_brush(ui, out);
   draw_snap(ui, out);
   const ShapeView shown = ui.shown();
-  const Document& committed = *ui.snapshot.document;
+  const Document& committed = *ui.snapshot().document;
   case_slider(ui, out, "Stiffness", active_structure(ui.state, committed)->paint.base, {0.1, 200, "%.1f", "", true},
               "Stiffness w of the whole surface. A stiffer surface spreads an edit wider",
               [](double value) { return SetStiffnessBase{value}; });
@@ -161,7 +161,7 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   case_slider(ui, out, "Even spacing", 100 * committed.even_spacing, {0, 100, "%.0f", "%", false},
               "Keeps vertices evenly spread during an edit. They may then slide along the surface",
               [](double value) { return SetEvenSpacing{value / 100}; });
-  bool through = ui.state.through_space;
+  bool through = ui.state.hand.through_space;
   const bool sheets = shown.the_template().topology->components() > 1;
   if (toggle(theme, "Through space", through, "A stroke also moves other sheets of the mesh that lie near",
              sheets ? "" : "This mesh has one sheet only."))
@@ -170,7 +170,7 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   draw_model_help(ui, out);
   figure(theme, "Edits of the mesh", format("%d", shown.shape.strokes),
          "Strokes, fits and snaps since the mesh was placed");
-  figure(theme, "Last solve", format("%.2f ms", ui.snapshot.solver_ms), "Time to compute the last edit");
+  figure(theme, "Last solve", format("%.2f ms", ui.snapshot().solver_ms), "Time to compute the last edit");
 }
 
 }  // namespace homolog

@@ -37,18 +37,18 @@ bool draw_picture_options(const Theme& theme, PictureOptions& options) {
 void draw_export_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const float width = ImGui::GetContentRegionAvail().x;
-  const std::string name = case_name(ui.snapshot.file, ui.document());
+  const std::string name = case_name(ui.snapshot().file, ui.document());
   const auto ask = [&](FilePurpose purpose, const std::string& file) {
-    if (ui.state.playing) out.send(PlayFrames{false});
+    if (ui.state.look.playing) out.send(PlayFrames{false});
     out.send(ShowFileDialog{purpose, file});
   };
-  const Structure* structure = ui.snapshot.document->structure();
+  const Structure* structure = ui.snapshot().document->structure();
   const std::size_t meshes = structure != nullptr ? structure->shapes.size() : 0;
-  const bool of_all = meshes > 1 && ui.state.export_all_frames;
+  const bool of_all = meshes > 1 && ui.state.saving.export_all_frames;
   const std::string no_mesh = of_all ? "" : ui.needs_shape();
   if (meshes > 1) {
     caption(theme, "Frames to write");
-    int all = ui.state.export_all_frames ? 0 : 1;
+    int all = ui.state.saving.export_all_frames ? 0 : 1;
     if (choice(theme, "frames", {format("All %zu", meshes), "This one"}, all,
                {"Every frame that has a mesh, in files with the frame's number: \xe2\x80\xa6-frame-07.ply",
                 "The frame that is shown, in one file"}))
@@ -66,7 +66,7 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
     ask(FilePurpose::export_label_map, name + "-label.nii.gz");
   gap(theme, 4);
   caption(theme, "Picture");
-  PictureOptions options = ui.state.picture;
+  PictureOptions options = ui.state.saving.picture;
   int what = options.view ? static_cast<int>(*options.view) + 1 : 0;
   bool changed = choice(theme, "picture of", {"Window", "Ax", "Sag", "Cor", "3D"}, what,
                         {"The whole window, as it is on the screen", "The axial view", "The sagittal view",

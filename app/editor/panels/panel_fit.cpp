@@ -30,9 +30,10 @@ bool draw_fit_model(const UiContext& ui, FitSettings& settings, Outbox& out) {
     changed = true;
   }
   if (settings.model == FitModel::file) {
-    const std::string name = ui.state.fit_model_file.filename().string();
+    const std::string name = ui.state.automatic.fit_model_file.filename().string();
     const float width = ImGui::GetContentRegionAvail().x;
-    if (button(theme, ui.state.fit_model ? shortened(name, width - theme.px(16)) : "Choose the model\xe2\x80\xa6",
+    if (button(theme,
+               ui.state.automatic.fit_model ? shortened(name, width - theme.px(16)) : "Choose the model\xe2\x80\xa6",
                "The file of the shape model. It must have the template's numbering", {}, width))
       out.send(ShowFileDialog{FilePurpose::open_model, {}});
   }
@@ -48,9 +49,9 @@ bool draw_fit_model(const UiContext& ui, FitSettings& settings, Outbox& out) {
 }
 
 std::string model_refusal(const UiContext& ui) {
-  const FitSettings& settings = ui.state.fit_settings;
+  const FitSettings& settings = ui.state.automatic.fit_settings;
   const auto& study = ui.state.models.model;
-  if (settings.model == FitModel::file) return ui.state.fit_model ? "" : "Choose the model first.";
+  if (settings.model == FitModel::file) return ui.state.automatic.fit_model ? "" : "Choose the model first.";
   if (settings.model != FitModel::study) return "";
   const bool fits =
       study && ui.structure() != nullptr && study->vertices() == ui.structure()->the_template->points.rows();
@@ -59,15 +60,16 @@ std::string model_refusal(const UiContext& ui) {
 
 /// One label, also while all are taken together.
 int fit_label(const UiContext& ui) {
-  FitSettings settings = ui.state.fit_settings;
+  FitSettings settings = ui.state.automatic.fit_settings;
   settings.all_labels = false;
-  return ui.labels ? label_in_hand(settings, ui.label_values, *ui.labels, active_shape(ui.state, ui.document()))
-                   : settings.label;
+  return ui.labels().volume
+             ? label_in_hand(settings, ui.labels().values, *ui.labels().volume, active_shape(ui.state, ui.document()))
+             : settings.label;
 }
 
 void draw_fit_settings(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  FitSettings settings = ui.state.fit_settings;
+  FitSettings settings = ui.state.automatic.fit_settings;
   // While none was chosen for this map, it is the one that the mesh lies in.
   const int own = fit_label(ui);
   int label = own;
@@ -94,26 +96,26 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
 
 /// Why neither can start.
 std::string busy_refusal(const UiContext& ui) {
-  if (ui.fitter.busy()) return ui.fitter.refining() ? "A refinement is running." : "A fit is running.";
-  return ui.state.playing ? "Stop the cine first." : "";
+  if (ui.work.fitter.busy()) return ui.work.fitter.refining() ? "A refinement is running." : "A fit is running.";
+  return ui.state.look.playing ? "Stop the cine first." : "";
 }
 
 /// Whether a person confirmed vertices of the shown frame. What placed landmarks hold does not count: a fit goes by
 /// those landmarks itself.
 bool person_confirmed(const UiContext& ui) {
-  Document document = *ui.snapshot.document;
-  document.frame = ui.displayed->frame;
+  Document document = *ui.snapshot().document;
+  document.frame = ui.document().frame;
   const auto shown = active_shape(ui.state, document);
   return shown && confirmed_without_landmarks(*shown) != nullptr;
 }
 
 std::string fit_refusal(const UiContext& ui) {
   if (auto busy = busy_refusal(ui); !busy.empty()) return busy;
-  if (!ui.labels) return "Open a label map first.";
-  if (ui.label_values.empty()) return "The label map is empty.";
-  if (ui.labels_frame && *ui.labels_frame != ui.displayed->frame)
+  if (!ui.labels().volume) return "Open a label map first.";
+  if (ui.labels().values.empty()) return "The label map is empty.";
+  if (ui.labels().frame && *ui.labels().frame != ui.document().frame)
     return format("The label map belongs to frame %d. Go there, or say that it is of this frame (Case).",
-                  *ui.labels_frame);
+                  *ui.labels().frame);
   if (person_confirmed(ui)) return "A fit moves every vertex, but you confirmed some. Free them below first.";
   if (auto refusal = model_refusal(ui); !refusal.empty()) return refusal;
   return ui.needs_shape();
@@ -153,12 +155,14 @@ void draw_last_fit(const Theme& theme, const Fitted& fitted) {
 void draw_fit_figures(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const float end_px = ImGui::GetCursorPosY() + 3 * theme.px(22) + theme.px(36) + ImGui::GetStyle().ItemSpacing.y;
-  const bool fitting = ui.fitter.busy() && !ui.fitter.refining();
+  const bool fitting = ui.work.fitter.busy() && !ui.work.fitter.refining();
   if (fitting) {
-    if (work_area(theme, "", WorkShown{"Fitting", ui.fitter.fraction(), "The mesh goes back to how it was (Escape)"}))
+    if (work_area(theme, "",
+                  WorkShown{"Fitting", ui.work.fitter.fraction(), "The mesh goes back to how it was (Escape)"}))
       out.send(CancelFit{});
-  } else if (ui.labels && ui.state.last_fit && *ui.state.last_fit->edit.points == *ui.committed_shape().points) {
-    draw_last_fit(theme, *ui.state.last_fit);
+  } else if (ui.labels().volume && ui.state.found.last_fit &&
+             *ui.state.found.last_fit->edit.points == *ui.committed_shape().points) {
+    draw_last_fit(theme, *ui.state.found.last_fit);
   }
   ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), end_px));
 }
@@ -173,11 +177,11 @@ void draw_fit(const UiContext& ui, Outbox& out) {
   draw_fit_settings(ui, out);
   if (button(theme, "Fit to the label", "You see the mesh move. The fit is one step to undo", fit_refusal(ui), width,
              true)) {
-    FitSettings settings = ui.state.fit_settings;
+    FitSettings settings = ui.state.automatic.fit_settings;
     settings.label = fit_label(ui);
     out.send(StartFit{settings});
   }
-  if (ui.labels && person_confirmed(ui)) draw_free_all(ui, out);
+  if (ui.labels().volume && person_confirmed(ui)) draw_free_all(ui, out);
   draw_fit_figures(ui, out);
 }
 
@@ -191,8 +195,9 @@ void draw_refinement(const UiContext& ui, Outbox& out) {
              busy.empty() ? ui.needs_shape() : busy, ImGui::GetContentRegionAvail().x))
     out.send(RefineAlongSurface{});
   std::optional<WorkShown> running;
-  if (ui.fitter.refining()) running = {"Refining", ui.fitter.fraction(), "The mesh goes back to how it was (Escape)"};
-  const auto& last = ui.state.last_refinement;
+  if (ui.work.fitter.refining())
+    running = {"Refining", ui.work.fitter.fraction(), "The mesh goes back to how it was (Escape)"};
+  const auto& last = ui.state.found.last_refinement;
   const bool known = last && ui.has_shape() && *last->edit.points == *ui.committed_shape().points;
   if (work_area(ui.theme, known ? last->remarks.back() : "", running)) out.send(CancelFit{});
 }

@@ -19,7 +19,7 @@ std::string help_refusal(const UiContext& ui) {
 
 void draw_model_help(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  double percent = 100 * ui.state.model_help;
+  double percent = 100 * ui.state.automatic.model_help;
   bool released = false;
   const bool changed =
       slider(theme, "Model help", percent, {0, 100, "%.0f", "%", false},
@@ -27,7 +27,7 @@ void draw_model_help(const UiContext& ui, Outbox& out) {
              "and grab. Known vertices stay. If none is known, the mesh moves to the mean shape",
              released, help_refusal(ui));
   if (changed || released) out.send(BlendModel{percent / 100, released});
-  if (ui.state.model_help <= 0 || !ui.has_shape()) return;
+  if (ui.state.automatic.model_help <= 0 || !ui.has_shape()) return;
   const double share = known_vertices(ui.committed_shape()).mean();
   explanation(theme, format("%.0f %% of the vertices are known and stay (Correspondence, Known).", 100 * share));
 }

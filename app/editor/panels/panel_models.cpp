@@ -222,7 +222,7 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
 
 /// Pictures of what the Models mode shows.
 void draw_study_pictures_section(const UiContext& ui, Outbox& out) {
-  PictureOptions options = ui.state.picture;
+  PictureOptions options = ui.state.saving.picture;
   int what = options.study ? static_cast<int>(*options.study) + 1 : 0;
   caption(ui.theme, "Picture of");
   bool changed = choice(ui.theme, "picture of", {"Window", "Gallery", "Modes"}, what,

@@ -129,7 +129,7 @@ void draw_hold(const UiContext& ui, const Landmark& landmark, const Vec3& place,
 
 /// Why the mesh is not where a landmark was placed, and what helps.
 std::string off_tip(const UiContext& ui, double distance_mm) {
-  const auto& snapped = ui.state.snapped;
+  const auto& snapped = ui.state.found.snapped;
   const bool by_snap = snapped && ui.has_shape() && snapped->is_of(*ui.shown().shape.points);
   return by_snap ? format(
                        "The snap moved the mesh here, so that it is %.1f mm from your click: it goes by the image's "
@@ -163,7 +163,7 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     const Part part(landmark.name, "landmark");
     const auto place = placed.find(landmark.name);
     const bool done = place != placed.end();
-    const bool next = landmark.name == wanted, in_hand = next && ui.state.tool == MouseTool::landmark;
+    const bool next = landmark.name == wanted, in_hand = next && ui.state.hand.tool == MouseTool::landmark;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x, height = theme.px(two_lines ? 40 : 24);
     const float buttons = done ? theme.px(72) : 0.0f;
@@ -208,11 +208,11 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
     return;
   }
   caption(theme, format("Landmarks placed: %zu of %zu", ui.shown().shape.landmarks.size(), landmarks.size()).c_str());
-  if (ui.state.tool == MouseTool::template_landmark)
+  if (ui.state.hand.tool == MouseTool::template_landmark)
     explanation(theme,
                 "You are naming landmarks of the template (Template). Take the tool Landmark (L) to place them.");
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(8), theme.px(2)});
-  if (ui.state.tool != MouseTool::template_landmark) draw_landmark_list(ui, out);
+  if (ui.state.hand.tool != MouseTool::template_landmark) draw_landmark_list(ui, out);
   ImGui::PopStyleVar();
   gap(theme, 2);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
@@ -223,7 +223,7 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Export…", "Saves the placed landmarks for 3D Slicer (.mrk.json) or scalismo (.json)",
              ui.shown().shape.landmarks.empty() ? "No landmark is placed yet." : "", half))
-    ask(FilePurpose::export_landmarks, case_name(ui.snapshot.file, ui.document()) + "-landmarks.mrk.json");
+    ask(FilePurpose::export_landmarks, case_name(ui.snapshot().file, ui.document()) + "-landmarks.mrk.json");
   caption(theme, "How landmarks move the template");
   int fit = static_cast<int>(ui.structure()->landmarks.pull);
   if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,

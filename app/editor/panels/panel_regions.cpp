@@ -55,8 +55,8 @@ int landmarks_in(const Regions& regions, std::size_t number) {
 
 /// In place of the row: the name as it is typed. Enter takes it, Escape does not.
 void draw_renaming(const UiContext& ui, const Regions& regions, float width, Outbox& out) {
-  RenameRegion renaming = ui.state.renaming->rename;
-  if (!ui.state.renaming->focused) {
+  RenameRegion renaming = ui.state.hand.renaming->rename;
+  if (!ui.state.hand.renaming->focused) {
     ImGui::SetKeyboardFocusHere();
     out.send(NameRegion{RegionNaming{renaming, true}});
   }
@@ -67,8 +67,8 @@ void draw_renaming(const UiContext& ui, const Regions& regions, float width, Out
                                  [&](const Region& region) { return region.name == renaming.to; });
   const bool take = entered && !renaming.to.empty() && !taken;
   if (take) out.apply(renaming);
-  if (take && ui.state.brush.region == renaming.name) {
-    BrushSettings brush = ui.state.brush;
+  if (take && ui.state.hand.brush.region == renaming.name) {
+    BrushSettings brush = ui.state.hand.brush;
     brush.region = renaming.to;
     out.send(SetBrush{brush});
   }
@@ -80,10 +80,11 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
   const Theme& theme = ui.theme;
   const Regions& regions = *ui.structure()->paint.regions;
   const Region& region = regions.list[index];
-  if (ui.state.renaming && ui.state.renaming->rename.name == region.name) return draw_renaming(ui, regions, width, out);
+  if (ui.state.hand.renaming && ui.state.hand.renaming->rename.name == region.name)
+    return draw_renaming(ui, regions, width, out);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float side = theme.px(12), indent = theme.px(20), y = at.y + (theme.px(28) - side) / 2;
-  const bool chosen = ui.state.tool == MouseTool::stiffness && ui.state.brush.region == region.name;
+  const bool chosen = ui.state.hand.tool == MouseTool::stiffness && ui.state.hand.brush.region == region.name;
   const bool on_swatch = ImGui::GetMousePos().x < at.x + indent;
   std::vector<std::string> names;
   for (const Region& one : regions.list) names.push_back(one.name);
@@ -101,7 +102,7 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
 
 /// The factor that the case holds: the shown document may be a preview of the very change that is compared with it.
 double committed_factor(const UiContext& ui, const Region& region) {
-  for (const Region& kept : ui.snapshot.document->structure()->paint.regions->list)
+  for (const Region& kept : ui.snapshot().document->structure()->paint.regions->list)
     if (kept.name == region.name) return kept.factor;
   return region.factor;
 }
@@ -139,7 +140,7 @@ void draw_regions(const UiContext& ui, Outbox& out) {
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(4), theme.px(2)});
   for (std::size_t r = 0; r < regions.list.size(); ++r) draw_region(ui, r, out);
   ImGui::PopStyleVar();
-  std::string name = ui.state.new_region;
+  std::string name = ui.state.hand.new_region;
   const float width = ImGui::GetContentRegionAvail().x, add_width = theme.px(64);
   if (text_field(theme, "new region", name, "New region, e.g. hilum", width - add_width - theme.px(4)))
     out.send(TypeRegion{name});
@@ -155,7 +156,7 @@ void draw_regions(const UiContext& ui, Outbox& out) {
   if (add || (entered && !name.empty() && !taken)) {
     out.apply(SetRegion{{name, 1, fresh_colour(regions)}});
     out.send(TypeRegion{});
-    BrushSettings brush = ui.state.brush;
+    BrushSettings brush = ui.state.hand.brush;
     brush.paints = BrushPaints::region;
     out.send(SetBrush{brush});
     out.send(BrushRegion{name});
@@ -169,7 +170,7 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto& landmarks = ui.structure()->the_template->landmarks;
   caption(theme, format("Landmarks of the template: %zu", landmarks.size()).c_str());
-  const bool naming = ui.state.tool == MouseTool::template_landmark;
+  const bool naming = ui.state.hand.tool == MouseTool::template_landmark;
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(4), theme.px(2)});
   // The section Place lists them all the same while none is being named.
   const float whole = ImGui::GetContentRegionAvail().x;
@@ -181,7 +182,7 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
   }
   if (naming && button(theme, "Done with landmarks", "Takes up the tool that you had before", {}, whole)) {
     out.send(NameTemplateLandmark{});
-    out.send(ChooseTool{ui.state.tool_before_naming});
+    out.send(ChooseTool{ui.state.hand.tool_before_naming});
   }
   std::vector<std::string> names;
   for (const Landmark& landmark : landmarks) names.push_back(landmark.name);
@@ -189,7 +190,7 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
     const Part part(landmark.name, "landmark of the template");
     const float remove_width = theme.px(24);
     const float name_width = ImGui::GetContentRegionAvail().x - remove_width - theme.px(4);
-    if (list_row(theme, landmark.name, naming && ui.state.template_landmark == landmark.name,
+    if (list_row(theme, landmark.name, naming && ui.state.hand.template_landmark == landmark.name,
                  {name_width, theme.px(28)}, "To move it, click here, then on the mesh", 0, names)
             .clicked) {
       out.send(NameTemplateLandmark{landmark.name});
@@ -200,7 +201,7 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
       out.apply(SetTemplateLandmark{landmark.name, std::nullopt});
   }
   ImGui::PopStyleVar();
-  std::string name = ui.state.template_landmark;
+  std::string name = ui.state.hand.template_landmark;
   const float width = ImGui::GetContentRegionAvail().x, add_width = theme.px(64);
   if (text_field(theme, "new landmark", name, "New landmark, e.g. apex", width - add_width - theme.px(4)))
     out.send(NameTemplateLandmark{name});

@@ -194,7 +194,7 @@ void draw_observers_section(const UiContext& ui, Outbox& out) {
     draw_agreement(ui, *state.observers, out);
     if (button(theme, "Table\xe2\x80\xa6", "Every case with Dice, distances, volumes and landmarks: .csv", {}, width))
       out.send(ShowFileDialog{FilePurpose::export_observers, study_stem(state) + "-observers.csv"});
-  } else if (state.observers_outdated && !ui.comparing) {
+  } else if (state.observers_outdated && !ui.comparing()) {
     explanation(theme, "Shapes have changed since they were compared.");
     if (button(theme, "Compare again", "With " + state.other_observer.string(), {}, width, true))
       out.send(CompareObservers{{state.other_observer}});
@@ -203,13 +203,13 @@ void draw_observers_section(const UiContext& ui, Outbox& out) {
   }
   if (button(theme, "Compare with a study\xe2\x80\xa6",
              "Choose the study of the other observer. Its cases must have the same names",
-             ui.comparing           ? "A comparison is running."
+             ui.comparing()         ? "A comparison is running."
              : state.shapes.empty() ? "This study has no shape yet."
                                     : "",
              width))
     out.send(ShowFileDialog{FilePurpose::open_observer, {}});
   std::optional<WorkShown> running;
-  if (ui.comparing) running = {"Comparing", *ui.comparing, "Nothing is compared"};
+  if (ui.comparing()) running = {"Comparing", *ui.comparing(), "Nothing is compared"};
   if (work_area(theme, "", running)) out.send(CancelObservers{});
 }
 

@@ -8,7 +8,7 @@ namespace {
 
 /// Whether the look of the boundary is learned from the study's cases that are done.
 bool draw_learning(const UiContext& ui, SnapSettings& snap) {
-  const std::size_t cases = cases_to_learn(ui.state.models.study, ui.snapshot.file).size();
+  const std::size_t cases = cases_to_learn(ui.state.models.study, ui.snapshot().file).size();
   const bool changed =
       toggle(ui.theme, "Learn from done cases", snap.learn,
              "A snap then looks for the boundary as it appears at each vertex in the study's done cases (the first "
@@ -17,10 +17,11 @@ bool draw_learning(const UiContext& ui, SnapSettings& snap) {
              : snap.polarity != Polarity::automatic ? "Choose Auto above first. A learned boundary needs no polarity."
                                                     : "");
   if (!snap.learn || cases == 0) return changed;
-  if (ui.study_appearance.busy())
-    explanation(ui.theme, format("Learning: %.0f %%", 100 * ui.study_appearance.fraction()));
+  if (ui.work.study_appearance.busy())
+    explanation(ui.theme, format("Learning: %.0f %%", 100 * ui.work.study_appearance.fraction()));
   else
-    explanation(ui.theme, format("Learned from %d of %zu done cases.", ui.study_appearance.learned().cases, cases));
+    explanation(ui.theme,
+                format("Learned from %d of %zu done cases.", ui.work.study_appearance.learned().cases, cases));
   return changed;
 }
 
@@ -55,9 +56,9 @@ bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
 void draw_last_snap(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   static const SnapFound none;
-  const bool snapped = ui.state.snapped.has_value();
-  const SnapFound& found = snapped ? *ui.state.snapped : none;
-  const bool known = ui.state.confidence != nullptr;
+  const bool snapped = ui.state.found.snapped.has_value();
+  const SnapFound& found = snapped ? *ui.state.found.snapped : none;
+  const bool known = ui.state.found.confidence != nullptr;
   const char* const unknown = "not known";
   figure(
       theme, "Confidence", known ? format("%.0f %%", 100 * found.mean_confidence) : unknown,
@@ -66,7 +67,7 @@ void draw_last_snap(const UiContext& ui, Outbox& out) {
       !known           ? palette::text
       : found.doubtful ? palette::amber
                        : palette::good);
-  const std::size_t unclear = ui.state.unclear_edges.size();
+  const std::size_t unclear = ui.state.found.unclear_edges.size();
   const std::string tip = "Places where the snap saw no clear boundary. Check whether the mesh is right there";
   if (unclear == 0)
     figure(theme, "No clear edge", known ? "nowhere" : unknown, tip);
@@ -97,12 +98,13 @@ void draw_snap(const UiContext& ui, Outbox& out) {
           "Draws the mesh to the boundary in the image. What is confirmed, placed landmarks and what was pulled since "
           "the last fit stay. The key N snaps only the part under the pointer, as wide as "
           "\xcf\x83. If the pointer is not on the mesh, N snaps all",
-          ui.snapping ? "A snap is running." : ui.needs_volume(), width - cancel_width - theme.px(4)))
+          ui.work.snaps.busy() ? "A snap is running." : ui.needs_volume(), width - cancel_width - theme.px(4)))
     out.send(SnapMesh{});
   ImGui::SameLine(0, theme.px(4));
-  if (button(theme, "Cancel", "The mesh is not changed", ui.snapping ? "" : "No snap is running.", cancel_width))
+  if (button(theme, "Cancel", "The mesh is not changed", ui.work.snaps.busy() ? "" : "No snap is running.",
+             cancel_width))
     out.send(CancelSnap{});
-  SnapSettings snap = ui.state.snap;
+  SnapSettings snap = ui.state.automatic.snap;
   if (draw_snap_settings(ui, snap)) out.send(SetSnap{snap});
   draw_last_snap(ui, out);
   if (snap.show_confidence) draw_colouring_legend(ui, Colouring::confidence);

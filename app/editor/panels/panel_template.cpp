@@ -20,14 +20,15 @@ std::string template_name(const std::string& source, bool mirrored) {
 
 /// The file that the template is kept in, or the name of a built-in one.
 std::string template_source(const UiContext& ui) {
-  const std::string saved = ui.snapshot.kept.template_file.string();
+  const std::string saved = ui.snapshot().kept.template_file.string();
   return saved.empty() ? ui.structure()->the_template->source : saved;
 }
 
 }  // namespace
 
 std::string template_in_words(const UiContext& ui) {
-  return ui.structure() != nullptr ? template_name(template_source(ui), ui.template_mirrored) : "none yet";
+  return ui.structure() != nullptr ? template_name(template_source(ui), ui.on_screen.template_is_mirrored())
+                                   : "none yet";
 }
 
 void draw_template_section(const UiContext& ui, Outbox& out) {
@@ -35,7 +36,7 @@ void draw_template_section(const UiContext& ui, Outbox& out) {
   if (ui.structure() != nullptr) {
     const Template& the_template = *ui.structure()->the_template;
     const std::string source = template_source(ui);
-    figure(theme, "Template", template_name(source, ui.template_mirrored), source);
+    figure(theme, "Template", template_name(source, ui.on_screen.template_is_mirrored()), source);
     figure(theme, "Vertices", format("%ld", static_cast<long>(the_template.topology->vertices())));
     figure(theme, "Triangles", format("%ld", static_cast<long>(the_template.topology->triangles().rows())));
     figure(theme, "Surface",
@@ -62,7 +63,7 @@ void draw_template_section(const UiContext& ui, Outbox& out) {
     out.apply(MirrorTemplate{});
   if (button(theme, "Save the template…", "As PLY, with the stiffness, regions and landmarks as they are now",
              ui.needs_shape(), ImGui::GetContentRegionAvail().x))
-    out.send(ShowFileDialog{FilePurpose::export_template, case_name(ui.snapshot.file, ui.document()) + "-template"});
+    out.send(ShowFileDialog{FilePurpose::export_template, case_name(ui.snapshot().file, ui.document()) + "-template"});
   draw_template_making(ui, out);
   if (!ui.has_shape()) return;
   draw_regions(ui, out);

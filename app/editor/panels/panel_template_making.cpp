@@ -56,7 +56,7 @@ void draw_tube_settings(const UiContext& ui, int label, TemplateSettings& settin
                "From the base to the apex", changed);
   whole_number(theme, "Sectors", settings.tube_options.sectors, {12, 128, "%.0f", "", false, true},
                "Vertices of a ring", changed);
-  const std::string no_ruler = ui.state.ruler ? "" : "Draw the ruler (D) from the base to the apex first.";
+  const std::string no_ruler = ui.state.hand.ruler ? "" : "Draw the ruler (D) from the base to the apex first.";
   bool by_ruler = settings.axis_by_ruler;
   if (toggle(theme, "Axis by the ruler", by_ruler,
              "On: the ruler is the axis, from the base to the apex. Off: the slices' normal where slices are thick, or "
@@ -69,8 +69,8 @@ void draw_tube_settings(const UiContext& ui, int label, TemplateSettings& settin
   changed |= toggle(theme, "Close the base", settings.tube_options.capped, "Closes the base flat. Off leaves it open");
   bool wall = settings.outer_label != 0;
   const auto other =
-      std::find_if(ui.label_values.begin(), ui.label_values.end(), [&](int value) { return value != label; });
-  const bool has_other = other != ui.label_values.end();
+      std::find_if(ui.labels().values.begin(), ui.labels().values.end(), [&](int value) { return value != label; });
+  const bool has_other = other != ui.labels().values.end();
   if (toggle(theme, "Add the outer sheet", wall,
              has_other ? "A second sheet around label " + std::to_string(*other) + " (epicardium)" : std::string(),
              has_other ? std::string() : "The label map holds one label only.")) {
@@ -84,7 +84,7 @@ void draw_stages(const UiContext& ui, const TemplateMaking& making, Outbox& out)
   caption(theme, "Stages (click to look at one)");
   for (std::size_t i = 0; i < making.stages.size(); ++i) {
     const auto& stage = making.stages[i];
-    const bool shown = ui.state.shown_stage ? *ui.state.shown_stage == i : i + 1 == making.stages.size();
+    const bool shown = ui.state.look.shown_stage ? *ui.state.look.shown_stage == i : i + 1 == making.stages.size();
     const std::string name = format("%zu  %s", i + 1, stage.name.c_str());
     const std::string time = format("%.2f s", stage.seconds);
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -112,27 +112,28 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
     out.send(ShowFileDialog{FilePurpose::use_made_template, file_stem(making.source) + "-template"});
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Back", "Goes back to the template made before this one",
-             ui.template_maker.can_undo() ? "" : "No template was made before this one.", half))
+             ui.work.template_maker.can_undo() ? "" : "No template was made before this one.", half))
     out.send(UndoTemplate{});
 }
 
 /// The label that a template is made of. While none was chosen for this map, it is the one that the mesh lies in, or
 /// else the cross-hair.
 int template_label(const UiContext& ui) {
-  const auto& known = ui.label_values;
+  const auto& known = ui.labels().values;
   const auto is_known = [&](int label) { return std::find(known.begin(), known.end(), label) != known.end(); };
-  const int chosen = ui.state.template_settings.label;
+  const int chosen = ui.state.automatic.template_settings.label;
   if (known.empty() || is_known(chosen)) return chosen;
   if (ui.has_shape())
-    if (const int there = label_at_mesh(*ui.labels, ui.displayed->frame, *ui.shown().shape.points); is_known(there))
+    if (const int there = label_at_mesh(*ui.labels().volume, ui.document().frame, *ui.shown().shape.points);
+        is_known(there))
       return there;
-  const int there = label_there(ui, ui.state.crosshair_mm);
+  const int there = label_there(ui, ui.state.look.crosshair_mm);
   return is_known(there) ? there : known.front();
 }
 
 /// The labels of the map that is open, to choose one; true where another is chosen.
 bool label_list(const UiContext& ui, int& label, bool& all_labels) {
-  const auto& known = ui.label_values;
+  const auto& known = ui.labels().values;
   if (known.empty()) {
     // The list is there before it has anything to choose: what lies below stays where it is.
     int none = 0;
@@ -168,8 +169,8 @@ bool label_list(const UiContext& ui, int& label, bool& all_labels) {
 
 bool ball_slider(const UiContext& ui, const char* name, std::optional<double>& radius_mm, int label,
                  const std::string& tip) {
-  const auto size = ui.label_sizes_mm.find(label);
-  double radius = radius_mm.value_or(size == ui.label_sizes_mm.end() ? 1 : ball_share * size->second);
+  const auto size = ui.labels().sizes_mm.find(label);
+  double radius = radius_mm.value_or(size == ui.labels().sizes_mm.end() ? 1 : ball_share * size->second);
   bool released = false;
   if (!slider(ui.theme, name, radius, {0, 10, "%.1f", "mm", false}, tip, released)) return false;
   radius_mm = radius;
@@ -205,7 +206,7 @@ void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality
 void draw_template_making(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   caption(theme, "From a label map");
-  TemplateSettings settings = ui.state.template_settings;
+  TemplateSettings settings = ui.state.automatic.template_settings;
   const int own = template_label(ui);
   int label = own;
   bool changed = label_choice(ui, label, settings.all_labels, "A template is made from one of its labels", out);
@@ -225,15 +226,15 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   if (changed) out.send(SetTemplate{settings});
 
   const float width = ImGui::GetContentRegionAvail().x;
-  const auto making = ui.template_maker.latest();
-  const bool busy = ui.template_maker.busy();
-  const std::string refusal = busy                      ? "The template is being made."
-                              : !ui.labels              ? "Open a label map first."
-                              : ui.label_values.empty() ? "The label map is empty."
-                                                        : "";
+  const auto making = ui.work.template_maker.latest();
+  const bool busy = ui.work.template_maker.busy();
+  const std::string refusal = busy                         ? "The template is being made."
+                              : !ui.labels().volume        ? "Open a label map first."
+                              : ui.labels().values.empty() ? "The label map is empty."
+                                                           : "";
   if (button(theme, "Make the template", "You see each stage in the views", refusal, width, !making || !making->mesh)) {
     settings.label = label;
-    out.send(MakeTemplate{settings, settings.axis_by_ruler ? ui.state.ruler : std::nullopt});
+    out.send(MakeTemplate{settings, settings.axis_by_ruler ? ui.state.hand.ruler : std::nullopt});
   }
   if (const std::size_t maps = cases_with_labels(ui.state.models); maps >= enough_for_consensus) {
     if (button(theme, format("Make it of the study's %zu maps\xe2\x80\xa6", maps),
@@ -243,26 +244,27 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
       out.send(ShowFileDialog{FilePurpose::make_study_template, study_stem(ui.state.models) + "-template.ply"});
   }
   std::optional<WorkShown> running;
-  if (busy) running = {"Making the template", ui.template_maker.fraction(), "Stops after this stage"};
+  if (busy) running = {"Making the template", ui.work.template_maker.fraction(), "Stops after this stage"};
   if (work_area(theme, "", running)) out.send(CancelTemplate{});
   if (!making) return;
   if (!making->stages.empty()) draw_stages(ui, *making, out);
   if (!making->error.empty()) explanation(theme, making->error);
   if (making->mesh) draw_result(ui, *making, out);
   if (!making->stages.empty() && button(theme, "Close", "Closes the stages and shows the case's mesh again",
-                                        ui.template_maker.busy() ? "The template is being made." : "", width))
+                                        ui.work.template_maker.busy() ? "The template is being made." : "", width))
     out.send(CloseTemplateMaking{});
 }
 
 int label_there(const UiContext& ui, const Vec3& p_mm) {
-  if (!ui.labels || (ui.labels_frame && *ui.labels_frame != shown_frame(ui.state, ui.document()))) return 0;
-  const Vec3 voxel = ui.labels->geometry.to_voxel(p_mm).array().round();
-  const auto& dims = ui.labels->geometry.dims;
+  if (!ui.labels().volume || (ui.labels().frame && *ui.labels().frame != shown_frame(ui.state, ui.document())))
+    return 0;
+  const Vec3 voxel = ui.labels().volume->geometry.to_voxel(p_mm).array().round();
+  const auto& dims = ui.labels().volume->geometry.dims;
   for (int axis = 0; axis < 3; ++axis)
     if (voxel[axis] < 0 || voxel[axis] >= dims[static_cast<std::size_t>(axis)]) return 0;
-  const int frame = std::min(shown_frame(ui.state, ui.document()), ui.labels->frames - 1);
-  return static_cast<int>(std::lround(
-      ui.labels->at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()), static_cast<int>(voxel.z()), frame)));
+  const int frame = std::min(shown_frame(ui.state, ui.document()), ui.labels().volume->frames - 1);
+  return static_cast<int>(std::lround(ui.labels().volume->at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()),
+                                                             static_cast<int>(voxel.z()), frame)));
 }
 
 }  // namespace homolog

@@ -10,15 +10,10 @@
 #include <vector>
 
 #include "app/editor/drawing/case_thumbnails.h"
-#include "app/editor/update/commands.h"
+#include "app/editor/update/editing.h"
+#include "app/editor/update/results/results.h"
 #include "app/editor/update/status.h"
 #include "app/editor/widgets/theme.h"
-#include "app/editor/work/fitter.h"
-#include "app/editor/work/models/study_appearance.h"
-#include "app/editor/work/propagator.h"
-#include "app/editor/work/quality_monitor.h"
-#include "app/editor/work/template_maker.h"
-#include "core/session/session_thread.h"
 
 namespace homolog {
 
@@ -33,35 +28,26 @@ struct RunningWork {
   double fraction = 0;
   const char* no_cancel = "";  ///< why it cannot be given up; empty where it can
 };
+
 /// Everything that the interface is drawn from, at one moment. Drawing changes nothing in it; what the user asks for
 /// goes to an Outbox.
 struct UiContext {
   const Theme& theme;
   const Layout& layout;
-  const EditorState& state;
-  const Snapshot& snapshot;
-  std::shared_ptr<const Document> displayed;  ///< what is shown: the preview, at the frame that plays
-  const QualityMonitor& quality;
-  std::vector<RunningWork> running;
-  std::shared_ptr<const Volume> labels;  ///< the overlay; null without one
-  std::string labels_name;
-  const std::vector<int>& label_values;         ///< of the overlay, without 0
-  const std::map<int, double>& label_sizes_mm;  ///< of each and of every_label together
-  std::optional<int> labels_frame;              ///< of a cine, that a map of one frame belongs to
-  const TemplateMaker& template_maker;
-  const Fitter& fitter;
-  const Propagator& propagator;
-  const StudyAppearance& study_appearance;
+  const EditorState& state;    ///< what is looked at and in hand
+  const ShownCase& on_screen;  ///< what the case is
+  const Work& work;            ///< what runs
   const CaseThumbnails& thumbnails;
-  std::optional<double> comparing;  ///< 0…1: how far the comparison of two observers is
-  bool snapping = false;
-  bool making_shown = false;  ///< a template in the making stands in for the case's mesh
+  std::vector<RunningWork> running;  ///< of it, what is shown with a progress bar
   double frames_per_second = 0;
-  bool template_mirrored = false;  ///< the case's template is that of the other side than its file's
 
-  const Document& document() const { return *displayed; }
+  const Snapshot& snapshot() const { return on_screen.snapshot(); }
+  /// What is shown: the preview, at the frame that plays.
+  const Document& document() const { return on_screen.document(); }
   /// As on the disk, at the frame that is shown: what a change in the panel starts from.
-  const Shape& committed_shape() const { return *active_structure(state, *snapshot.document)->shape(displayed->frame); }
+  const Shape& committed_shape() const {
+    return *active_structure(state, *snapshot().document)->shape(document().frame);
+  }
   /// The structure that is worked on; null: there is none yet.
   const Structure* structure() const { return active_structure(state, document()); }
   bool has_shape() const { return active_shape(state, document()).has_value(); }
@@ -69,6 +55,14 @@ struct UiContext {
   ShapeView shown() const { return *active_shape(state, document()); }
   /// Why a control that needs a mesh is disabled; empty where there is one.
   std::string needs_shape() const { return why_no_mesh(state, document()); }
+  /// The overlay; its volume is null without one.
+  const ShownLabels& labels() const { return on_screen.labels(); }
+  /// 0…1: how far the comparison of two observers is; none while none goes on.
+  std::optional<double> comparing() const {
+    return work.observers.busy() ? std::optional(work.observers.fraction()) : std::nullopt;
+  }
+  /// A template in the making stands in for the case's mesh.
+  bool making_shown() const { return shown_making(state, work) != nullptr; }
   std::string needs_volume() const { return document().scan.image ? std::string() : "Open an image first."; }
 };
 

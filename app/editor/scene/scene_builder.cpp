@@ -62,7 +62,7 @@ void SceneBuilder::update_mesh(const Input& input) {
                            placed_ != shape.placed || compared_ != shape.reference;
   const bool same = colours_ && colouring_ == colouring && response_ == response && stopped_ == stopped &&
                     stiffness_ == paint.stiffness && regions_ == paint.regions && confirmed_ == shape.confirmed &&
-                    outlier_ == shape.outlier && confidence_ == input.state.confidence &&
+                    outlier_ == shape.outlier && confidence_ == input.state.found.confidence &&
                     !(other_shape && kind_of(colouring).follows_shape);
   if (same) return;
   colouring_ = colouring;
@@ -76,7 +76,7 @@ void SceneBuilder::update_mesh(const Input& input) {
   outlier_ = shape.outlier;
   placed_ = shape.placed;
   compared_ = shape.reference;
-  confidence_ = input.state.confidence;
+  confidence_ = input.state.found.confidence;
   auto outline = mesh_colours(shown, colouring_, hues_, 1, confidence_.get());
   if (response) outline = tinted(std::move(outline), *response, stopped);
   outline_colours_ = std::make_shared<const std::vector<Rgb>>(std::move(outline));
@@ -121,8 +121,8 @@ void SceneBuilder::update_others(const Input& input) {
 }
 
 void SceneBuilder::update_glyphs(const Input& input) {
-  if (!input.state.preferences.show.glyphs || glyph_spacing_mm_ == input.state.glyph_spacing_mm) return;
-  glyph_spacing_mm_ = input.state.glyph_spacing_mm;
+  if (!input.state.preferences.show.glyphs || glyph_spacing_mm_ == input.state.look.glyph_spacing_mm) return;
+  glyph_spacing_mm_ = input.state.look.glyph_spacing_mm;
   glyphs_ = glyph_vertices({template_->topology, template_->points}, glyph_spacing_mm_);
 }
 
@@ -131,7 +131,7 @@ GlyphLayer SceneBuilder::glyph_layer(const Input& input) const {
   if (!input.state.preferences.show.glyphs || !points_ || making_) return layer;
   for (const auto vertex : glyphs_)
     layer.glyphs.push_back({points_->row(vertex), hsv_to_rgb(hues_[static_cast<std::size_t>(vertex)], 1, 1),
-                            static_cast<float>(0.12 * input.state.glyph_spacing_mm)});
+                            static_cast<float>(0.12 * input.state.look.glyph_spacing_mm)});
   return layer;
 }
 
@@ -140,10 +140,11 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
   const auto& show = state.preferences.show;
   const int frame = input.document->frame;
   Scene scene;
-  scene.image = {input.document->scan.image, frame, state.window_low, state.window_high, state.preferences.linear};
+  scene.image = {input.document->scan.image, frame, state.look.window_low, state.look.window_high,
+                 state.preferences.linear};
   if (input.labels) {
     const int label_frame = input.labels->frames > frame ? frame : 0;
-    scene.labels = {input.labels, label_frame, static_cast<float>(state.label_opacity)};
+    scene.labels = {input.labels, label_frame, static_cast<float>(state.look.label_opacity)};
   }
   if (making_) {
     MeshLayer mesh;

@@ -15,58 +15,52 @@
 namespace homolog {
 
 const Structure* active_structure(const EditorState& state, const Document& document) {
-  return document.structure(state.structure);
+  return document.structure(state.look.structure);
 }
 
 std::optional<ShapeView> active_shape(const EditorState& state, const Document& document) {
-  return document.view(state.structure);
+  return document.view(state.look.structure);
 }
 
 void show_structure(EditorState& state, const Document& document, const std::string& id) {
   const Structure *before = active_structure(state, document), *now = document.structure(id);
-  state.structure = now != nullptr && now != document.structure() ? now->id : std::string();
+  state.look.structure = now != nullptr && now != document.structure() ? now->id : std::string();
   if (before != nullptr && before == now) return;
-  state.landmark.clear();
-  state.template_landmark.clear();
-  state.renaming.reset();
-  state.volume_curve = {};
-  state.finding.reset();
-  state.unclear_edges.clear();
-  state.intersecting_before.reset();
-  state.intersecting_at_rest = std::numeric_limits<std::size_t>::max();  // not known yet
-  state.snapped.reset();
-  state.confidence.reset();
-  state.last_fit.reset();
-  state.last_refinement.reset();
+  state.hand.landmark.clear();
+  state.hand.template_landmark.clear();
+  state.hand.renaming.reset();
+  state.found = {};
+  state.found.intersecting_at_rest = std::numeric_limits<std::size_t>::max();  // not known yet
   const auto shown = active_shape(state, document);
   if (!shown) return;
-  state.landmark = next_unplaced_landmark(*shown);
-  state.wheel_sigma_mm.reset();
-  state.sigma_presets_mm = default_sigmas_mm(*shown->shape.reference);
+  state.hand.landmark = next_unplaced_landmark(*shown);
+  state.hand.wheel_sigma_mm.reset();
+  state.hand.sigma_presets_mm = default_sigmas_mm(*shown->shape.reference);
   follow_organ(state, bounds_of(*shown->shape.reference).diagonal().norm());
 }
 
 bool paints_regions(const EditorState& state) {
-  return state.tool == MouseTool::stiffness &&
-         (state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill);
+  return state.hand.tool == MouseTool::stiffness &&
+         (state.hand.brush.paints == BrushPaints::region || state.hand.brush.paints == BrushPaints::fill);
 }
 
 Colouring shown_colouring(const EditorState& state) {
   // What is in doubt is what a person confirms.
-  if (state.tool == MouseTool::confirm)
-    return state.colouring == Colouring::doubt ? Colouring::doubt : Colouring::known;
-  if (state.tool == MouseTool::stiffness) return paints_regions(state) ? Colouring::regions : Colouring::stiffness;
-  return state.shows_confidence && state.confidence ? Colouring::confidence : state.colouring;
+  if (state.hand.tool == MouseTool::confirm)
+    return state.look.colouring == Colouring::doubt ? Colouring::doubt : Colouring::known;
+  if (state.hand.tool == MouseTool::stiffness) return paints_regions(state) ? Colouring::regions : Colouring::stiffness;
+  return state.look.shows_confidence && state.found.confidence ? Colouring::confidence : state.look.colouring;
 }
 
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry) {
-  const auto [right, down] = screen_axes(kind, slice_axes(geometry, state.own_planes), state.preferences.radiological);
-  const SlicePan& pan = state.slices[index_of(kind)];
+  const auto [right, down] =
+      screen_axes(kind, slice_axes(geometry, state.look.own_planes), state.preferences.radiological);
+  const SlicePan& pan = state.look.slices[index_of(kind)];
   SliceView view;
   view.right = right;
   view.down = down;
   const Vec3 normal = view.normal();
-  view.centre = pan.centre_mm + normal * normal.dot(state.crosshair_mm - pan.centre_mm);
+  view.centre = pan.centre_mm + normal * normal.dot(state.look.crosshair_mm - pan.centre_mm);
   view.mm_per_px = pan.mm_per_px;
   return view;
 }
@@ -113,15 +107,15 @@ ShownParts with_next_planes(ShownParts parts) {
 
 void zoom_slice(EditorState& state, ViewKind kind, double mm_per_px) {
   constexpr double smallest = 0.005, largest = 20;
-  SlicePan& pan = state.slices[index_of(kind)];
+  SlicePan& pan = state.look.slices[index_of(kind)];
   const double ratio = std::clamp(mm_per_px, smallest, largest) / pan.mm_per_px;
   pan.mm_per_px *= ratio;
   if (!state.preferences.linked_zoom) return;
   for (const ViewKind other : slice_views) {
     if (other == kind) continue;
-    SlicePan& linked = state.slices[index_of(other)];
+    SlicePan& linked = state.look.slices[index_of(other)];
     linked.mm_per_px *= ratio;
-    linked.centre_mm = state.crosshair_mm + ratio * (linked.centre_mm - state.crosshair_mm);
+    linked.centre_mm = state.look.crosshair_mm + ratio * (linked.centre_mm - state.look.crosshair_mm);
   }
 }
 
@@ -129,8 +123,8 @@ void link_zoom(EditorState& state, bool linked) {
   state.preferences.linked_zoom = linked;
   if (!linked) return;
   double largest = 0;
-  for (const SlicePan& pan : state.slices) largest = std::max(largest, pan.mm_per_px);
-  for (SlicePan& pan : state.slices) pan.mm_per_px = largest;
+  for (const SlicePan& pan : state.look.slices) largest = std::max(largest, pan.mm_per_px);
+  for (SlicePan& pan : state.look.slices) pan.mm_per_px = largest;
 }
 
 std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document& document) {
@@ -142,7 +136,7 @@ std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document&
     PlaneInSpace plane;
     plane.plane = slice_view(state, kind, geometry);
     const Vec3 normal = plane.plane.normal();
-    plane.plane.centre = box.center() + normal * normal.dot(state.crosshair_mm - box.center());
+    plane.plane.centre = box.center() + normal * normal.dot(state.look.crosshair_mm - box.center());
     plane.half_width_mm = reach_mm(geometry, plane.plane.right);
     plane.half_height_mm = reach_mm(geometry, plane.plane.down);
     plane.frame_colour = view_colour(kind);
@@ -156,27 +150,27 @@ std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document&
 }
 
 void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image) {
-  state.drag.reset();
-  state.ruler.reset();
-  state.panel_edit.reset();
+  state.pointer.drag.reset();
+  state.hand.ruler.reset();
+  state.hand.panel_edit.reset();
   state.said_in.reset();
-  state.intersecting_before.reset();
-  state.intersecting_at_rest = std::numeric_limits<std::size_t>::max();  // not known yet
-  state.renaming.reset();
-  state.shown_frame.reset();
-  state.playing = false;
-  state.own_planes = state.own_planes && is_oblique(geometry_of(document));
+  state.found.intersecting_before.reset();
+  state.found.intersecting_at_rest = std::numeric_limits<std::size_t>::max();  // not known yet
+  state.hand.renaming.reset();
+  state.look.shown_frame.reset();
+  state.look.playing = false;
+  state.look.own_planes = state.look.own_planes && is_oblique(geometry_of(document));
   if (document.scan.image && !same_image)
-    std::tie(state.window_low, state.window_high) = default_window(*document.scan.image);
-  state.structure.clear();
+    std::tie(state.look.window_low, state.look.window_high) = default_window(*document.scan.image);
+  state.look.structure.clear();
   if (const auto shown = active_shape(state, document)) {
-    state.crosshair_mm = bounds_of(*shown->shape.points).center();
-    state.wheel_sigma_mm.reset();
-    state.sigma_presets_mm = default_sigmas_mm(*shown->shape.reference);
+    state.look.crosshair_mm = bounds_of(*shown->shape.points).center();
+    state.hand.wheel_sigma_mm.reset();
+    state.hand.sigma_presets_mm = default_sigmas_mm(*shown->shape.reference);
     follow_organ(state, bounds_of(*shown->shape.reference).diagonal().norm());
-    state.landmark = next_unplaced_landmark(*shown);
+    state.hand.landmark = next_unplaced_landmark(*shown);
   } else {
-    state.crosshair_mm = geometry_of(document).bounds_mm().center();
+    state.look.crosshair_mm = geometry_of(document).bounds_mm().center();
   }
   settle_crosshair(state, document);
   show_all(state, document, layout);
@@ -185,22 +179,22 @@ void show_document(EditorState& state, const Document& document, const Layout& l
 void follow_organ(EditorState& state, double diagonal_mm) {
   constexpr double much = 1.5, glyph_share = 1.0 / 12, brush_share = 0.08;
   if (!(diagonal_mm > 0)) return;
-  const bool alike = diagonal_mm < much * state.organ_mm && state.organ_mm < much * diagonal_mm;
-  state.organ_mm = diagonal_mm;
+  const bool alike = diagonal_mm < much * state.look.organ_mm && state.look.organ_mm < much * diagonal_mm;
+  state.look.organ_mm = diagonal_mm;
   if (alike) return;
   // Two digits, as a person would choose them.
   const auto rounded = [](double mm) {
     const double unit = std::pow(10, std::floor(std::log10(mm)) - 1);
     return std::round(mm / unit) * unit;
   };
-  state.glyph_spacing_mm = rounded(glyph_share * diagonal_mm);
-  state.brush.radius_mm = rounded(brush_share * diagonal_mm);
+  state.look.glyph_spacing_mm = rounded(glyph_share * diagonal_mm);
+  state.hand.brush.radius_mm = rounded(brush_share * diagonal_mm);
 }
 
 void look_at_mesh(EditorState& state, const Points& points) {
   const Box box = bounds_of(points);
-  state.crosshair_mm = state.camera.target = box.center();
-  state.camera.distance_mm = std::min(state.camera.distance_mm, 2.5 * box.diagonal().norm());
+  state.look.crosshair_mm = state.look.camera.target = box.center();
+  state.look.camera.distance_mm = std::min(state.look.camera.distance_mm, 2.5 * box.diagonal().norm());
 }
 
 namespace {
@@ -231,11 +225,11 @@ void show_all(EditorState& state, const Document& document, const Layout& layout
   const Box box = geometry.bounds_mm();
   for (const ViewKind kind : slice_views) {
     const auto [right, down] =
-        screen_axes(kind, slice_axes(geometry, state.own_planes), state.preferences.radiological);
+        screen_axes(kind, slice_axes(geometry, state.look.own_planes), state.preferences.radiological);
     const RectPx& rect = layout.image(kind);
     if (rect.width <= 0 || rect.height <= 0) continue;
     const double half_width_mm = reach_mm(geometry, right), half_height_mm = reach_mm(geometry, down);
-    SlicePan& pan = state.slices[index_of(kind)];
+    SlicePan& pan = state.look.slices[index_of(kind)];
     pan.centre_mm = box.center();
     pan.side_px = std::min(rect.width, rect.height);
     pan.mm_per_px = 2.04 * std::max(half_width_mm / rect.width, half_height_mm / rect.height);
@@ -245,22 +239,22 @@ void show_all(EditorState& state, const Document& document, const Layout& layout
   const Box target = shown ? bounds_of(*shown->shape.points) : box;
   // From the front, a little from the patient's left and from above: the planes do not hide each other.
   constexpr double left_px = 70, up_px = 45;
-  state.camera = turned(camera_from(LookFrom::anterior, target), -left_px, up_px);
+  state.look.camera = turned(camera_from(LookFrom::anterior, target), -left_px, up_px);
   // A mesh leaves some room for the planes around it.
   if (shown && document.scan.image)
-    state.camera.distance_mm *= 1.5;
+    state.look.camera.distance_mm *= 1.5;
   else
-    state.camera.distance_mm = distance_to_hold(state.camera, target, document.scan.image != nullptr);
+    state.look.camera.distance_mm = distance_to_hold(state.look.camera, target, document.scan.image != nullptr);
 }
 
 void look_at_step(EditorState& state) {
   if (!state.guide || !state.guide->shown || state.guide->at >= state.guide->steps.size()) return;
   const GuideStep& step = state.guide->steps[state.guide->at];
-  state.crosshair_mm = step.to_mm;
-  state.hover.reset();
-  if (state.maximised) state.maximised = step.view;
+  state.look.crosshair_mm = step.to_mm;
+  state.pointer.hover.reset();
+  if (state.look.maximised) state.look.maximised = step.view;
   // A view that was moved off the place comes back to it.
-  SlicePan& pan = state.slices[index_of(step.view)];
+  SlicePan& pan = state.look.slices[index_of(step.view)];
   constexpr double share_seen = 0.4;
   if ((step.to_mm - pan.centre_mm).norm() > share_seen * pan.side_px * pan.mm_per_px) pan.centre_mm = step.to_mm;
 }
@@ -268,53 +262,54 @@ void look_at_step(EditorState& state) {
 void look_closely(EditorState& state, const Mesh& mesh, std::int32_t vertex) {
   const double near_mm = 1.2 * bounds_of(mesh.points).diagonal().norm();
   const Vec3 at = mesh.points.row(vertex);
-  state.crosshair_mm = state.camera.target = at;
-  state.camera.distance_mm = std::min(state.camera.distance_mm, near_mm);
-  look_from_outside(state.camera, vertex_normals(mesh).row(vertex));
-  for (SlicePan& pan : state.slices) pan.centre_mm = at;
+  state.look.crosshair_mm = state.look.camera.target = at;
+  state.look.camera.distance_mm = std::min(state.look.camera.distance_mm, near_mm);
+  look_from_outside(state.look.camera, vertex_normals(mesh).row(vertex));
+  for (SlicePan& pan : state.look.slices) pan.centre_mm = at;
 }
 
 void follow_layout(EditorState& state, const Layout& layout) {
   for (const ViewKind kind : slice_views) {
     const float side_px = std::min(layout.image(kind).width, layout.image(kind).height);
     if (side_px < 1) continue;
-    SlicePan& pan = state.slices[index_of(kind)];
+    SlicePan& pan = state.look.slices[index_of(kind)];
     if (pan.side_px > 0) pan.mm_per_px *= static_cast<double>(pan.side_px) / static_cast<double>(side_px);
     pan.side_px = side_px;
   }
 }
 
 void scroll_slice(EditorState& state, ViewKind kind, const Document& document, double steps) {
-  state.scrolled += steps;
-  const double whole_steps = std::trunc(state.scrolled);
-  state.scrolled -= whole_steps;
+  state.look.scrolled += steps;
+  const double whole_steps = std::trunc(state.look.scrolled);
+  state.look.scrolled -= whole_steps;
   if (whole_steps == 0) return;
   // Away from the radiological viewer (axial: towards the head), whichever side is shown on the left.
   const VolumeGeometry geometry = geometry_of(document);
-  const Vec3 normal = screen_axes(kind, slice_axes(geometry, state.own_planes), true).normal();
+  const Vec3 normal = screen_axes(kind, slice_axes(geometry, state.look.own_planes), true).normal();
   const Box box = geometry.bounds_mm();
   // From the middle of the first voxel along the normal to that of the last; across it the cross-hair stays.
   const double step_mm = slice_step_mm(geometry, normal);
   const double reach = std::max(0.0, reach_mm(geometry, normal) - step_mm / 2);
-  const double middle = normal.dot(box.center()), along = normal.dot(state.crosshair_mm);
-  state.crosshair_mm += normal * (std::clamp(along + whole_steps * step_mm, middle - reach, middle + reach) - along);
+  const double middle = normal.dot(box.center()), along = normal.dot(state.look.crosshair_mm);
+  state.look.crosshair_mm +=
+      normal * (std::clamp(along + whole_steps * step_mm, middle - reach, middle + reach) - along);
   settle_crosshair(state, document);
 }
 
 void settle_crosshair(EditorState& state, const Document& document) {
   if (!document.scan.image) return;
   const VolumeGeometry& geometry = document.scan.image->geometry;
-  if (is_oblique(geometry) && !state.own_planes) return;
-  state.crosshair_mm = geometry.to_mm(geometry.to_voxel(state.crosshair_mm).array().round().matrix());
+  if (is_oblique(geometry) && !state.look.own_planes) return;
+  state.look.crosshair_mm = geometry.to_mm(geometry.to_voxel(state.look.crosshair_mm).array().round().matrix());
 }
 
 void set_sigma(EditorState& state, double sigma_mm) {
-  state.sigma_presets_mm[state.sigma_preset] = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
-  state.wheel_sigma_mm.reset();
+  state.hand.sigma_presets_mm[state.hand.sigma_preset] = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
+  state.hand.wheel_sigma_mm.reset();
 }
 
 void turn_sigma(EditorState& state, double sigma_mm) {
-  state.wheel_sigma_mm = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
+  state.hand.wheel_sigma_mm = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
 }
 
 std::string case_name(const std::filesystem::path& file, const Document& document) {
@@ -351,18 +346,18 @@ std::string landmark_in_hand(const EditorState& state, const Document& document)
   const Structure* structure = active_structure(state, document);
   if (structure == nullptr) return {};
   const auto& known = structure->the_template->landmarks;
-  const auto is_chosen = [&](const Landmark& landmark) { return landmark.name == state.landmark; };
-  if (std::any_of(known.begin(), known.end(), is_chosen)) return state.landmark;
+  const auto is_chosen = [&](const Landmark& landmark) { return landmark.name == state.hand.landmark; };
+  if (std::any_of(known.begin(), known.end(), is_chosen)) return state.hand.landmark;
   const auto shown = active_shape(state, document);
   return shown ? next_unplaced_landmark(*shown) : std::string();
 }
 
 Situation situation_of(const EditorState& state, const Document& shown) {
-  return {state.tool,
-          state.brush.paints,
-          state.brush.region,
+  return {state.hand.tool,
+          state.hand.brush.paints,
+          state.hand.brush.region,
           landmark_in_hand(state, shown),
-          state.template_landmark,
+          state.hand.template_landmark,
           shown_frame(state, shown)};
 }
 
@@ -393,7 +388,7 @@ void remember_recent(std::vector<std::filesystem::path>& recent, const std::file
 
 int shown_frame(const EditorState& state, const Document& document) {
   const int frames = document.scan.image ? document.scan.image->frames : 1;
-  return state.shown_frame ? std::clamp(*state.shown_frame, 0, frames - 1) : document.frame;
+  return state.look.shown_frame ? std::clamp(*state.look.shown_frame, 0, frames - 1) : document.frame;
 }
 
 }  // namespace homolog

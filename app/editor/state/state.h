@@ -159,11 +159,8 @@ struct Preferences {
   bool operator==(const Preferences&) const = default;
 };
 
-/// Everything the editor remembers that is not part of the case. Changed by the free functions below and in
-/// controls.h; drawing reads it as const.
-struct EditorState {
-  Preferences preferences;
-
+/// What is looked at, and how.
+struct Look {
   std::string structure;  ///< the one that is worked on, by its id; empty: the case's first
 
   Vec3 crosshair_mm = Vec3::Zero();
@@ -172,13 +169,24 @@ struct EditorState {
   Camera3D camera;
   bool own_planes = false;
   std::optional<ViewKind> maximised;
+  bool fit_views_wanted = true;  ///< once it is known how large they are
 
   double window_low = 0, window_high = 1;
   double label_opacity = 0.4;
+  Colouring colouring = Colouring::vertex_hue;  ///< that was chosen; never confidence
+  bool shows_confidence = true;                 ///< instead of it, while there is one
+  double organ_mm = 125;                        ///< the diagonal of the organ that sizes in mm were last chosen for
+  double glyph_spacing_mm = 10.5;
+
   std::optional<int> shown_frame;  ///< of a cine while it plays or its slider is dragged; else the document's
   bool playing = false;
-  VolumeCurve volume_curve;  ///< of the cine as it is shown
+  double next_frame_seconds = 0;           ///< of a cine that plays, by the window's clock
+  std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
+  bool making_shown = false;               ///< the template that is being made stands in for the case's mesh
+};
 
+/// What a person has in hand: the tool, and what it works with.
+struct Hand {
   MouseTool tool = MouseTool::pull;
   MouseTool tool_before_naming = MouseTool::pull;  ///< taken up again when a landmark of the template has its place
   std::array<double, 3> sigma_presets_mm{4, 10, 25};
@@ -191,60 +199,77 @@ struct EditorState {
   std::string template_landmark;  ///< the one that the next click names on the template
   std::string new_region;         ///< the name that is being typed
   std::optional<RegionNaming> renaming;
-  TemplateSettings template_settings;
-  std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
-  FitSettings fit_settings;
-  std::shared_ptr<const ShapeModel> fit_model;  ///< that was read from a file; null: none was
-  std::filesystem::path fit_model_file;
-  double model_help = 0;              ///< 0…1: how far the study's model completes every stroke
-  std::optional<double> hints_until;  ///< when the hints go by themselves, seconds of the window's clock
-  bool hints_over = false;
-  std::string wanted_section;             ///< of the side panel, that a tool has asked for
-  std::uint64_t section_wanted = 0;       ///< counts how often
-  std::optional<Fitted> last_fit;         ///< spoken of for as long as its mesh is the case's
-  std::optional<Fitted> last_refinement;  ///< likewise
-  bool export_all_frames = true;          ///< of a cine with several meshes; else the frame that is shown
-  std::size_t unsaved_found = 0;          ///< cases that were never saved and that nobody was told of before
-  SnapSettings snap;
-  std::optional<SnapFound> snapped;                 ///< the last snap
-  std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
-  Colouring colouring = Colouring::vertex_hue;      ///< that was chosen; never confidence
-  bool shows_confidence = true;                     ///< instead of it, while there is one
-  double organ_mm = 125;                            ///< the diagonal of the organ that sizes in mm were last chosen for
-  double glyph_spacing_mm = 10.5;
-  std::vector<Finding> unclear_edges;    ///< of `confidence`
-  std::optional<ShownFinding> finding;   ///< that is looked at
-  std::size_t intersecting_at_rest = 0;  ///< pairs of faces, before a drag
-  /// How many there were before an edit took the surface through itself; none where there are no more than that.
-  std::optional<std::size_t> intersecting_before;
+  std::optional<Ruler> ruler;
+  std::optional<PanelEdit> panel_edit;
 
+  double sigma_mm() const { return wheel_sigma_mm.value_or(sigma_presets_mm[sigma_preset]); }
+};
+
+/// Where the pointer is, and what its buttons do there.
+struct Pointer {
   std::optional<Hover> hover;
   LastPress last_press;
   std::optional<Drag> drag;
   MouseTool begun_with = MouseTool::pull;  ///< the tool that `drag` or `held_click` is of
   std::optional<HeldClick> held_click;
   MouseButton drag_button = MouseButton::left;  ///< whose release ends the drag
-  std::optional<Ruler> ruler;
-  std::optional<PanelEdit> panel_edit;
-  std::optional<Situation> said_in;  ///< when the session said its last sentence
+};
 
-  std::filesystem::path saved_folder;  ///< where a file was saved last, of what is open; empty: none was
+/// What the automatic work is asked for.
+struct Automatic {
+  TemplateSettings template_settings;
+  FitSettings fit_settings;
+  std::shared_ptr<const ShapeModel> fit_model;  ///< that was read from a file; null: none was
+  std::filesystem::path fit_model_file;
+  SnapSettings snap;
+  double model_help = 0;  ///< 0…1: how far the study's model completes every stroke
+};
+
+/// What was found on the structure that is worked on. Another structure begins with nothing.
+struct Found {
+  VolumeCurve volume_curve;                         ///< of the cine as it is shown
+  std::optional<Fitted> last_fit;                   ///< spoken of for as long as its mesh is the case's
+  std::optional<Fitted> last_refinement;            ///< likewise
+  std::optional<SnapFound> snapped;                 ///< the last snap
+  std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
+  std::vector<Finding> unclear_edges;               ///< of `confidence`
+  std::optional<ShownFinding> finding;              ///< that is looked at
+  std::size_t intersecting_at_rest = 0;             ///< pairs of faces, before a drag
+  /// How many there were before an edit took the surface through itself; none where there are no more than that.
+  std::optional<std::size_t> intersecting_before;
+};
+
+/// How and where files are saved.
+struct Saving {
+  std::filesystem::path saved_folder;  ///< where one was saved last, of what is open; empty: none was
   PictureOptions picture;
-  bool fit_views_wanted = true;  ///< once it is known how large they are
-  bool active = false;           ///< something was done by hand since the work was counted last
-  WorkCount work_count;
-  bool making_shown = false;      ///< the template that is being made stands in for the case's mesh
-  double next_frame_seconds = 0;  ///< of a cine that plays, by the window's clock
-  Quitting quitting = Quitting::no;
+  bool export_all_frames = true;  ///< of a cine with several meshes; else the frame that is shown
+};
 
-  std::optional<Guide> guide;  ///< to the first case, while that is open
-
-  std::optional<Dialog> dialog;
-  std::vector<Notice> notices;
-
+/// Everything the editor remembers that is not part of the case. Changed by the free functions below and in
+/// controls.h; drawing reads it as const.
+struct EditorState {
+  Preferences preferences;
+  Look look;
+  Hand hand;
+  Pointer pointer;
+  Automatic automatic;
+  Found found;
+  Saving saving;
   ModelsState models;
 
-  double sigma_mm() const { return wheel_sigma_mm.value_or(sigma_presets_mm[sigma_preset]); }
+  std::optional<Guide> guide;  ///< to the first case, while that is open
+  std::optional<Dialog> dialog;
+  std::vector<Notice> notices;
+  std::optional<Situation> said_in;   ///< when the session said its last sentence
+  std::optional<double> hints_until;  ///< when the hints go by themselves, seconds of the window's clock
+  bool hints_over = false;
+  std::string wanted_section;        ///< of the side panel, that a tool has asked for
+  std::uint64_t section_wanted = 0;  ///< counts how often
+  std::size_t unsaved_found = 0;     ///< cases that were never saved and that nobody was told of before
+  bool active = false;               ///< something was done by hand since the work was counted last
+  WorkCount work_count;
+  Quitting quitting = Quitting::no;
 };
 
 /// The structure that is worked on; null: the case has none.

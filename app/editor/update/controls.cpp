@@ -13,24 +13,25 @@ constexpr double wheel_zoom = 1.12, wheel_sigma = 1.1, pick_reach_units = 8;
 
 void turn_wheel(EditorState& state, const InputEvent& event, double steps, const ControlsContext& context,
                 Outbox& out) {
-  if (state.drag && std::holds_alternative<StrokeDrag>(*state.drag)) {
-    turn_sigma(state, state.sigma_mm() * std::pow(wheel_sigma, steps));
-    std::get<StrokeDrag>(*state.drag).stroke.sigma_mm = state.sigma_mm();
+  if (state.pointer.drag && std::holds_alternative<StrokeDrag>(*state.pointer.drag)) {
+    turn_sigma(state, state.hand.sigma_mm() * std::pow(wheel_sigma, steps));
+    std::get<StrokeDrag>(*state.pointer.drag).stroke.sigma_mm = state.hand.sigma_mm();
     if (const auto action = drag_action(state)) out.preview(action);
     return;
   }
-  if (!state.hover || event.over_panel) return;
-  const ViewKind kind = state.hover->view;
+  if (!state.pointer.hover || event.over_panel) return;
+  const ViewKind kind = state.pointer.hover->view;
   if (kind == ViewKind::space) {
-    state.camera.distance_mm = std::clamp(state.camera.distance_mm * std::pow(wheel_zoom, -steps), 5.0, 20000.0);
+    state.look.camera.distance_mm =
+        std::clamp(state.look.camera.distance_mm * std::pow(wheel_zoom, -steps), 5.0, 20000.0);
   } else if (event.ctrl) {
     // The point under the pointer stays where it is.
     const Vec3 before = view_map(state, context.layout, context.document, kind)
-                            .on_facing_plane(event.x_px, event.y_px, state.crosshair_mm);
-    SlicePan& pan = state.slices[index_of(kind)];
+                            .on_facing_plane(event.x_px, event.y_px, state.look.crosshair_mm);
+    SlicePan& pan = state.look.slices[index_of(kind)];
     zoom_slice(state, kind, pan.mm_per_px * std::pow(wheel_zoom, -steps));
     const Vec3 after = view_map(state, context.layout, context.document, kind)
-                           .on_facing_plane(event.x_px, event.y_px, state.crosshair_mm);
+                           .on_facing_plane(event.x_px, event.y_px, state.look.crosshair_mm);
     pan.centre_mm += before - after;
   } else {
     scroll_slice(state, kind, context.document, steps);
@@ -40,32 +41,32 @@ void turn_wheel(EditorState& state, const InputEvent& event, double steps, const
 
 /// Counts a press of the left button: 1 for the first at its place, 2 for that of a double click, and so on.
 int count_click(EditorState& state, const InputEvent& event) {
-  const int clicks = near_last_press(state, event) ? state.last_press.clicks + 1 : 1;
+  const int clicks = near_last_press(state, event) ? state.pointer.last_press.clicks + 1 : 1;
   if (clicks == 1) {
-    state.last_press.ruler = state.ruler;
-    state.last_press.camera = state.camera;
-    state.last_press.played = state.playing;
+    state.pointer.last_press.ruler = state.hand.ruler;
+    state.pointer.last_press.camera = state.look.camera;
+    state.pointer.last_press.played = state.look.playing;
   }
-  state.last_press.x_px = event.x_px;
-  state.last_press.y_px = event.y_px;
-  state.last_press.seconds = event.seconds;
-  return state.last_press.clicks = clicks;
+  state.pointer.last_press.x_px = event.x_px;
+  state.pointer.last_press.y_px = event.y_px;
+  state.pointer.last_press.seconds = event.seconds;
+  return state.pointer.last_press.clicks = clicks;
 }
 
 /// A view fills the window, or all four are seen again. What the click before began is taken back: it was none.
 void double_click(EditorState& state, Outbox& out) {
-  if (state.held_click && state.held_click->action) out.preview(std::nullopt);
-  state.held_click.reset();
-  state.ruler = state.last_press.ruler;
-  const ViewKind kind = state.hover->view;
-  if (kind == ViewKind::space) state.camera = state.last_press.camera;
-  if (state.last_press.played && !state.playing) out.send(PlayFrames{true});
-  state.maximised = state.maximised ? std::nullopt : std::optional(kind);
+  if (state.pointer.held_click && state.pointer.held_click->action) out.preview(std::nullopt);
+  state.pointer.held_click.reset();
+  state.hand.ruler = state.pointer.last_press.ruler;
+  const ViewKind kind = state.pointer.hover->view;
+  if (kind == ViewKind::space) state.look.camera = state.pointer.last_press.camera;
+  if (state.pointer.last_press.played && !state.look.playing) out.send(PlayFrames{true});
+  state.look.maximised = state.look.maximised ? std::nullopt : std::optional(kind);
 }
 
 /// Whether a click that is held is a click by now: the time is over, or something else begins.
 bool ends_held_click(const EditorState& state, const InputEvent& event) {
-  if (event.seconds >= state.held_click->until) return true;
+  if (event.seconds >= state.pointer.held_click->until) return true;
   if (std::holds_alternative<MouseMove>(event.what) || std::holds_alternative<MouseRelease>(event.what)) return false;
   const auto* press = std::get_if<MousePress>(&event.what);
   return press == nullptr || press->button != MouseButton::left || event.over_panel || !near_last_press(state, event);
@@ -74,7 +75,7 @@ bool ends_held_click(const EditorState& state, const InputEvent& event) {
 /// Whether an event acts on what lies under the pointer now: a press that begins something, and a drag that follows the
 /// mesh.
 bool points(const EditorState& state, const InputEvent& event) {
-  if (std::holds_alternative<MousePress>(event.what)) return !state.drag && !event.over_panel && !state.dialog;
+  if (std::holds_alternative<MousePress>(event.what)) return !state.pointer.drag && !event.over_panel && !state.dialog;
   const ToolKind* tool = dragging_tool(state);
   return std::holds_alternative<MouseMove>(event.what) && tool != nullptr && tool->follows_mesh;
 }
@@ -83,7 +84,7 @@ bool points(const EditorState& state, const InputEvent& event) {
 
 ViewMap view_map(const EditorState& state, const Layout& layout, const Document& document, ViewKind kind) {
   const RectPx& rect = layout.image(kind);
-  if (kind == ViewKind::space) return {rect, state.camera};
+  if (kind == ViewKind::space) return {rect, state.look.camera};
   return {rect, slice_view(state, kind, geometry_of(document))};
 }
 
@@ -91,7 +92,7 @@ std::optional<Vec3> mesh_at(const EditorState& state, const ControlsContext& con
                             double y_px, double reach_mm) {
   if (map.is_slice())
     return context.mesh.nearest_on_outline(*context.shape(), map.slice(),
-                                           map.on_facing_plane(x_px, y_px, state.crosshair_mm), reach_mm);
+                                           map.on_facing_plane(x_px, y_px, state.look.crosshair_mm), reach_mm);
   const Ray ray = map.ray(x_px, y_px);
   const auto hit = context.mesh.first_on_surface(*context.shape(), ray);
   const bool hidden =
@@ -102,7 +103,7 @@ std::optional<Vec3> mesh_at(const EditorState& state, const ControlsContext& con
 void update_hover(EditorState& state, const ControlsContext& context, double x_px, double y_px) {
   const auto kind = context.layout.view_at(x_px, y_px);
   if (!kind) {
-    state.hover.reset();
+    state.pointer.hover.reset();
     return;
   }
   Hover hover;
@@ -110,26 +111,26 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
   hover.x_px = x_px;
   hover.y_px = y_px;
   const ViewMap map = view_map(state, context.layout, context.document, *kind);
-  if (map.is_slice()) hover.p_mm = map.on_facing_plane(x_px, y_px, state.crosshair_mm);
+  if (map.is_slice()) hover.p_mm = map.on_facing_plane(x_px, y_px, state.look.crosshair_mm);
   if (const auto shown = context.shape()) {
     const Points& points = *shown->shape.points;
     const float scale = context.layout.scale;
-    const double pick_mm = pick_reach_units * scale * map.mm_per_px(state.crosshair_mm);
-    const double reach_mm = is_brush(state.tool) ? std::max(pick_mm, state.brush.radius_mm) : pick_mm;
+    const double pick_mm = pick_reach_units * scale * map.mm_per_px(state.look.crosshair_mm);
+    const double reach_mm = is_brush(state.hand.tool) ? std::max(pick_mm, state.hand.brush.radius_mm) : pick_mm;
     hover.on_mesh = mesh_at(state, context, map, x_px, y_px, reach_mm);
     if (!map.is_slice()) hover.p_mm = hover.on_mesh;
     constexpr double landmark_share = 0.012;  // of the organ: how thick a placed landmark is
     const double slice_reach_mm =
-        0.75 * slice_step_mm(geometry_of(context.document), map.into_screen()) + landmark_share * state.organ_mm;
+        0.75 * slice_step_mm(geometry_of(context.document), map.into_screen()) + landmark_share * state.look.organ_mm;
     hover.landmark = landmark_at(map, shown->shape.landmarks, x_px, y_px, slice_reach_mm, context.layout.scale);
-    if (kind_of(state.tool).marks == ToolMarks::handles)
+    if (kind_of(state.hand.tool).marks == ToolMarks::handles)
       if (const auto handles = placement_handles(map, points, scale)) hover.part = part_at(*handles, x_px, y_px, scale);
   }
-  state.hover = std::move(hover);
+  state.pointer.hover = std::move(hover);
 }
 
 bool near_last_press(const EditorState& state, const InputEvent& event) {
-  const LastPress& last = state.last_press;
+  const LastPress& last = state.pointer.last_press;
   return last.clicks > 0 && event.seconds - last.seconds < double_click_seconds &&
          std::hypot(event.x_px - last.x_px, event.y_px - last.y_px) < double_click_px;
 }
@@ -137,12 +138,12 @@ bool near_last_press(const EditorState& state, const InputEvent& event) {
 void handle_event(EditorState& state, const InputEvent& event, const ControlsContext& given, Outbox& out) {
   state.active = true;
   ControlsContext context = given;
-  if (state.held_click && ends_held_click(state, event)) {
-    context.can_undo = context.can_undo || state.held_click->action;
+  if (state.pointer.held_click && ends_held_click(state, event)) {
+    context.can_undo = context.can_undo || state.pointer.held_click->action;
     do_held_click(state, context, out);
   }
-  const double last_x_px = state.hover ? state.hover->x_px : event.x_px;
-  const double last_y_px = state.hover ? state.hover->y_px : event.y_px;
+  const double last_x_px = state.pointer.hover ? state.pointer.hover->x_px : event.x_px;
+  const double last_y_px = state.pointer.hover ? state.pointer.hover->y_px : event.y_px;
   // What the pointer is over is looked up once: before a press or a drag that needs it, else after what the event did.
   const bool pointed = points(state, event);
   if (pointed) update_hover(state, context, event.x_px, event.y_px);
@@ -150,7 +151,7 @@ void handle_event(EditorState& state, const InputEvent& event, const ControlsCon
   if (const auto* pressed = std::get_if<KeyPress>(&event.what)) {
     press_key(state, event, pressed->key, context, out);
   } else if (const auto* press = std::get_if<MousePress>(&event.what)) {
-    if (!pointed || !state.hover) return;
+    if (!pointed || !state.pointer.hover) return;
     const int clicks = press->button == MouseButton::left ? count_click(state, event) : 1;
     if (clicks == 1)
       start_drag(state, event, press->button, context, out);
@@ -158,22 +159,23 @@ void handle_event(EditorState& state, const InputEvent& event, const ControlsCon
       double_click(state, out);
     return;
   } else if (const auto* release = std::get_if<MouseRelease>(&event.what)) {
-    if (state.drag && release->button == state.drag_button) finish_drag(state, event, context, out);
+    if (state.pointer.drag && release->button == state.pointer.drag_button) finish_drag(state, event, context, out);
   } else if (const auto* wheel = std::get_if<Wheel>(&event.what)) {
     turn_wheel(state, event, wheel->steps, context, out);
-  } else if (state.drag) {
+  } else if (state.pointer.drag) {
     move_drag(state, event, context, out);
   }
-  if (event.over_panel && !state.drag) {
-    state.hover.reset();
+  if (event.over_panel && !state.pointer.drag) {
+    state.pointer.hover.reset();
     return;
   }
   if (!pointed) update_hover(state, context, event.x_px, event.y_px);
   // A key that is let go with Shift held comes as a movement to where the pointer is already.
   const bool moved = last_x_px != event.x_px || last_y_px != event.y_px;
-  const bool moves_crosshair = std::holds_alternative<MouseMove>(event.what) && moved && event.shift && !state.drag;
-  if (moves_crosshair && state.hover && state.hover->p_mm) {
-    state.crosshair_mm = *state.hover->p_mm;
+  const bool moves_crosshair =
+      std::holds_alternative<MouseMove>(event.what) && moved && event.shift && !state.pointer.drag;
+  if (moves_crosshair && state.pointer.hover && state.pointer.hover->p_mm) {
+    state.look.crosshair_mm = *state.pointer.hover->p_mm;
     settle_crosshair(state, context.document);
   }
 }

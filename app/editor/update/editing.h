@@ -94,7 +94,7 @@ struct Editing {
             shown.snapshot().can_redo,
             shown.snapshot().file,
             work.fitter.busy() || work.propagator.busy(),
-            state.structure};
+            state.look.structure};
   }
   /// Does an edit of the case, or of the structure that is worked on. `joined`: see EditStep.
   void apply(Action action, bool joined = false) const;

@@ -27,7 +27,7 @@ Command to_several(const std::vector<fs::path>& chosen) {
 
 template <class C>
 Command of_frames(const fs::path& chosen, const EditorState& state) {
-  return C{{chosen}, state.export_all_frames};
+  return C{{chosen}, state.saving.export_all_frames};
 }
 
 Command template_of(const fs::path& chosen, const EditorState&) {
@@ -197,17 +197,17 @@ std::vector<fs::path> files_written(FilePurpose purpose, const fs::path& chosen,
                                     const Document& document) {
   const bool of_frames = purpose == FilePurpose::export_mesh || purpose == FilePurpose::export_label_map;
   const Structure* structure = active_structure(state, document);
-  if (!of_frames || !state.export_all_frames || !has_several_meshes(structure)) return {chosen};
+  if (!of_frames || !state.saving.export_all_frames || !has_several_meshes(structure)) return {chosen};
   std::vector<fs::path> files;
   for (const auto& [frame, shape] : structure->shapes)
     files.push_back(file_of_frame(purpose, chosen, frame, document.scan.frames() - 1));
   return files;
 }
 
-FilePurpose purpose_of(const std::string& name) {
+std::optional<FilePurpose> purpose_of(const std::string& name) {
   const auto& all = file_purposes();
   const auto found = std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
-  return found == all.end() ? FilePurpose::open : found->purpose;
+  return found == all.end() ? std::nullopt : std::optional(found->purpose);
 }
 
 }  // namespace homolog

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,8 @@ struct FilePurposeKind {
 };
 
 const FilePurposeKind& file_purpose(FilePurpose purpose);
-/// By its name in the log; that to open a file where there is none of that name.
-FilePurpose purpose_of(const std::string& name);
+/// By its name in the log; none where there is none of that name.
+std::optional<FilePurpose> purpose_of(const std::string& name);
 
 /// Whether an export can write the meshes of several frames.
 bool has_several_meshes(const Structure* structure);

@@ -40,7 +40,7 @@ Given dialog_command(const Dialog& dialog, int code, bool shift) {
 
 Given take_tool(const KeyMoment& now) {
   for (const ToolKind* kind : tool_kinds)
-    if (!now.state.drag && kind->key[0] == now.code) return ChooseTool{kind->tool};
+    if (!now.state.pointer.drag && kind->key[0] == now.code) return ChooseTool{kind->tool};
   return std::nullopt;
 }
 
@@ -70,16 +70,16 @@ std::vector<KeyChord> side_chords() {
 }
 
 Given scroll(const KeyMoment& now) {
-  const ViewKind view = now.state.hover ? now.state.hover->view : ViewKind::axial;
+  const ViewKind view = now.state.pointer.hover ? now.state.pointer.hover->view : ViewKind::axial;
   const double steps = now.code == key::page_up || now.code == key::page_down ? 10 : 1;
   const bool on = now.code == key::up || now.code == key::right || now.code == key::page_up;
   return ScrollSlices{view, on ? steps : -steps};
 }
 
 Given snap_here(const KeyMoment& now) {
-  const auto& hover = now.state.hover;
+  const auto& hover = now.state.pointer.hover;
   SnapMesh snap;
-  if (hover && hover->on_mesh) snap.region = SnapArea{*hover->on_mesh, now.state.sigma_mm()};
+  if (hover && hover->on_mesh) snap.region = SnapArea{*hover->on_mesh, now.state.hand.sigma_mm()};
   return snap;
 }
 
@@ -113,7 +113,7 @@ std::vector<KeyRow> rows_of_case() {
       {"Shift+N",
        "snap while dragging",
        {{'N', false, true}},
-       [](const KeyMoment& now) -> Given { return SnapWithStrokes{!now.state.snap.with_strokes}; }},
+       [](const KeyMoment& now) -> Given { return SnapWithStrokes{!now.state.automatic.snap.with_strokes}; }},
       {"Arrows, PgUp, PgDn",
        "slices, by 1 or 10",
        {{key::up}, {key::right}, {key::down}, {key::left}, {key::page_up}, {key::page_down}},
@@ -123,7 +123,7 @@ std::vector<KeyRow> rows_of_case() {
        {{' '}},
        [](const KeyMoment& now) -> Given {
          const auto& volume = now.context.document.scan.image;
-         return volume && volume->frames > 1 ? Given(PlayFrames{!now.state.playing}) : std::nullopt;
+         return volume && volume->frames > 1 ? Given(PlayFrames{!now.state.look.playing}) : std::nullopt;
        }},
       {"F", "everything in view", {{'F'}}, [](const KeyMoment&) -> Given { return ShowAll{}; }},
       {"O", "outlines", {{'O'}}, toggle_part<&ShownParts::outline>},
@@ -232,7 +232,7 @@ const std::vector<KeyRow>& key_rows(bool in_models) {
 void press_key(const EditorState& state, const InputEvent& event, int key, const ControlsContext& context,
                Outbox& out) {
   Given command;
-  const bool dismisses = key == key::escape && !state.drag && !state.notices.empty();
+  const bool dismisses = key == key::escape && !state.pointer.drag && !state.notices.empty();
   if (state.dialog)
     command = dialog_command(*state.dialog, key, event.shift);
   else if (dismisses)

@@ -66,7 +66,7 @@ void Models::show_study(EditorState& state, StudyRead read, const fs::path& path
   const fs::path file = absolute_path(path), before = state.models.study_file;
   if (before != file && before.parent_path() == studies_folder() && !state.models.study.cases.empty())
     add_notice(state, {"The study " + study_name(before) + " is kept.", false, std::nullopt, before});
-  if (file.parent_path() != before.parent_path()) state.saved_folder.clear();
+  if (file.parent_path() != before.parent_path()) state.saving.saved_folder.clear();
   remember_recent(state.preferences.recent_studies, file);
   homolog::show_study(state.models, std::move(read.study), file);
   written_revision_ = state.models.study_revision;
@@ -265,8 +265,8 @@ std::optional<int> Models::show_repair(EditorState& state, const Snapshot& snaps
     const Mesh mesh{structure->the_template->topology, points};
     const auto vertex = static_cast<std::int32_t>(*repair->vertex);
     look_closely(state, mesh, vertex);
-    state.finding = ShownFinding{{FindingKind::suspicious, vertex, {}, 1}, 1, 1};
-    state.tool = MouseTool::slide;
+    state.found.finding = ShownFinding{{FindingKind::suspicious, vertex, {}, 1}, 1, 1};
+    state.hand.tool = MouseTool::slide;
   }
   return frame == document.frame ? std::nullopt : std::optional(frame);
 }

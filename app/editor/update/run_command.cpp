@@ -48,17 +48,17 @@ void run(const Command& command, Editing& editing) {
 }
 
 void Editing::apply(Action action, bool joined) const {
-  std::string of = works_on_structure(action) ? state.structure : std::string();
+  std::string of = works_on_structure(action) ? state.look.structure : std::string();
   shown.session().apply(std::move(action), joined, std::move(of));
 }
 
 void stop_playing(Editing& editing) {
-  editing.state.playing = false;
-  if (editing.state.shown_frame) {
-    editing.apply(SetFrame{*editing.state.shown_frame});
-    editing.log.is_done(ShowFrame{*editing.state.shown_frame});
+  editing.state.look.playing = false;
+  if (editing.state.look.shown_frame) {
+    editing.apply(SetFrame{*editing.state.look.shown_frame});
+    editing.log.is_done(ShowFrame{*editing.state.look.shown_frame});
   }
-  editing.state.shown_frame.reset();
+  editing.state.look.shown_frame.reset();
 }
 
 }  // namespace homolog

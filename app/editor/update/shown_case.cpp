@@ -18,9 +18,9 @@ bool has_region(const Structure* structure, const std::string& name) {
 /// The brush lets go of a region that was taken back.
 void let_go_of_regions(EditorState& state, const Document& document_before, const Document& document_now) {
   const Structure *before = active_structure(state, document_before), *now = active_structure(state, document_now);
-  const std::string& brushed = state.brush.region;
-  if (has_region(before, brushed) && !has_region(now, brushed)) state.brush.region.clear();
-  if (state.renaming && !has_region(now, state.renaming->rename.name)) state.renaming.reset();
+  const std::string& brushed = state.hand.brush.region;
+  if (has_region(before, brushed) && !has_region(now, brushed)) state.hand.brush.region.clear();
+  if (state.hand.renaming && !has_region(now, state.hand.renaming->rename.name)) state.hand.renaming.reset();
 }
 
 std::shared_ptr<const Document> at_frame(const std::shared_ptr<const Document>& document, int frame) {
@@ -90,8 +90,8 @@ bool ShownCase::template_is_mirrored() const {
 }
 
 void ShownCase::keep_window(const EditorState& state) {
-  const std::array<double, 2> shown{state.window_low, state.window_high};
-  const bool being_changed = state.drag && std::holds_alternative<WindowLevelDrag>(*state.drag);
+  const std::array<double, 2> shown{state.look.window_low, state.look.window_high};
+  const bool being_changed = state.pointer.drag && std::holds_alternative<WindowLevelDrag>(*state.pointer.drag);
   if (being_changed || !displayed_->scan.image || kept_window_ == shown || !(shown[0] < shown[1])) return;
   kept_window_ = shown;
   session_->apply(Note{"window", shown, {}}, true);
@@ -124,7 +124,7 @@ bool ShownCase::update_snapshot(EditorState& state) {
   const auto before = displayed_;
   displayed_ = at_frame(snapshot_->shown, frame);
   // A structure that was taken away is worked on no more.
-  if (!state.structure.empty() && displayed_->structure(state.structure) == nullptr)
+  if (!state.look.structure.empty() && displayed_->structure(state.look.structure) == nullptr)
     show_structure(state, *displayed_, {});
   const auto view_before = active_shape(state, *before), view_now = active_shape(state, *displayed_);
   if (!view_before || !view_now) return view_before.has_value() != view_now.has_value();

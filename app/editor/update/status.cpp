@@ -12,11 +12,11 @@ namespace {
 /// Of the placed landmark under the pointer: whether strokes move the mesh there. Empty where there is none.
 std::string hold_hint(const EditorState& state, const Document& shown) {
   const auto active = active_shape(state, shown);
-  if (!state.hover || state.hover->landmark.empty() || !active) return {};
+  if (!state.pointer.hover || state.pointer.hover->landmark.empty() || !active) return {};
   const Template& the_template = active->the_template();
   for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
     const std::string& name = the_template.landmarks[l].name;
-    if (name != state.hover->landmark) continue;
+    if (name != state.pointer.hover->landmark) continue;
     const LandmarkHold hold = landmark_hold(the_template, l, active->shape);
     if (!hold.placed) return {};
     if (hold.held) return quoted(name) + " is held: strokes leave the mesh here. The lock in Place releases it.";
@@ -29,32 +29,32 @@ std::string hold_hint(const EditorState& state, const Document& shown) {
 }
 
 std::string hint(const EditorState& state, const Document& shown, bool making_shown) {
-  if (state.unsaved_found > 0 && !state.drag)
+  if (state.unsaved_found > 0 && !state.pointer.drag)
     return std::to_string(state.unsaved_found) + (state.unsaved_found == 1 ? " case was" : " cases were") +
            " not saved. Unsaved cases (Case) recovers them.";
   const bool has_shape = active_shape(state, shown).has_value();
   if (!shown.scan.image && !has_shape) return "Open an image, or drop one on the window.";
   if (making_shown) return "You see the template that is being made. Close it (Template) to see the case's mesh again.";
   if (!has_shape) return why_no_mesh(state, shown);
-  if (const std::string hold = hold_hint(state, shown); !hold.empty() && !state.drag) return hold;
-  return kind_of(state.tool).hint(state, shown);
+  if (const std::string hold = hold_hint(state, shown); !hold.empty() && !state.pointer.drag) return hold;
+  return kind_of(state.hand.tool).hint(state, shown);
 }
 
 /// Why the frame that is shown has to be looked at; empty where it need not, or while something is in hand.
 std::string doubt_of(const EditorState& state, const Document& shown) {
-  const auto& frames = state.volume_curve.frames;
+  const auto& frames = state.found.volume_curve.frames;
   const auto here = frames.find(shown.frame);
-  if (here == frames.end() || here->second.doubt.empty() || state.drag || state.playing) return {};
+  if (here == frames.end() || here->second.doubt.empty() || state.pointer.drag || state.look.playing) return {};
   return "Frame " + std::to_string(shown.frame) + " " + here->second.doubt + ".";
 }
 
 /// That an edit took a wall of the mesh through another one; empty where none did, and when a person
 /// has gone on to something else.
 std::string through_itself(const EditorState& state, const Document& shown) {
-  const bool news = state.intersecting_before && state.said_in == situation_of(state, shown);
-  if (!news || state.drag || state.playing) return {};
-  return "The surface passes through itself (" + std::to_string(state.intersecting_at_rest) +
-         (state.intersecting_at_rest == 1 ? " pair" : " pairs") +
+  const bool news = state.found.intersecting_before && state.said_in == situation_of(state, shown);
+  if (!news || state.pointer.drag || state.look.playing) return {};
+  return "The surface passes through itself (" + std::to_string(state.found.intersecting_at_rest) +
+         (state.found.intersecting_at_rest == 1 ? " pair" : " pairs") +
          " of triangles). J leads there, Ctrl+Z takes it back.";
 }
 

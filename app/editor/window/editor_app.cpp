@@ -97,7 +97,7 @@ bool EditorApp::update(double seconds) {
 }
 
 std::optional<double> EditorApp::next_move_seconds(double now) const {
-  if (!to_replay_.empty() || (drawing_.draws_on() && !state_.playing)) return 0;
+  if (!to_replay_.empty() || (drawing_.draws_on() && !state_.look.playing)) return 0;
   return homolog::next_move_seconds(state_, work_, now);
 }
 

@@ -76,8 +76,8 @@ class EditorApp {
   /// Whether everything that was asked for so far is done, and its results are taken in.
   bool rests() const { return took_all_ && nothing_goes_on(); }
   bool nothing_goes_on() const {
-    return !state_.held_click && !work_.busy() && !work_.models.has_to_write(state_.models) && shown_.at_rest() &&
-           !work_.quality.busy() && out_.empty();
+    return !state_.pointer.held_click && !work_.busy() && !work_.models.has_to_write(state_.models) &&
+           shown_.at_rest() && !work_.quality.busy() && out_.empty();
   }
   void run_commands();
 

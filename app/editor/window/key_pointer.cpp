@@ -26,7 +26,7 @@ Eigen::Vector2d start_in(const EditorApp& app, std::size_t place, const RectPx& 
   const Eigen::Vector2d middle(rect.x + rect.width / 2, rect.y + rect.height / 2);
   if (app.state().models.shown) return middle;
   const ViewMap map = view_map(app.state(), app.layout(), *app.snapshot().document, all_views[place]);
-  const auto at = map.to_px(app.state().crosshair_mm);
+  const auto at = map.to_px(app.state().look.crosshair_mm);
   return at && rect.contains(at->x(), at->y()) ? *at : middle;
 }
 

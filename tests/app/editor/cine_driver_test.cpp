@@ -13,7 +13,7 @@ namespace homolog {
 namespace {
 
 bool all_frames_have_volumes(Driver& driver) {
-  return driver.state().volume_curve.frames.size() == BeatingBall::frames;
+  return driver.state().found.volume_curve.frames.size() == BeatingBall::frames;
 }
 
 /// Clicks on the volume curve at a frame.
@@ -42,8 +42,8 @@ TEST_CASE("a cine is propagated and corrected and propagated again in the window
   CHECK(driver.lines_with("\"of_frame\"") == BeatingBall::frames);
   CHECK(driver.shows("Carried through 5 frames; none is in doubt."));
   CHECK(driver.document().frame == 0);
-  REQUIRE(driver.state().volume_curve.ejection);
-  CHECK(driver.state().volume_curve.ejection->end_systole == 3);
+  REQUIRE(driver.state().found.volume_curve.ejection);
+  CHECK(driver.state().found.volume_curve.ejection->end_systole == 3);
   driver.point_at("Cine/Next in doubt");
   CHECK(driver.shows("Ejection fraction"));
   CHECK(driver.shows("frame 3"));
@@ -160,7 +160,7 @@ TEST_CASE("a cine that starts from a template that lacks a part of its label is 
   driver.wait_until("every frame has a mesh", [&] { return all_frames_have_volumes(driver); });
   driver.settle();
   CHECK(driver.shows("6 of 6"));
-  CHECK_FALSE(driver.state().volume_curve.ejection);
+  CHECK_FALSE(driver.state().found.volume_curve.ejection);
   CHECK(driver.document().structure()->shape(3)->doubt == why);
   // The mesh is corrected: its frame is in no doubt.
   driver.app().send(ApplyEdit{
@@ -204,9 +204,9 @@ TEST_CASE("a cine that plays is propagated from the frame that is shown") {
   driver.app().send(ApplyEdit{SetFrame{0}});
   driver.settle();
   // As when it plays: the case is at frame 0, and frame 2 is on the screen.
-  driver.state().playing = true;
-  driver.state().next_frame_seconds = 1e9;
-  driver.state().shown_frame = 2;
+  driver.state().look.playing = true;
+  driver.state().look.next_frame_seconds = 1e9;
+  driver.state().look.shown_frame = 2;
   driver.frame();
   REQUIRE(driver.app().snapshot().document->frame == 0);
   driver.app().send(PropagateFrames{});

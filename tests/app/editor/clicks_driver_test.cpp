@@ -22,10 +22,10 @@ namespace {
 Eigen::Vector2d on_mesh(Driver& driver, ViewKind kind) {
   const ViewMap map = view_map(driver.state(), driver.app().layout(), driver.document(), kind);
   if (!map.is_slice()) return *map.to_px(bounds_of(*driver.document().view()->shape.points).center());
-  const Eigen::Vector2d middle = *map.to_px(driver.state().crosshair_mm);
+  const Eigen::Vector2d middle = *map.to_px(driver.state().look.crosshair_mm);
   for (double x = middle.x(); x > driver.app().layout().image(kind).x; x -= 1) {
     driver.move(x, middle.y());
-    if (driver.state().hover && driver.state().hover->on_mesh) return {x, middle.y()};
+    if (driver.state().pointer.hover && driver.state().pointer.hover->on_mesh) return {x, middle.y()};
   }
   FAIL("the cross-hair's row does not meet the outline");
   return middle;
@@ -59,7 +59,7 @@ TEST_CASE("a double click enlarges a view and edits nothing with any tool in any
       Driver driver(scan.document(), {maximised ? 800 : 1280, maximised ? 600 : 800, 1});
       driver.app().send(ApplyEdit{SetLandmarkPull{LandmarkPull::warp}, false});
       driver.settle();
-      if (maximised) driver.state().maximised = view;
+      if (maximised) driver.state().look.maximised = view;
       driver.frames(3);
       for (const MouseTool tool :
            {MouseTool::pull, MouseTool::grab, MouseTool::slide, MouseTool::relax, MouseTool::place, MouseTool::landmark,
@@ -69,21 +69,21 @@ TEST_CASE("a double click enlarges a view and edits nothing with any tool in any
           CAPTURE(clicks);
           if (maximised && clicks == 4) continue;  // the third meets whatever lies there of the four views
           driver.app().send(ChooseTool{tool});
-          driver.state().template_landmark = "new one";
-          driver.state().maximised = maximised ? std::optional(view) : std::nullopt;
-          driver.state().ruler = Ruler{Vec3(0, 0, 0), Vec3(10, 0, 0)};
+          driver.state().hand.template_landmark = "new one";
+          driver.state().look.maximised = maximised ? std::optional(view) : std::nullopt;
+          driver.state().hand.ruler = Ruler{Vec3(0, 0, 0), Vec3(10, 0, 0)};
           driver.frames(3);
           const std::string before = text_of_case(driver);
-          const Camera3D camera = driver.state().camera;
+          const Camera3D camera = driver.state().look.camera;
           press_at_once(driver, on_mesh(driver, view), clicks);
-          CHECK((driver.state().maximised != std::nullopt) == (maximised == (clicks == 4)));
+          CHECK((driver.state().look.maximised != std::nullopt) == (maximised == (clicks == 4)));
           driver.settle();
           CHECK(text_of_case(driver) == before);
           driver.wait_until("the preview is gone", [&] { return !driver.app().snapshot().preview; });
-          CHECK(driver.state().tool == tool);
-          REQUIRE(driver.state().ruler);
-          CHECK(driver.state().ruler->length_mm() == 10);
-          CHECK(driver.state().camera.to_eye == camera.to_eye);
+          CHECK(driver.state().hand.tool == tool);
+          REQUIRE(driver.state().hand.ruler);
+          CHECK(driver.state().hand.ruler->length_mm() == 10);
+          CHECK(driver.state().look.camera.to_eye == camera.to_eye);
           CHECK(driver.state().notices.empty());
         }
     }
@@ -107,7 +107,7 @@ TEST_CASE("a single click still does what it is for and two quick ones at two pl
   driver.button(MouseButton::left, false);
   driver.settle();
   CHECK(driver.document().view()->shape.landmarks.size() == 3);
-  CHECK_FALSE(driver.state().maximised);
+  CHECK_FALSE(driver.state().look.maximised);
   // A key right after a click comes after it.
   press_at_once(driver, at + Eigen::Vector2d(5, 5), 0);
   driver.press('B');
@@ -157,7 +157,7 @@ TEST_CASE("what is typed into an open list searches it and does nothing behind i
       driver.type(std::string_view(&letter, 1));
     }
   };
-  const MouseTool tool = driver.state().tool;
+  const MouseTool tool = driver.state().hand.tool;
   const std::string before = text_of_case(driver);
   const ShownParts parts = driver.state().preferences.show;
   driver.click("Place/label");
@@ -166,7 +166,7 @@ TEST_CASE("what is typed into an open list searches it and does nothing behind i
   for (const int code : {key::f1, key::page_up, key::del}) driver.press(code);
   for (const int letter : {'S', 'Z', 'O', 'Q'}) driver.press(letter, {false, true, false});
   driver.settle();
-  CHECK(driver.state().tool == tool);
+  CHECK(driver.state().hand.tool == tool);
   CHECK(text_of_case(driver) == before);
   CHECK(driver.state().preferences.show == parts);
   CHECK_FALSE(driver.state().dialog);
@@ -182,12 +182,12 @@ TEST_CASE("what is typed into an open list searches it and does nothing behind i
   CHECK(driver.control("Place/label").value == "Label 77");
   CHECK_FALSE(driver.has("label/Label 77"));
   // Escape closes the list, and nothing else.
-  driver.state().ruler = Ruler{Vec3(0, 0, 0), Vec3(10, 0, 0)};
+  driver.state().hand.ruler = Ruler{Vec3(0, 0, 0), Vec3(10, 0, 0)};
   driver.click("Place/label");
   type_letters("9");
   driver.press(key::escape);
   CHECK_FALSE(driver.has("label/Label 9"));
-  CHECK(driver.state().ruler);
+  CHECK(driver.state().hand.ruler);
   CHECK(driver.control("Place/label").value == "Label 77");
 }
 
@@ -207,7 +207,7 @@ TEST_CASE("a menu is searched likewise and a click beside it in a view edits not
   }
   CHECK(driver.has("history/Undo: even spacing"));
   CHECK_FALSE(driver.has("history/Undo: stiffness"));
-  CHECK(driver.state().tool == MouseTool::landmark);
+  CHECK(driver.state().hand.tool == MouseTool::landmark);
   driver.move(at.x(), at.y());
   driver.button(MouseButton::left, true);
   driver.button(MouseButton::left, false);

@@ -87,14 +87,14 @@ TEST_CASE("an outline without a region stands out on every grey of an image") {
   const OrganScan scan;
   Driver driver(scan.document(), {900, 700, 1});
   driver.state().preferences.panel_open = false;
-  driver.state().maximised = ViewKind::axial;
-  driver.state().colouring = Colouring::regions;
+  driver.state().look.maximised = ViewKind::axial;
+  driver.state().look.colouring = Colouring::regions;
   driver.state().preferences.show.crosshair = false;
   // The organ has 150 HU: black, dark, middle, light and white.
   for (const auto& [low, high] :
        {std::pair(160, 600), std::pair(50, 550), std::pair(0, 300), std::pair(-400, 250), std::pair(-900, 100)}) {
-    driver.state().window_low = low;
-    driver.state().window_high = high;
+    driver.state().look.window_low = low;
+    driver.state().look.window_high = high;
     driver.state().preferences.show.outline = true;
     driver.settle();
     const Picture with = driver.picture();

@@ -10,10 +10,10 @@ namespace homolog {
 namespace {
 
 double grey_level(const Desk& desk) {
-  return (desk.state.window_low + desk.state.window_high) / 2;
+  return (desk.state.look.window_low + desk.state.look.window_high) / 2;
 }
 double grey_width(const Desk& desk) {
-  return desk.state.window_high - desk.state.window_low;
+  return desk.state.look.window_high - desk.state.look.window_low;
 }
 
 void drag(Desk& desk, MouseButton button, const Eigen::Vector2d& from, const Eigen::Vector2d& by) {
@@ -27,29 +27,29 @@ void drag(Desk& desk, MouseButton button, const Eigen::Vector2d& from, const Eig
 TEST_CASE("the wheel turned up comes nearer in slices and in space and scrolls to the head") {
   Desk desk;
   const Eigen::Vector2d slice = desk.middle_of(ViewKind::axial), space = desk.middle_of(ViewKind::space);
-  const double mm_per_px = desk.state.slices[index_of(ViewKind::axial)].mm_per_px;
+  const double mm_per_px = desk.state.look.slices[index_of(ViewKind::axial)].mm_per_px;
   desk.send(MouseMove{}, slice.x(), slice.y());
   desk.send(Wheel{2}, slice.x(), slice.y(), false, true);
-  CHECK(desk.state.slices[index_of(ViewKind::axial)].mm_per_px == doctest::Approx(mm_per_px / (1.12 * 1.12)));
-  const double away_mm = desk.state.camera.distance_mm;
+  CHECK(desk.state.look.slices[index_of(ViewKind::axial)].mm_per_px == doctest::Approx(mm_per_px / (1.12 * 1.12)));
+  const double away_mm = desk.state.look.camera.distance_mm;
   desk.send(MouseMove{}, space.x(), space.y());
   desk.send(Wheel{1}, space.x(), space.y());
-  CHECK(desk.state.camera.distance_mm == doctest::Approx(away_mm / 1.12));
+  CHECK(desk.state.look.camera.distance_mm == doctest::Approx(away_mm / 1.12));
   desk.send(MouseMove{}, slice.x(), slice.y());
-  const double z = desk.state.crosshair_mm.z();
+  const double z = desk.state.look.crosshair_mm.z();
   desk.send(Wheel{1}, slice.x(), slice.y());
-  CHECK(desk.state.crosshair_mm.z() > z);
+  CHECK(desk.state.look.crosshair_mm.z() > z);
 }
 
 TEST_CASE("the wheel turned up widens a stroke by a tenth") {
   Desk desk;
   const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
   desk.send(MousePress{}, at.x(), at.y());
-  const double sigma_mm = desk.state.sigma_mm();
+  const double sigma_mm = desk.state.hand.sigma_mm();
   desk.send(Wheel{1}, at.x(), at.y());
-  CHECK(desk.state.sigma_mm() == doctest::Approx(1.1 * sigma_mm));
+  CHECK(desk.state.hand.sigma_mm() == doctest::Approx(1.1 * sigma_mm));
   desk.send(Wheel{-2}, at.x(), at.y());
-  CHECK(desk.state.sigma_mm() == doctest::Approx(sigma_mm / 1.1));
+  CHECK(desk.state.hand.sigma_mm() == doctest::Approx(sigma_mm / 1.1));
 }
 
 TEST_CASE("a right drag to the right widens the grey window and one upwards brightens") {
@@ -74,7 +74,7 @@ TEST_CASE("a middle drag takes the image along") {
     const auto on = [&](const Eigen::Vector2d& px) {
       return view_map(desk.state, desk.layout, desk.document, kind)
           .on_facing_plane(px.x(), px.y(),
-                           kind == ViewKind::space ? desk.state.camera.target : desk.state.crosshair_mm);
+                           kind == ViewKind::space ? desk.state.look.camera.target : desk.state.look.crosshair_mm);
     };
     const Vec3 grabbed = on(from);
     drag(desk, MouseButton::middle, from, by);
@@ -87,8 +87,8 @@ TEST_CASE("a middle drag takes the image along") {
 TEST_CASE("a drag in space turns the organ with the pointer") {
   Desk desk;
   desk.state.preferences.show.planes = false;
-  desk.state.tool = MouseTool::place;
-  const Camera3D before = desk.state.camera;
+  desk.state.hand.tool = MouseTool::place;
+  const Camera3D before = desk.state.look.camera;
   const Vec3 near = before.target + 20 * before.to_eye;  // on the side of the eye: it goes where the pointer goes
   const auto seen = [&] { return *view_map(desk.state, desk.layout, desk.document, ViewKind::space).to_px(near); };
   const Eigen::Vector2d start = seen();
@@ -113,7 +113,7 @@ TEST_CASE("two clicks within a third of a second fill the window with a view and
       send(MousePress{});
       send(MouseRelease{});
     }
-    return desk.state.maximised;
+    return desk.state.look.maximised;
   };
   CHECK(after(0.3, 0) == ViewKind::sagittal);
   CHECK_FALSE(after(0.4, 0));
@@ -125,9 +125,9 @@ TEST_CASE("arrows scroll by one slice and pages by ten") {
   const auto scrolled = [](int code) {
     Desk desk;
     desk.send(MouseMove{}, desk.middle_of(ViewKind::axial).x(), desk.middle_of(ViewKind::axial).y());
-    const double z = desk.state.crosshair_mm.z();
+    const double z = desk.state.look.crosshair_mm.z();
     desk.send(KeyPress{code}, desk.middle_of(ViewKind::axial).x(), desk.middle_of(ViewKind::axial).y());
-    return (desk.state.crosshair_mm.z() - z) / desk.document.scan.image->geometry.spacing_mm.z();
+    return (desk.state.look.crosshair_mm.z() - z) / desk.document.scan.image->geometry.spacing_mm.z();
   };
   CHECK(scrolled(key::up) == doctest::Approx(1));
   CHECK(scrolled(key::right) == doctest::Approx(1));
@@ -144,18 +144,18 @@ TEST_CASE("each letter takes the tool that the list of keys names and each digit
       {'B', MouseTool::stiffness}, {'C', MouseTool::confirm}, {'D', MouseTool::ruler}};
   for (const auto& [letter, tool] : tools) {
     Desk desk;
-    desk.state.tool = tool == MouseTool::grab ? MouseTool::pull : MouseTool::grab;
+    desk.state.hand.tool = tool == MouseTool::grab ? MouseTool::pull : MouseTool::grab;
     desk.press(letter);
-    CHECK(desk.state.tool == tool);
+    CHECK(desk.state.hand.tool == tool);
   }
   for (const std::size_t preset : {0u, 1u, 2u}) {
     Desk desk;
     desk.press(static_cast<int>('1' + preset));
-    CHECK(desk.state.sigma_mm() == desk.state.sigma_presets_mm[preset]);
+    CHECK(desk.state.hand.sigma_mm() == desk.state.hand.sigma_presets_mm[preset]);
   }
   const Desk desk;
-  CHECK(desk.state.sigma_presets_mm[0] < desk.state.sigma_presets_mm[1]);
-  CHECK(desk.state.sigma_presets_mm[1] < desk.state.sigma_presets_mm[2]);
+  CHECK(desk.state.hand.sigma_presets_mm[0] < desk.state.hand.sigma_presets_mm[1]);
+  CHECK(desk.state.hand.sigma_presets_mm[1] < desk.state.hand.sigma_presets_mm[2]);
 }
 
 TEST_CASE("keys show and hide what they are named for") {
@@ -172,11 +172,11 @@ TEST_CASE("keys show and hide what they are named for") {
 
 TEST_CASE("the touches of a brush lie half its radius apart") {
   Desk desk;
-  desk.state.tool = MouseTool::confirm;
-  desk.state.brush.radius_mm = 12;
+  desk.state.hand.tool = MouseTool::confirm;
+  desk.state.hand.brush.radius_mm = 12;
   const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
   const double mm =
-      1 / view_map(desk.state, desk.layout, desk.document, ViewKind::axial).mm_per_px(desk.state.crosshair_mm);
+      1 / view_map(desk.state, desk.layout, desk.document, ViewKind::axial).mm_per_px(desk.state.look.crosshair_mm);
   drag(desk, MouseButton::left, at, {25 * mm, 0});
   const auto dabs = desk.sent<ApplyEdit>();
   REQUIRE(dabs.size() >= 3);
@@ -189,7 +189,7 @@ TEST_CASE("the touches of a brush lie half its radius apart") {
 TEST_CASE("Alt turns a brush round") {
   for (const bool alt : {false, true}) {
     Desk desk;
-    desk.state.tool = MouseTool::confirm;
+    desk.state.hand.tool = MouseTool::confirm;
     const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
     const auto send = [&](auto what, double x_px, double seconds) {
       handle_event(desk.state, {what, x_px, at.y(), false, false, alt, seconds, false}, desk.context(), desk.out);
@@ -210,7 +210,7 @@ TEST_CASE("the outline is taken hold of within eight px and not beyond") {
     double off_px = 0;
     for (; off_px < 40; ++off_px) {
       update_hover(desk.state, desk.context(), at.x() - off_px - 1, at.y());
-      if (!desk.state.hover || !desk.state.hover->on_mesh) break;
+      if (!desk.state.pointer.hover || !desk.state.pointer.hover->on_mesh) break;
     }
     return off_px >= px;
   };
@@ -221,12 +221,12 @@ TEST_CASE("the outline is taken hold of within eight px and not beyond") {
 TEST_CASE("linked slices are zoomed together about the cross-hair and within limits") {
   Desk desk;
   desk.state.preferences.linked_zoom = true;
-  const auto pan = [&](ViewKind kind) -> SlicePan& { return desk.state.slices[index_of(kind)]; };
-  for (const ViewKind kind : slice_views) pan(kind) = {desk.state.crosshair_mm + Vec3(8, 4, -2), 1};
+  const auto pan = [&](ViewKind kind) -> SlicePan& { return desk.state.look.slices[index_of(kind)]; };
+  for (const ViewKind kind : slice_views) pan(kind) = {desk.state.look.crosshair_mm + Vec3(8, 4, -2), 1};
   zoom_slice(desk.state, ViewKind::coronal, 0.5);
   for (const ViewKind kind : slice_views) CHECK(pan(kind).mm_per_px == doctest::Approx(0.5));
-  CHECK((pan(ViewKind::axial).centre_mm - desk.state.crosshair_mm - Vec3(4, 2, -1)).norm() < 1e-9);
-  CHECK((pan(ViewKind::coronal).centre_mm - desk.state.crosshair_mm - Vec3(8, 4, -2)).norm() < 1e-9);
+  CHECK((pan(ViewKind::axial).centre_mm - desk.state.look.crosshair_mm - Vec3(4, 2, -1)).norm() < 1e-9);
+  CHECK((pan(ViewKind::coronal).centre_mm - desk.state.look.crosshair_mm - Vec3(8, 4, -2)).norm() < 1e-9);
   desk.state.preferences.linked_zoom = false;
   zoom_slice(desk.state, ViewKind::axial, 1000);
   CHECK(pan(ViewKind::axial).mm_per_px == doctest::Approx(20));
@@ -297,9 +297,9 @@ TEST_CASE("a px covers more mm behind the target than before it") {
 TEST_CASE("Shift with a letter looks from the side that it begins") {
   for (std::size_t side = 0; side < side_letters.size(); ++side) {
     Desk desk;
-    desk.state.camera.to_eye = Vec3(1, 1, 1).normalized();
+    desk.state.look.camera.to_eye = Vec3(1, 1, 1).normalized();
     desk.send(KeyPress{side_letters[side]}, 300, 250, true);
-    CHECK(direction_letters(desk.state.camera.to_eye) == std::string(1, side_letters[side]));
+    CHECK(direction_letters(desk.state.look.camera.to_eye) == std::string(1, side_letters[side]));
   }
 }
 

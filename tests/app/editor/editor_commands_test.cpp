@@ -190,14 +190,14 @@ TEST_CASE("a click on a fault's figure goes to the fault and the mark goes when 
   driver.wait_until("the fault is measured", [&] { return driver.has("Correspondence/Intersecting pairs"); });
   driver.click("Correspondence/Intersecting pairs");
   driver.settle();
-  REQUIRE(driver.app().state().finding);
-  CHECK(driver.app().state().finding->finding.kind == FindingKind::intersecting);
-  CHECK((driver.app().state().crosshair_mm - driver.app().state().camera.target).norm() == 0);
+  REQUIRE(driver.app().state().found.finding);
+  CHECK(driver.app().state().found.finding->finding.kind == FindingKind::intersecting);
+  CHECK((driver.app().state().look.crosshair_mm - driver.app().state().look.camera.target).norm() == 0);
   driver.press('J');
   driver.settle();
-  CHECK(driver.app().state().finding);
+  CHECK(driver.app().state().found.finding);
   driver.click("top bar/undo");
-  driver.wait_until("the mark is gone", [&] { return !driver.app().state().finding.has_value(); });
+  driver.wait_until("the mark is gone", [&] { return !driver.app().state().found.finding.has_value(); });
 }
 
 TEST_CASE("no command needs anything to be open") {

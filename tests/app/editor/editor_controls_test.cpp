@@ -17,8 +17,8 @@ TEST_CASE("dragging the outline previews a stroke and commits it once when let g
   const auto& stroke = std::get<Stroke>(applied[0].action);
   CHECK(stroke == shown);
   CHECK(stroke.tool == Tool::pull);
-  CHECK(stroke.sigma_mm == desk.state.sigma_mm());
-  const double mm_per_px = desk.state.slices[index_of(ViewKind::axial)].mm_per_px;
+  CHECK(stroke.sigma_mm == desk.state.hand.sigma_mm());
+  const double mm_per_px = desk.state.look.slices[index_of(ViewKind::axial)].mm_per_px;
   CHECK((stroke.to - stroke.at - Vec3(-10 * mm_per_px, 0, 0)).norm() < 1e-9);
 }
 
@@ -28,7 +28,7 @@ TEST_CASE("a press without a movement edits nothing") {
   desk.send(MousePress{}, at.x(), at.y());
   desk.send(MouseRelease{}, at.x(), at.y());
   CHECK(desk.sent<ApplyEdit>().empty());
-  CHECK_FALSE(desk.state.drag);
+  CHECK_FALSE(desk.state.pointer.drag);
 }
 
 TEST_CASE("Escape takes a drag back") {
@@ -48,24 +48,24 @@ TEST_CASE("Escape takes a drag back") {
 TEST_CASE("the wheel changes the reach during a drag and the slice otherwise") {
   Desk desk;
   const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
-  const Vec3 before = desk.state.crosshair_mm;
+  const Vec3 before = desk.state.look.crosshair_mm;
   desk.send(MousePress{}, at.x(), at.y());
   desk.send(MouseMove{}, at.x() - 10, at.y());
-  const double sigma_mm = desk.state.sigma_mm();
-  const auto presets_mm = desk.state.sigma_presets_mm;
+  const double sigma_mm = desk.state.hand.sigma_mm();
+  const auto presets_mm = desk.state.hand.sigma_presets_mm;
   desk.send(Wheel{1}, at.x() - 10, at.y());
-  CHECK(desk.state.sigma_mm() > sigma_mm);
-  CHECK(desk.state.sigma_presets_mm == presets_mm);
-  CHECK(desk.state.crosshair_mm == before);
+  CHECK(desk.state.hand.sigma_mm() > sigma_mm);
+  CHECK(desk.state.hand.sigma_presets_mm == presets_mm);
+  CHECK(desk.state.look.crosshair_mm == before);
   desk.send(MouseRelease{}, at.x() - 10, at.y());
-  CHECK(std::get<Stroke>(desk.sent<ApplyEdit>().at(0).action).sigma_mm == desk.state.sigma_mm());
+  CHECK(std::get<Stroke>(desk.sent<ApplyEdit>().at(0).action).sigma_mm == desk.state.hand.sigma_mm());
   desk.send(Wheel{1}, at.x(), at.y());
-  CHECK(desk.state.crosshair_mm.z() - before.z() == doctest::Approx(1.5));
+  CHECK(desk.state.look.crosshair_mm.z() - before.z() == doctest::Approx(1.5));
   // A preset comes back as it was, until it is changed on purpose.
   desk.press('2');
-  CHECK(desk.state.sigma_mm() == sigma_mm);
+  CHECK(desk.state.hand.sigma_mm() == sigma_mm);
   desk.give(SetSigma{7});
-  CHECK(desk.state.sigma_presets_mm[1] == 7);
+  CHECK(desk.state.hand.sigma_presets_mm[1] == 7);
 }
 
 TEST_CASE("scrolling stops at the ends of the image") {
@@ -73,34 +73,35 @@ TEST_CASE("scrolling stops at the ends of the image") {
   const Eigen::Vector2d at = desk.middle_of(ViewKind::axial);
   for (int i = 0; i < 300; ++i) desk.send(Wheel{1}, at.x(), at.y());
   const VolumeGeometry& geometry = desk.document.scan.image->geometry;
-  CHECK(desk.state.crosshair_mm.z() ==
+  CHECK(desk.state.look.crosshair_mm.z() ==
         doctest::Approx(geometry.bounds_mm().max().z() - geometry.spacing_mm.z() / 2));  // the last slice's middle
   for (int i = 0; i < 300; ++i) desk.send(Wheel{-1}, at.x(), at.y());
-  CHECK(desk.state.crosshair_mm.z() == doctest::Approx(geometry.bounds_mm().min().z() + geometry.spacing_mm.z() / 2));
+  CHECK(desk.state.look.crosshair_mm.z() ==
+        doctest::Approx(geometry.bounds_mm().min().z() + geometry.spacing_mm.z() / 2));
 }
 
 TEST_CASE("slices are those that were acquired and no mean of two") {
   Desk desk;
   const auto on_voxel = [&] {
-    const Vec3 voxel = desk.document.scan.image->geometry.to_voxel(desk.state.crosshair_mm);
+    const Vec3 voxel = desk.document.scan.image->geometry.to_voxel(desk.state.look.crosshair_mm);
     return (voxel - Vec3(voxel.array().round().matrix())).norm() < 1e-6;
   };
   CHECK(on_voxel());
   desk.send(MouseMove{}, 290, 200);
   desk.send(MouseMove{}, 301, 207, true);
   CHECK(on_voxel());
-  const Vec3 before = desk.state.crosshair_mm;
+  const Vec3 before = desk.state.look.crosshair_mm;
   for (int i = 0; i < 3; ++i) desk.send(Wheel{0.3}, 301, 207);
-  CHECK(desk.state.crosshair_mm == before);  // a touchpad's parts of a step add up
+  CHECK(desk.state.look.crosshair_mm == before);  // a touchpad's parts of a step add up
   desk.send(Wheel{0.3}, 301, 207);
-  CHECK((desk.state.crosshair_mm - before).norm() == doctest::Approx(1.5));
+  CHECK((desk.state.look.crosshair_mm - before).norm() == doctest::Approx(1.5));
   CHECK(on_voxel());
 }
 
 TEST_CASE("the touches of one brush stroke are one step and the next stroke is another") {
   Desk desk;
-  desk.state.tool = MouseTool::stiffness;
-  desk.state.brush.radius_mm = 2;
+  desk.state.hand.tool = MouseTool::stiffness;
+  desk.state.hand.brush.radius_mm = 2;
   const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
   for (int stroke = 0; stroke < 2; ++stroke) {
     desk.send(MousePress{}, at.x(), at.y());
@@ -115,18 +116,18 @@ TEST_CASE("the touches of one brush stroke are one step and the next stroke is a
 TEST_CASE("a brush that begins beside the outline paints what its circle covers") {
   for (const MouseTool tool : {MouseTool::stiffness, MouseTool::confirm}) {
     Desk desk;
-    desk.state.tool = tool;
-    desk.state.brush.radius_mm = 10;
+    desk.state.hand.tool = tool;
+    desk.state.hand.brush.radius_mm = 10;
     const Eigen::Vector2d on_outline = desk.on_outline(ViewKind::axial);
     const ViewMap map = view_map(desk.state, desk.layout, desk.document, ViewKind::axial);
-    const double mm = 1 / map.mm_per_px(desk.state.crosshair_mm);
+    const double mm = 1 / map.mm_per_px(desk.state.look.crosshair_mm);
     desk.send(MousePress{}, on_outline.x() - 6 * mm, on_outline.y());
     desk.send(MouseRelease{}, on_outline.x() - 6 * mm, on_outline.y());
     const auto dabs = desk.sent<ApplyEdit>();
     REQUIRE(dabs.size() == 1);
     const Action& action = dabs.front().action;
     const Vec3 at = tool == MouseTool::confirm ? std::get<Confirm>(action).at : std::get<PaintStiffness>(action).at;
-    const Vec3 pointer = map.on_facing_plane(on_outline.x() - 6 * mm, on_outline.y(), desk.state.crosshair_mm);
+    const Vec3 pointer = map.on_facing_plane(on_outline.x() - 6 * mm, on_outline.y(), desk.state.look.crosshair_mm);
     CHECK((at - pointer).norm() < 0.01);
 
     // A stroke that begins farther away paints as soon as its circle comes to the mesh.
@@ -143,8 +144,8 @@ TEST_CASE("a brush that begins beside the outline paints what its circle covers"
 TEST_CASE("the dabs of a stroke do not depend on how many events tell of it") {
   const auto dabs = [](double x_px, double y_px, int events, double bend_px) {
     Desk desk;
-    desk.state.tool = MouseTool::confirm;
-    desk.state.brush.radius_mm = 12;
+    desk.state.hand.tool = MouseTool::confirm;
+    desk.state.hand.brush.radius_mm = 12;
     const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
     desk.send(MousePress{}, at.x(), at.y());
     for (int k = 1; k <= events; ++k) {
@@ -165,8 +166,8 @@ TEST_CASE("the dabs of a stroke do not depend on how many events tell of it") {
 
 TEST_CASE("without a region to paint the brush says so and with one it paints the first") {
   Desk desk;
-  desk.state.tool = MouseTool::stiffness;
-  desk.state.brush.paints = BrushPaints::region;
+  desk.state.hand.tool = MouseTool::stiffness;
+  desk.state.hand.brush.paints = BrushPaints::region;
   desk.document.change({}, [&](Structure& first) { first.paint.regions = std::make_shared<const Regions>(); });
   const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
   const auto dab = [&] {
@@ -189,44 +190,44 @@ TEST_CASE("Ctrl with the wheel keeps the point under the pointer") {
   Desk desk;
   const auto under = [&] {
     return view_map(desk.state, desk.layout, desk.document, ViewKind::sagittal)
-        .on_facing_plane(650, 200, desk.state.crosshair_mm);
+        .on_facing_plane(650, 200, desk.state.look.crosshair_mm);
   };
   const Vec3 before = under();
   desk.send(Wheel{3}, 650, 200, false, true);
   CHECK((under() - before).norm() < 1e-9);
-  CHECK(desk.state.crosshair_mm == Desk().state.crosshair_mm);
+  CHECK(desk.state.look.crosshair_mm == Desk().state.look.crosshair_mm);
 }
 
 TEST_CASE("Shift with the mouse moves the cross-hair") {
   Desk desk;
   desk.send(MouseMove{}, 290, 200);
   desk.send(MouseMove{}, 300, 200, true);
-  const Vec3 moved = desk.state.crosshair_mm;
-  const Vec3 from_pointer = moved - *desk.state.hover->p_mm;  // at most to the middle of the voxel
+  const Vec3 moved = desk.state.look.crosshair_mm;
+  const Vec3 from_pointer = moved - *desk.state.pointer.hover->p_mm;  // at most to the middle of the voxel
   CHECK(from_pointer.cwiseAbs().maxCoeff() <= desk.document.scan.image->geometry.spacing_mm.maxCoeff() / 2 + 1e-9);
   desk.send(Wheel{1}, 300, 200);
-  const Vec3 scrolled = desk.state.crosshair_mm;
+  const Vec3 scrolled = desk.state.look.crosshair_mm;
   desk.send(MouseMove{}, 300, 200, true);
-  CHECK(desk.state.crosshair_mm == scrolled);
+  CHECK(desk.state.look.crosshair_mm == scrolled);
 }
 
 TEST_CASE("a right drag changes the grey window and keeps its centre when it goes sideways") {
   Desk desk;
-  const double centre = (desk.state.window_low + desk.state.window_high) / 2;
-  const double width = desk.state.window_high - desk.state.window_low;
+  const double centre = (desk.state.look.window_low + desk.state.look.window_high) / 2;
+  const double width = desk.state.look.window_high - desk.state.look.window_low;
   desk.send(MousePress{MouseButton::right}, 300, 200);
   desk.send(MouseMove{}, 400, 200);
   desk.send(MouseRelease{MouseButton::right}, 400, 200);
-  CHECK((desk.state.window_low + desk.state.window_high) / 2 == doctest::Approx(centre));
-  CHECK(desk.state.window_high - desk.state.window_low > width);
+  CHECK((desk.state.look.window_low + desk.state.look.window_high) / 2 == doctest::Approx(centre));
+  CHECK(desk.state.look.window_high - desk.state.look.window_low > width);
 }
 
 TEST_CASE("keys choose tools and reaches and ask for undo") {
   Desk desk;
   desk.press('G');
-  CHECK(desk.state.tool == MouseTool::grab);
+  CHECK(desk.state.hand.tool == MouseTool::grab);
   desk.press('1');
-  CHECK(desk.state.sigma_mm() == desk.state.sigma_presets_mm[0]);
+  CHECK(desk.state.hand.sigma_mm() == desk.state.hand.sigma_presets_mm[0]);
   desk.press('Z', true);
   const auto applied = desk.sent<ApplyEdit>();
   REQUIRE(applied.size() == 1);
@@ -236,7 +237,7 @@ TEST_CASE("keys choose tools and reaches and ask for undo") {
 TEST_CASE("a click of the landmark tool places the landmark and goes on to the next") {
   Desk desk;
   desk.press('L');
-  const std::string first = desk.state.landmark;
+  const std::string first = desk.state.hand.landmark;
   REQUIRE_FALSE(first.empty());
   const Eigen::Vector2d at = desk.middle_of(ViewKind::sagittal);
   desk.send(MousePress{}, at.x(), at.y());
@@ -245,15 +246,15 @@ TEST_CASE("a click of the landmark tool places the landmark and goes on to the n
   REQUIRE(applied.size() == 1);
   const auto& placed = std::get<PlaceLandmark>(applied[0].action);
   CHECK(placed.name == first);
-  CHECK(desk.state.landmark != first);
+  CHECK(desk.state.hand.landmark != first);
 }
 
 TEST_CASE("a click on a placed landmark leaves it and a drag keeps its distance from the pointer") {
   Desk desk;
-  desk.state.tool = MouseTool::landmark;
+  desk.state.hand.tool = MouseTool::landmark;
   const Eigen::Vector2d at = desk.middle_of(ViewKind::sagittal);
   update_hover(desk.state, desk.context(), at.x(), at.y());
-  const Vec3 place = *desk.state.hover->p_mm + Vec3(0.5, 1, 1);
+  const Vec3 place = *desk.state.pointer.hover->p_mm + Vec3(0.5, 1, 1);
   test::changed_shape(desk.document).landmarks["hilum"] = place;
   desk.send(MousePress{}, at.x(), at.y());
   desk.send(MouseRelease{}, at.x(), at.y());
@@ -265,7 +266,7 @@ TEST_CASE("a click on a placed landmark leaves it and a drag keeps its distance 
   REQUIRE(applied.size() == 1);
   const auto& moved = std::get<PlaceLandmark>(applied[0].action);
   CHECK(moved.name == "hilum");
-  const double mm_per_px = desk.state.slices[index_of(ViewKind::sagittal)].mm_per_px;
+  const double mm_per_px = desk.state.look.slices[index_of(ViewKind::sagittal)].mm_per_px;
   CHECK((*moved.at - place - Vec3(0, 10 * mm_per_px, 0)).norm() < 1e-9);
 }
 
@@ -275,7 +276,7 @@ TEST_CASE("only the button that started a drag ends it") {
   desk.send(MousePress{}, at.x(), at.y());
   desk.send(MouseMove{}, at.x() - 10, at.y());
   desk.send(MouseRelease{MouseButton::middle}, at.x() - 10, at.y());
-  CHECK(desk.state.drag);
+  CHECK(desk.state.pointer.drag);
   CHECK(desk.sent<ApplyEdit>().empty());
   desk.send(MouseRelease{}, at.x() - 10, at.y());
   CHECK(desk.sent<ApplyEdit>().size() == 1);
@@ -294,7 +295,7 @@ TEST_CASE("the reach chosen between press and release edits nothing by itself") 
 TEST_CASE("an edit of a playing cine stops it first") {
   Desk desk;
   const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
-  desk.state.playing = true;
+  desk.state.look.playing = true;
   desk.send(MousePress{}, at.x(), at.y());
   const auto asked = desk.sent<PlayFrames>();
   REQUIRE(asked.size() == 1);
@@ -304,15 +305,15 @@ TEST_CASE("an edit of a playing cine stops it first") {
 TEST_CASE("the ruler in the 3D view measures between points of the surface") {
   Desk desk;
   desk.state.preferences.show.planes = false;
-  desk.state.tool = MouseTool::ruler;
+  desk.state.hand.tool = MouseTool::ruler;
   const Eigen::Vector2d at = desk.middle_of(ViewKind::space);
   desk.send(MouseMove{}, at.x(), at.y());
-  const Vec3 from = *desk.state.hover->on_mesh;
+  const Vec3 from = *desk.state.pointer.hover->on_mesh;
   desk.send(MousePress{}, at.x(), at.y());
   desk.send(MouseMove{}, at.x() - 20, at.y() - 20);
-  REQUIRE(desk.state.ruler);
-  CHECK(desk.state.ruler->from == from);
-  CHECK(desk.state.ruler->to == *desk.state.hover->on_mesh);
+  REQUIRE(desk.state.hand.ruler);
+  CHECK(desk.state.hand.ruler->from == from);
+  CHECK(desk.state.hand.ruler->to == *desk.state.pointer.hover->on_mesh);
 }
 
 TEST_CASE("the knob of the placement follows the pointer in any slice") {
@@ -320,7 +321,7 @@ TEST_CASE("the knob of the placement follows the pointer in any slice") {
   const ViewMap map = view_map(desk.state, desk.layout, desk.document, ViewKind::axial);
   PlaceDrag drag;
   drag.part = PlacePart::knob;
-  drag.centre_mm = desk.state.crosshair_mm + 30 * map.into_screen();
+  drag.centre_mm = desk.state.look.crosshair_mm + 30 * map.into_screen();
   const Eigen::Vector2d centre = *map.to_px(drag.centre_mm);
   drag.press_mm = map.on_facing_plane(centre.x() + 40, centre.y(), drag.centre_mm);
   CHECK(dragged_placement(drag, map, centre.x() + 80, centre.y()).scale == doctest::Approx(2));
@@ -332,14 +333,14 @@ TEST_CASE("scrolling in oblique planes stops at the image's end and comes back w
   VolumeGeometry& geometry = volume->geometry;
   geometry.direction = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   desk.document.scan.image = volume;
-  desk.state.own_planes = true;
-  desk.state.crosshair_mm = geometry.bounds_mm().center() + Vec3(3, 4, 5);
+  desk.state.look.own_planes = true;
+  desk.state.look.crosshair_mm = geometry.bounds_mm().center() + Vec3(3, 4, 5);
   settle_crosshair(desk.state, desk.document);
-  const Vec3 before = desk.state.crosshair_mm;
+  const Vec3 before = desk.state.look.crosshair_mm;
   const Vec3 normal = slice_view(desk.state, ViewKind::axial, geometry).normal();
   scroll_slice(desk.state, ViewKind::axial, desk.document, 500);
-  CHECK((desk.state.crosshair_mm - before).cross(normal).norm() < 1e-9);
-  CHECK((desk.state.crosshair_mm - before).norm() < geometry.bounds_mm().diagonal().norm());
+  CHECK((desk.state.look.crosshair_mm - before).cross(normal).norm() < 1e-9);
+  CHECK((desk.state.look.crosshair_mm - before).norm() < geometry.bounds_mm().diagonal().norm());
 }
 
 }  // namespace homolog

@@ -317,8 +317,8 @@ fs::path write_labels(const Driver& driver) {
 void make_template_of_labels(Driver& driver) {
   driver.app().send(open_labels(write_labels(driver)));
   driver.settle();
-  driver.state().template_settings.mask.vertices = 500;
-  driver.app().send(MakeTemplate{driver.state().template_settings, {}});
+  driver.state().automatic.template_settings.mask.vertices = 500;
+  driver.app().send(MakeTemplate{driver.state().automatic.template_settings, {}});
   driver.settle();
 }
 
@@ -358,7 +358,7 @@ TEST_CASE("a tube that leaves a part of its label out says how much in amber and
   driver.app().send(open_labels(write_labels(driver)));
   driver.settle();
   const auto make = [&](const Vec3& base) {
-    TemplateSettings& settings = driver.state().template_settings;
+    TemplateSettings& settings = driver.state().automatic.template_settings;
     settings.tube = true;
     settings.tube_options.label = settings.label = 3;
     settings.tube_options.base_and_apex = {base, Vec3(0, 0, -18)};
@@ -415,7 +415,7 @@ TEST_CASE("a command that fails ends in a sentence and takes nothing else with i
     driver.app().handle(beside);
   }
   CHECK(driver.state().models.filter.empty());
-  CHECK(driver.state().tool == MouseTool::ruler);
+  CHECK(driver.state().hand.tool == MouseTool::ruler);
   driver.frames(2);
   CHECK(driver.shows("This needs more memory than there is"));
 }
@@ -448,7 +448,7 @@ TEST_CASE("every control has a name of its own and lies in the window") {
   for (const char* closed : {"Place", "Export"}) driver.click(std::string("side panel/") + closed);
   CHECK(faults_of(driver, size) == "");
   for (const MouseTool tool : {MouseTool::relax, MouseTool::stiffness, MouseTool::confirm}) {
-    driver.state().tool = tool;
+    driver.state().hand.tool = tool;
     driver.frames(2);
     CHECK(faults_of(driver, size) == "");
   }

@@ -164,26 +164,26 @@ class Screens {
 
   void look_at_case() {
     state().models.shown = false;
-    state().maximised.reset();
+    state().look.maximised.reset();
     state().preferences.panel_open = true;
     state().preferences.hints = {};
     for (const MouseTool tool : {MouseTool::pull, MouseTool::relax, MouseTool::landmark}) {
-      state().tool = tool;
+      state().hand.tool = tool;
       look(kind_of(tool).name);
     }
     state().preferences.hints = {true, true, true};
-    state().tool = MouseTool::stiffness;
+    state().hand.tool = MouseTool::stiffness;
     for (const BrushPaints paints : {BrushPaints::factor, BrushPaints::region, BrushPaints::fill}) {
-      state().brush.paints = paints;
+      state().hand.brush.paints = paints;
       look("a brush");
     }
-    state().tool = MouseTool::confirm;
+    state().hand.tool = MouseTool::confirm;
     look("Confirm");
-    state().tool = MouseTool::pull;
+    state().hand.tool = MouseTool::pull;
     state().preferences.panel_open = false;
-    state().maximised = ViewKind::space;
+    state().look.maximised = ViewKind::space;
     look("one view");
-    state().maximised.reset();
+    state().look.maximised.reset();
     state().preferences.panel_open = true;
     const std::string name = named_.names.empty() ? "ct" : named_.names.front();
     for (int k = 0; k < 4; ++k)
@@ -205,9 +205,9 @@ class Screens {
       look("Models, all modes");
     }
     look_at_optimisation();
-    state().picture.study = StudyPicture::modes;
+    state().saving.picture.study = StudyPicture::modes;
     look("Models, a picture of the modes");
-    state().picture.study.reset();
+    state().saving.picture.study.reset();
     state().models.show_difference = false;
     state().models.shown = false;
   }

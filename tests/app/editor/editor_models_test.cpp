@@ -316,11 +316,11 @@ TEST_CASE("Tab exchanges case and models and in the models the tools' keys do no
     for (const Command& command : out.take()) command.run_on_state(state, context, out);
   };
   press('G');
-  CHECK(state.tool == MouseTool::grab);
+  CHECK(state.hand.tool == MouseTool::grab);
   press(key::tab);
   CHECK(state.models.shown);
   press('P');
-  CHECK(state.tool == MouseTool::grab);
+  CHECK(state.hand.tool == MouseTool::grab);
   press(key::tab);
   CHECK_FALSE(state.models.shown);
 }

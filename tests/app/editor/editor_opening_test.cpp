@@ -93,8 +93,8 @@ TEST_CASE("a scan is opened with grey values that show its tissue and a case wit
   const OrganScan scan;
   REQUIRE(write_volume(*OrganScan::image(), scan.folder.path / "scan.nii"));
   Driver driver(scan.document());
-  CHECK(driver.state().window_low == -160);
-  CHECK(driver.state().window_high == 240);
+  CHECK(driver.state().look.window_low == -160);
+  CHECK(driver.state().look.window_high == 240);
   Similarity aside = driver.document().view()->shape.placement;
   aside.translation += Vec3(15, -12, 10);
   driver.app().send(ApplyEdit{SetPlacement{aside}});
@@ -108,18 +108,18 @@ TEST_CASE("a scan is opened with grey values that show its tissue and a case wit
     values[i] = static_cast<std::int16_t>(i % 5000 == 0 ? 8000 : values[i] < -900 ? i % 5 : (values[i] + 1000) / 5);
   REQUIRE(write_volume(mr, driver.folder() / "mr.nii"));
   open_and_wait(driver, driver.folder() / "mr.nii");
-  CHECK(driver.state().window_low >= 0);
-  CHECK(driver.state().window_low < 5);
-  CHECK(driver.state().window_high > 220);
-  CHECK(driver.state().window_high < 400);
+  CHECK(driver.state().look.window_low >= 0);
+  CHECK(driver.state().look.window_low < 5);
+  CHECK(driver.state().look.window_high > 220);
+  CHECK(driver.state().look.window_high < 400);
 
   driver.app().send(OpenFiles{{of_case}});
   driver.wait_until("the case is open again", [&] { return driver.case_file() == of_case; });
   driver.settle();
   const Box box = bounds_of(*driver.document().view()->shape.points);
   CHECK((box.center() - Vec3(15, -12, 10)).norm() < 3);
-  CHECK((driver.state().crosshair_mm - box.center()).cwiseAbs().maxCoeff() <= 1);  // within half a slice
-  CHECK((driver.state().camera.target - box.center()).norm() < 0.01);
+  CHECK((driver.state().look.crosshair_mm - box.center()).cwiseAbs().maxCoeff() <= 1);  // within half a slice
+  CHECK((driver.state().look.camera.target - box.center()).norm() < 0.01);
 }
 
 TEST_CASE("the template that was saved is the case's and comes with the next image") {
@@ -201,11 +201,11 @@ TEST_CASE("a template that was made of a label on the image stays there and the 
   REQUIRE(write_volume(label_map(ball, Globe::grid(), 1), labels));
   driver.app().send(open_labels(labels));
   driver.settle();
-  driver.state().template_settings.mask.vertices = 500;
-  driver.app().send(MakeTemplate{driver.state().template_settings, {}});
+  driver.state().automatic.template_settings.mask.vertices = 500;
+  driver.app().send(MakeTemplate{driver.state().automatic.template_settings, {}});
   driver.settle();
-  const Vec3 looked_at = driver.state().crosshair_mm;
-  const double zoom = driver.state().slices[0].mm_per_px;
+  const Vec3 looked_at = driver.state().look.crosshair_mm;
+  const double zoom = driver.state().look.slices[0].mm_per_px;
   const fs::path made = driver.folder() / "made.ply";
   driver.app().send(UseMadeTemplate{made});
   driver.wait_until("the case has it",
@@ -214,8 +214,8 @@ TEST_CASE("a template that was made of a label on the image stays there and the 
   CHECK(driver.document().frame == 3);
   CHECK(driver.app().snapshot().shown->frame == 3);
   CHECK((bounds_of(*driver.document().view()->shape.points).center() - Vec3(8, -6, 5)).norm() < 0.5);
-  CHECK(driver.state().crosshair_mm == looked_at);
-  CHECK(driver.state().slices[0].mm_per_px == zoom);
+  CHECK(driver.state().look.crosshair_mm == looked_at);
+  CHECK(driver.state().look.slices[0].mm_per_px == zoom);
 }
 
 TEST_CASE("a case is shown with the window that it was left with") {
@@ -229,11 +229,11 @@ TEST_CASE("a case is shown with the window that it was left with") {
   CHECK(driver.lines_with("\"window\":[-20.0,60.0]") == 1);
   CHECK_FALSE(driver.app().snapshot().can_undo);
   open_and_wait(driver, globe.image("other.nii"));
-  CHECK(driver.state().window_low != -20);
+  CHECK(driver.state().look.window_low != -20);
   driver.app().send(OpenFiles{{file}});
   driver.wait_until("the case is open again", [&] { return driver.case_file() == file; });
-  CHECK(driver.state().window_low == -20);
-  CHECK(driver.state().window_high == 60);
+  CHECK(driver.state().look.window_low == -20);
+  CHECK(driver.state().look.window_high == 60);
 }
 
 TEST_CASE("the status line says that a template has no landmarks instead of that all are placed") {
@@ -266,13 +266,13 @@ TEST_CASE("each landmark is listed once and choosing a placed one leaves the sli
   CHECK(rows("south") == 1);
   driver.app().send(ApplyEdit{PlaceLandmark{"north", Vec3(0, 0, 20)}, false});
   driver.settle();
-  const Vec3 before = driver.state().crosshair_mm;
+  const Vec3 before = driver.state().look.crosshair_mm;
   driver.click("north/row");
-  CHECK(driver.state().crosshair_mm == before);
-  CHECK(driver.state().tool == MouseTool::landmark);
+  CHECK(driver.state().look.crosshair_mm == before);
+  CHECK(driver.state().hand.tool == MouseTool::landmark);
   CHECK(driver.shows("Click where \"north\" is now"));
   driver.click("north/go there");
-  CHECK(driver.state().crosshair_mm.z() == doctest::Approx(20));
+  CHECK(driver.state().look.crosshair_mm.z() == doctest::Approx(20));
 
   driver.click("north/release");
   driver.wait_until("it is free", [&] { return driver.has("north/hold"); });

@@ -30,8 +30,8 @@ TEST_CASE("golden picture of the whole window") {
     EditorPictureOptions options;
     options.items = &items;
     options.arrange = [left_out](EditorState& state) {
-      state.window_low = -160;
-      state.window_high = 240;
+      state.look.window_low = -160;
+      state.look.window_high = 240;
       state.preferences.hints = {true, true, true};
       if (left_out != nullptr) state.preferences.show.*left_out = false;
     };

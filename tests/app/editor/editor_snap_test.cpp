@@ -26,9 +26,9 @@ TEST_CASE("the key N snaps the part under the pointer or else the whole mesh and
   auto snaps = desk.sent<SnapMesh>();
   REQUIRE(snaps.size() == 1);
   REQUIRE(snaps[0].region);
-  CHECK((snaps[0].region->at - *desk.state.hover->on_mesh).norm() < 1e-9);
-  CHECK(snaps[0].region->sigma_mm == desk.state.sigma_mm());
-  desk.state.hover.reset();
+  CHECK((snaps[0].region->at - *desk.state.pointer.hover->on_mesh).norm() < 1e-9);
+  CHECK(snaps[0].region->sigma_mm == desk.state.hand.sigma_mm());
+  desk.state.pointer.hover.reset();
   press_key(desk.state, {}, 'N', desk.context(), desk.out);
   snaps = desk.sent<SnapMesh>();
   REQUIRE(snaps.size() == 1);
@@ -42,11 +42,11 @@ TEST_CASE("the key N snaps the part under the pointer or else the whole mesh and
   drag();
   CHECK(desk.sent<SnapMesh>().empty());
   desk.send(KeyPress{'N'}, at.x(), at.y(), true);
-  CHECK(desk.state.snap.with_strokes);
+  CHECK(desk.state.automatic.snap.with_strokes);
   drag();
   CHECK(desk.sent<SnapMesh>().size() == 1);
   desk.send(KeyPress{'N'}, at.x(), at.y(), true);
-  CHECK_FALSE(desk.state.snap.with_strokes);
+  CHECK_FALSE(desk.state.automatic.snap.with_strokes);
 }
 
 TEST_CASE("a snap comes after what was asked before it and is undone as one step") {

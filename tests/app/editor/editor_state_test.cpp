@@ -20,10 +20,10 @@ TEST_CASE("a double click fills the window with a view and another brings the fo
   };
   click(10);
   click(10.2);
-  CHECK(desk.state.maximised == ViewKind::axial);
+  CHECK(desk.state.look.maximised == ViewKind::axial);
   click(20);
   click(20.2);
-  CHECK_FALSE(desk.state.maximised);
+  CHECK_FALSE(desk.state.look.maximised);
 }
 
 TEST_CASE("edits that are refused between two frames are told though the last one was done") {
@@ -92,12 +92,12 @@ TEST_CASE("saving takes the typed name and asks before it replaces a file") {
 
 TEST_CASE("a maximised view shows what it showed larger and then as before") {
   Desk desk;
-  const double before = desk.state.slices[0].mm_per_px;
+  const double before = desk.state.look.slices[0].mm_per_px;
   const Layout whole = make_layout(1280, 800, 1, {ViewKind::axial, true});
   follow_layout(desk.state, whole);
-  CHECK(desk.state.slices[0].mm_per_px < 0.6 * before);
+  CHECK(desk.state.look.slices[0].mm_per_px < 0.6 * before);
   follow_layout(desk.state, desk.layout);
-  CHECK(desk.state.slices[0].mm_per_px == doctest::Approx(before));
+  CHECK(desk.state.look.slices[0].mm_per_px == doctest::Approx(before));
 }
 
 TEST_CASE("opening takes a file that is there without a question") {
@@ -130,31 +130,31 @@ TEST_CASE("landmarks of a file are taken by the template's names") {
 
 TEST_CASE("what a brush paints is shown while it is in hand") {
   EditorState state;
-  state.colouring = Colouring::moved;
-  state.tool = MouseTool::confirm;
+  state.look.colouring = Colouring::moved;
+  state.hand.tool = MouseTool::confirm;
   CHECK(shown_colouring(state) == Colouring::known);
-  state.colouring = Colouring::doubt;  // white where it is confirmed
+  state.look.colouring = Colouring::doubt;  // white where it is confirmed
   CHECK(shown_colouring(state) == Colouring::doubt);
-  state.colouring = Colouring::moved;
-  state.tool = MouseTool::stiffness;
+  state.look.colouring = Colouring::moved;
+  state.hand.tool = MouseTool::stiffness;
   CHECK(shown_colouring(state) == Colouring::stiffness);
-  state.tool = MouseTool::pull;
+  state.hand.tool = MouseTool::pull;
   CHECK(shown_colouring(state) == Colouring::moved);
 }
 
 TEST_CASE("after a snap its confidence is shown until another colouring or a brush is chosen") {
   EditorState state;
-  state.colouring = Colouring::moved;
-  state.confidence = std::make_shared<const VertexScalars>(VertexScalars::Ones(3));
+  state.look.colouring = Colouring::moved;
+  state.found.confidence = std::make_shared<const VertexScalars>(VertexScalars::Ones(3));
   CHECK(shown_colouring(state) == Colouring::confidence);
-  state.tool = MouseTool::confirm;
+  state.hand.tool = MouseTool::confirm;
   CHECK(shown_colouring(state) == Colouring::known);
-  state.tool = MouseTool::pull;
+  state.hand.tool = MouseTool::pull;
   ChooseColouring{Colouring::quality}.run(state);
   CHECK(shown_colouring(state) == Colouring::quality);
   ChooseColouring{Colouring::confidence}.run(state);
   CHECK(shown_colouring(state) == Colouring::confidence);
-  state.confidence.reset();
+  state.found.confidence.reset();
   CHECK(shown_colouring(state) == Colouring::quality);
 }
 

@@ -53,8 +53,8 @@ TEST_CASE("in every state the status line says what is so") {
           CAPTURE(kind_of(tool).name);
           CAPTURE(chosen);
           EditorState state;
-          state.tool = tool;
-          state.landmark = chosen;
+          state.hand.tool = tool;
+          state.hand.landmark = chosen;
           const std::string text = status_of(state, snapshot, document).text;
           CHECK_FALSE(text.empty());
           CHECK_FALSE(holds_words(text, "no mesh"));
@@ -75,7 +75,7 @@ TEST_CASE("without an image or a mesh the status line says what is missing whate
   other_frame.frame = 4;
   for (const MouseTool tool : all_tools) {
     EditorState state;
-    state.tool = tool;
+    state.hand.tool = tool;
     CHECK(holds_words(status_of(state, snapshot_of(nothing), nothing).text, "Open an image"));
     other_frame.scan.image = std::make_shared<const Volume>();
     CHECK(holds_words(status_of(state, snapshot_of(other_frame), other_frame).text, "This frame has no mesh yet"));
@@ -90,17 +90,17 @@ TEST_CASE("what the last edit said goes as soon as something else is in hand") {
   Snapshot snapshot = snapshot_of(document);
   snapshot.message = "12 vertices painted.";
   EditorState state;
-  state.tool = MouseTool::stiffness;
+  state.hand.tool = MouseTool::stiffness;
   state.said_in = situation_of(state, document);
   CHECK(status_of(state, snapshot, document).text == snapshot.message);
   EditorState other = state;
-  other.tool = MouseTool::landmark;
+  other.hand.tool = MouseTool::landmark;
   CHECK(status_of(other, snapshot, document).text == "Click where \"south\" is.");
   other = state;
-  other.brush.paints = BrushPaints::smooth;
+  other.hand.brush.paints = BrushPaints::smooth;
   CHECK(status_of(other, snapshot, document).text != snapshot.message);
   other = state;
-  other.shown_frame = 3;
+  other.look.shown_frame = 3;
   CHECK(status_of(other, snapshot, document).text != snapshot.message);
 
   // A running gesture has a word of its own, and the old one does not come back after it.
@@ -113,8 +113,8 @@ TEST_CASE("what the last edit said goes as soon as something else is in hand") {
 TEST_CASE("the status line says whether the landmark under the pointer is held") {
   Document document = ball_with(2, 1);
   EditorState state;
-  state.hover = Hover{};
-  state.hover->landmark = "north";
+  state.pointer.hover = Hover{};
+  state.pointer.hover->landmark = "north";
   CHECK(holds_words(status_of(state, snapshot_of(document), document).text, "\"north\" is free"));
   Shape& shape = test::changed_shape(document);
   shape.confirmed = std::make_shared<const VertexScalars>(VertexScalars::Ones(shape.points->rows()));
@@ -130,13 +130,13 @@ TEST_CASE("the status line names the region that the brush paints also before on
   regions->list = {{"cap", 2, {255, 0, 0}}, {"rim", 1, {0, 255, 0}}};
   document.change({}, [&](Structure& first) { first.paint.regions = regions; });
   EditorState state;
-  state.tool = MouseTool::stiffness;
-  state.brush.paints = BrushPaints::region;
+  state.hand.tool = MouseTool::stiffness;
+  state.hand.brush.paints = BrushPaints::region;
   const auto said = [&] { return status_of(state, snapshot_of(document), document).text; };
   CHECK(said() == "Paint \"cap\"; Alt erases.");
-  state.brush.region = "rim";
+  state.hand.brush.region = "rim";
   CHECK(said() == "Paint \"rim\"; Alt erases.");
-  state.brush.erases = true;
+  state.hand.brush.erases = true;
   CHECK(holds_words(said(), "out of their region"));
 }
 

@@ -38,20 +38,20 @@ std::shared_ptr<const TemplateMaking> finished(TemplateMaker& maker) {
 TEST_CASE("the stiffness brush makes the action of what it paints and Alt reverses it") {
   const Document document = ball_document(20);
   EditorState state;
-  state.tool = MouseTool::stiffness;
-  state.brush.region = "hilum";
+  state.hand.tool = MouseTool::stiffness;
+  state.hand.brush.region = "hilum";
   const Vec3 at(0, 0, 20);
-  state.brush.paints = BrushPaints::factor;
+  state.hand.brush.paints = BrushPaints::factor;
   CHECK(std::get<PaintStiffness>(*brush_action(state, document, at)).value ==
-        document.structure()->paint.base * state.brush.stiffness_factor);
-  state.brush.paints = BrushPaints::region;
+        document.structure()->paint.base * state.hand.brush.stiffness_factor);
+  state.hand.brush.paints = BrushPaints::region;
   CHECK(std::get<PaintRegion>(*brush_action(state, document, at)).name == "hilum");
   CHECK(shown_colouring(state) == Colouring::regions);
-  state.drag = BrushDrag{ViewKind::space, 0, 0, 0, true, true};
+  state.pointer.drag = BrushDrag{ViewKind::space, 0, 0, 0, true, true};
   CHECK(std::get<PaintRegion>(*brush_action(state, document, at)).name.empty());
-  state.brush.paints = BrushPaints::fill;
+  state.hand.brush.paints = BrushPaints::fill;
   CHECK(std::get<FillRegion>(*brush_action(state, document, at)).name.empty());
-  state.brush.paints = BrushPaints::smooth;
+  state.hand.brush.paints = BrushPaints::smooth;
   CHECK(std::holds_alternative<SmoothStiffness>(*brush_action(state, document, at)));
   CHECK(shown_colouring(state) == Colouring::stiffness);
 }

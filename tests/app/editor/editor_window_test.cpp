@@ -174,7 +174,7 @@ TEST_CASE("the slices zoom together where that is wished and each by itself else
   driver.click("Linked zoom");
   const auto scales = [&] {
     std::set<double> all;
-    for (const SlicePan& pan : driver.state().slices) all.insert(std::round(1e6 * pan.mm_per_px));
+    for (const SlicePan& pan : driver.state().look.slices) all.insert(std::round(1e6 * pan.mm_per_px));
     return all;
   };
   CHECK(scales().size() == 1);
@@ -220,7 +220,7 @@ TEST_CASE("the image fills the view also along its own planes") {
   driver.click("The image's own planes");
   driver.press('F');
   const RectPx& rect = driver.app().layout().image(ViewKind::axial);
-  const double mm_per_px = driver.state().slices[index_of(ViewKind::axial)].mm_per_px;
+  const double mm_per_px = driver.state().look.slices[index_of(ViewKind::axial)].mm_per_px;
   const double filled = std::max(200 / (mm_per_px * rect.width), 160 / (mm_per_px * rect.height));
   CHECK(filled > 0.95);
   CHECK(filled <= 1);
@@ -232,7 +232,7 @@ TEST_CASE("along the image's own planes the whole image is seen where it was bef
   volume.geometry.direction = Eigen::AngleAxisd(0.7, Vec3(1, 1, 0).normalized()).toRotationMatrix();
   volume.data = std::vector<std::uint8_t>(volume.geometry.voxels(), 1);
   Driver driver(new_document("", std::make_shared<const Volume>(std::move(volume)), nullptr));
-  const auto zoom = [&] { return driver.state().slices[index_of(ViewKind::axial)].mm_per_px; };
+  const auto zoom = [&] { return driver.state().look.slices[index_of(ViewKind::axial)].mm_per_px; };
   const double whole = zoom();
   driver.click("The image's own planes");
   const RectPx& rect = driver.app().layout().image(ViewKind::axial);

@@ -77,9 +77,9 @@ TEST_CASE("looking closely brings all views to the place") {
   const Mesh mesh = desk.document.view()->mesh();
   look_closely(desk.state, mesh, 7);
   const Vec3 at = mesh.points.row(7);
-  CHECK(desk.state.crosshair_mm == at);
-  CHECK(desk.state.camera.target == at);
-  for (const SlicePan& pan : desk.state.slices) CHECK(pan.centre_mm == at);
+  CHECK(desk.state.look.crosshair_mm == at);
+  CHECK(desk.state.look.camera.target == at);
+  for (const SlicePan& pan : desk.state.look.slices) CHECK(pan.centre_mm == at);
 }
 
 }  // namespace homolog

@@ -66,10 +66,10 @@ TEST_CASE("each of the five pulls has an arrow in the view that the guide names 
   // Where another view is enlarged, or the view was moved away, the pull's is brought back.
   driver.app().send(ShowGuide{true});
   driver.app().send(MaximiseView{ViewKind::space});
-  driver.state().slices[index_of(ViewKind::coronal)].centre_mm += Vec3(300, 0, 0);
+  driver.state().look.slices[index_of(ViewKind::coronal)].centre_mm += Vec3(300, 0, 0);
   driver.settle();
   driver.click("guide/Show");
-  CHECK(driver.state().maximised == ViewKind::coronal);
+  CHECK(driver.state().look.maximised == ViewKind::coronal);
   const Vec3 to_mm = first.guide.steps.front().to_mm;
   const auto at = view_map(driver.state(), driver.app().layout(), driver.document(), ViewKind::coronal).to_px(to_mm);
   CHECK(driver.app().layout().image(ViewKind::coronal).contains(at->x(), at->y()));

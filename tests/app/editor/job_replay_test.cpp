@@ -150,9 +150,9 @@ void start_on_phantom(Driver& driver, const Desktop& desktop, const std::string&
 
 void snap(Driver& driver) {
   driver.move(5, 5);
-  driver.state().snapped.reset();
+  driver.state().found.snapped.reset();
   driver.press('N');
-  driver.wait_until("the mesh has snapped", [&] { return driver.state().snapped.has_value(); });
+  driver.wait_until("the mesh has snapped", [&] { return driver.state().found.snapped.has_value(); });
   driver.settle();
 }
 
@@ -278,7 +278,7 @@ TEST_CASE("a template of one's own comes out of its log with the same bytes") {
     driver.click("side panel/Template");
     if (!driver.has("Place/Fit to the label")) driver.click("side panel/Place");
     driver.click("Place/Fit to the label");
-    driver.wait_until("the fit is done", [&] { return driver.state().last_fit.has_value(); });
+    driver.wait_until("the fit is done", [&] { return driver.state().found.last_fit.has_value(); });
     driver.settle();
     save_as(driver, desktop.out / "ball.homolog");
   });

@@ -7,6 +7,7 @@
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/session/case_file.h"
+#include "core/session/journal.h"
 #include "core/session/unsaved_cases.h"
 #include "core/volume/volume_io.h"
 #include "tests/driver.h"
@@ -157,6 +158,10 @@ TEST_CASE("a case that is left for another when its file is gone is kept and tha
   driver.wait_until("the image is open", [&] { return driver.case_file() != organ.file; });
   driver.settle();
   CHECK(driver.shows("In the case before: The folder of " + organ.file.string()));
+  std::string there;
+  for (const auto& entry : fs::directory_iterator(unsaved_folder()))
+    there += entry.path().string() + (Journal::in_use(entry.path()) ? " in use\n" : "\n");
+  INFO(there);
   REQUIRE(unsaved_cases().size() == 1);
   CHECK(organ.strokes_in(unsaved_cases().front().journal) == 1);
 }
@@ -172,10 +177,11 @@ TEST_CASE("a case opens again with its label map and with what its fit came to")
     return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
   });
   driver.click("Place/Fit to the label");
-  driver.wait_until("the fit is done", [&] { return driver.state().last_fit.has_value(); });
+  driver.wait_until("the fit is done", [&] { return driver.state().found.last_fit.has_value(); });
   driver.settle();
   CHECK(driver.shows("Distance to the label"));
-  const double mean_mm = driver.state().last_fit->agreement.assd_mm, dice = driver.state().last_fit->agreement.dice;
+  const double mean_mm = driver.state().found.last_fit->agreement.assd_mm,
+               dice = driver.state().found.last_fit->agreement.dice;
   CHECK(read_whole_file(organ.file).value().substr(0, 400).find("\"labels\":\"../map.nii.gz\"") != std::string::npos);
   const std::size_t undo_steps = driver.app().snapshot().undo_names.size();
 
@@ -191,9 +197,9 @@ TEST_CASE("a case opens again with its label map and with what its fit came to")
   organ.open();
   CHECK(driver.control("Place/Fit to the label").enabled);
   CHECK(driver.shows("Distance to the label"));
-  REQUIRE(driver.state().last_fit);
-  CHECK(driver.state().last_fit->agreement.assd_mm == mean_mm);
-  CHECK(driver.state().last_fit->agreement.dice == dice);
+  REQUIRE(driver.state().found.last_fit);
+  CHECK(driver.state().found.last_fit->agreement.assd_mm == mean_mm);
+  CHECK(driver.state().found.last_fit->agreement.dice == dice);
   CHECK(driver.app().snapshot().undo_names.size() == undo_steps);
 
   // Without the file the case opens all the same.

@@ -44,9 +44,9 @@ struct BrightBall {
 constexpr InputRouter::Held ctrl{false, true, false}, shift{true, false, false}, ctrl_shift{true, true, false};
 
 Vec3 pointed_at(Driver& driver) {
-  REQUIRE(driver.state().hover);
-  REQUIRE(driver.state().hover->p_mm);
-  return *driver.state().hover->p_mm;
+  REQUIRE(driver.state().pointer.hover);
+  REQUIRE(driver.state().pointer.hover->p_mm);
+  return *driver.state().pointer.hover->p_mm;
 }
 
 std::string keys_at(const Driver& driver) {
@@ -69,7 +69,7 @@ TEST_CASE("a whole job is done with keys alone") {
   driver.go_to("left/row");
   driver.press(' ');
   driver.settle();
-  CHECK(driver.state().landmark == "left");
+  CHECK(driver.state().hand.landmark == "left");
   driver.press(key::escape);
   CHECK(keys_at(driver).empty());
   driver.press('V');
@@ -88,13 +88,13 @@ TEST_CASE("a whole job is done with keys alone") {
   driver.type("9");
   driver.press(key::enter);
   driver.settle();
-  CHECK(driver.state().sigma_mm() == 9);
+  CHECK(driver.state().hand.sigma_mm() == 9);
   driver.press(key::right, ctrl);
   driver.settle();
-  CHECK(driver.state().sigma_mm() > 9);
+  CHECK(driver.state().hand.sigma_mm() > 9);
   driver.press(key::left, ctrl);
   driver.settle();
-  CHECK(driver.state().sigma_mm() == doctest::Approx(9));
+  CHECK(driver.state().hand.sigma_mm() == doctest::Approx(9));
   driver.press(key::tab);
   CHECK(keys_at(driver) != "side panel/Deform/Width \xcf\x83/value");
   driver.press(key::escape);
@@ -102,16 +102,16 @@ TEST_CASE("a whole job is done with keys alone") {
   // What is pulled is pulled by keys too, and given up by Escape.
   driver.press('P');
   driver.press('V');
-  for (int k = 0; k < 200 && !driver.state().hover->on_mesh; ++k) driver.press(key::up, ctrl);
+  for (int k = 0; k < 200 && !driver.state().pointer.hover->on_mesh; ++k) driver.press(key::up, ctrl);
   driver.press(' ');
   for (int k = 0; k < 4; ++k) driver.press(key::up);
-  CHECK(driver.state().drag);
+  CHECK(driver.state().pointer.drag);
   driver.press(key::escape);
-  CHECK_FALSE(driver.state().drag);
+  CHECK_FALSE(driver.state().pointer.drag);
   driver.settle();
   CHECK(driver.document().view()->shape.strokes == 0);
   driver.press(key::down, ctrl);  // the mesh is elsewhere again
-  for (int k = 0; k < 200 && !driver.state().hover->on_mesh; ++k) driver.press(key::down, ctrl);
+  for (int k = 0; k < 200 && !driver.state().pointer.hover->on_mesh; ++k) driver.press(key::down, ctrl);
   driver.press(' ');
   driver.press(key::up);
   driver.press(' ');
@@ -159,10 +159,10 @@ TEST_CASE("the program's keys stay its own until a key leads to the controls") {
   const BrightBall ball;
   Driver driver(ball.document());
   driver.press('G');
-  CHECK(driver.state().tool == MouseTool::grab);
-  const double before_mm = driver.state().crosshair_mm.z();
+  CHECK(driver.state().hand.tool == MouseTool::grab);
+  const double before_mm = driver.state().look.crosshair_mm.z();
   driver.press(key::up);
-  CHECK(driver.state().crosshair_mm.z() != before_mm);
+  CHECK(driver.state().look.crosshair_mm.z() != before_mm);
   driver.press(key::tab);
   driver.settle();
   CHECK(driver.state().models.shown);
@@ -179,7 +179,7 @@ TEST_CASE("the program's keys stay its own until a key leads to the controls") {
   driver.press(key::tab, shift);
   CHECK(keys_at(driver) == first);
   driver.press('P');  // letters are still tools
-  CHECK(driver.state().tool == MouseTool::pull);
+  CHECK(driver.state().hand.tool == MouseTool::pull);
   driver.press(key::f6, shift);
   CHECK(keys_at(driver).empty());
   driver.press(key::f6);
@@ -280,7 +280,7 @@ TEST_CASE("the keys' pointer stays in the window when its view is hidden") {
   Driver driver(ball.document());
   KeyPointer pointer;
   REQUIRE(pointer.press({.key = 'V'}, driver.app()));  // in the first view
-  driver.state().maximised = ViewKind::space;
+  driver.state().look.maximised = ViewKind::space;
   driver.frames(3);
   REQUIRE(driver.app().layout().images[0].width == 0);
   for (const int arrow : {key::left, key::right, key::up, key::down}) {

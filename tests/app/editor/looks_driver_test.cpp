@@ -163,7 +163,7 @@ TEST_CASE("a sentence of an error is shown whole however long it is") {
 
 TEST_CASE("a warning that no line holds is said whole above the status line") {
   Driver driver(ball_document(40), {800, 600, 1});
-  driver.state().volume_curve.frames[0].doubt =
+  driver.state().found.volume_curve.frames[0].doubt =
       "is in doubt, because the label of this frame is much larger than that of the frame before it, and because nine "
       "tenths of the vertices have moved by more than the heart can move in so short a time";
   driver.frames(2);
@@ -250,16 +250,16 @@ TEST_CASE("glyphs and the brush follow the organ's size and keep what was chosen
   for (const double radius_mm : {10.0, 36.0, 125.0}) {  // a mouse's skull, a kidney, a liver
     Driver driver(ball_document(radius_mm));
     const double diagonal_mm = 2 * radius_mm * std::sqrt(3.0);
-    CHECK(driver.state().glyph_spacing_mm == doctest::Approx(diagonal_mm / 12).epsilon(0.1));
-    CHECK(driver.state().brush.radius_mm == doctest::Approx(0.08 * diagonal_mm).epsilon(0.1));
-    driver.state().glyph_spacing_mm *= 1.7;
-    const double chosen = driver.state().glyph_spacing_mm;
+    CHECK(driver.state().look.glyph_spacing_mm == doctest::Approx(diagonal_mm / 12).epsilon(0.1));
+    CHECK(driver.state().hand.brush.radius_mm == doctest::Approx(0.08 * diagonal_mm).epsilon(0.1));
+    driver.state().look.glyph_spacing_mm *= 1.7;
+    const double chosen = driver.state().look.glyph_spacing_mm;
     driver.app().start_session(EditSession(ball_document(1.2 * radius_mm)));
     driver.settle();
-    CHECK(driver.state().glyph_spacing_mm == chosen);
+    CHECK(driver.state().look.glyph_spacing_mm == chosen);
     driver.app().start_session(EditSession(ball_document(4 * radius_mm)));
     driver.settle();
-    CHECK(driver.state().glyph_spacing_mm == doctest::Approx(4 * diagonal_mm / 12).epsilon(0.1));
+    CHECK(driver.state().look.glyph_spacing_mm == doctest::Approx(4 * diagonal_mm / 12).epsilon(0.1));
   }
 }
 
@@ -312,7 +312,7 @@ TEST_CASE("names of landmarks and the ruler's length keep off the frame of their
   int seen = 0;
   for (const ViewKind kind : slice_views)
     for (double shift_px = -160; shift_px <= 160; shift_px += 4) {
-      SlicePan& pan = driver.state().slices[index_of(kind)];
+      SlicePan& pan = driver.state().look.slices[index_of(kind)];
       const auto [right, down] = screen_axes(kind, Mat3::Identity(), true);
       pan.centre_mm = Vec3(points.row(0)) + shift_px * pan.mm_per_px * right;
       driver.frame();
@@ -326,8 +326,8 @@ TEST_CASE("names of landmarks and the ruler's length keep off the frame of their
         }
     }
   CHECK(seen > 20);
-  driver.state().ruler =
-      Ruler{Vec3(-60, -20, driver.state().crosshair_mm.z()), Vec3(400, -20, driver.state().crosshair_mm.z())};
+  driver.state().hand.ruler =
+      Ruler{Vec3(-60, -20, driver.state().look.crosshair_mm.z()), Vec3(400, -20, driver.state().look.crosshair_mm.z())};
   driver.frames(2);
   const DrawnItem* length = text_that_is(driver, "460.0 mm", "axial view");
   REQUIRE(length != nullptr);

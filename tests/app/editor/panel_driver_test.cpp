@@ -59,7 +59,7 @@ TEST_CASE("nothing in the panel moves when a label map is opened or closed or fi
   });
   driver.settle();
   CHECK(moved() == "");
-  driver.app().send(StartFit{driver.state().fit_settings});
+  driver.app().send(StartFit{driver.state().automatic.fit_settings});
   driver.wait_until("the fit runs or is done", [&] { return driver.has("Place/Cancel") || driver.shows("Dice"); });
   CHECK(moved() == "");
   driver.wait_until("the fit is done", [&] { return driver.shows("Dice"); });
@@ -74,7 +74,7 @@ TEST_CASE("nothing below a snap's figures moves when a stroke makes them unknown
   const OrganScan scan;
   Driver driver(scan.document(), {1280, 2400, 1});
   driver.click("Snap/Snap the whole mesh");
-  driver.wait_until("the mesh has snapped", [&] { return driver.state().confidence != nullptr; });
+  driver.wait_until("the mesh has snapped", [&] { return driver.state().found.confidence != nullptr; });
   driver.settle();
   const auto before = places(driver);
   CHECK(driver.control("overlay/Confidence").enabled);
@@ -83,7 +83,7 @@ TEST_CASE("nothing below a snap's figures moves when a stroke makes them unknown
   pull.to = 1.2 * pull.at;
   pull.sigma_mm = 8;
   driver.app().send(ApplyEdit{pull});
-  driver.wait_until("the mesh is another", [&] { return driver.state().confidence == nullptr; });
+  driver.wait_until("the mesh is another", [&] { return driver.state().found.confidence == nullptr; });
   driver.settle();
   std::string moved;
   for (const auto& [path, y] : places(driver))
@@ -104,11 +104,11 @@ TEST_CASE("the section that a person looks at stays when the cine above it gets 
   pull.to = 1.1 * pull.at;
   pull.sigma_mm = 12;
   driver.app().send(ApplyEdit{pull});
-  driver.wait_until("the cine has its curve", [&] { return !driver.state().volume_curve.frames.empty(); });
+  driver.wait_until("the cine has its curve", [&] { return !driver.state().found.volume_curve.frames.empty(); });
   driver.settle();
   CHECK(driver.control("side panel/Place").rect.y == before);
   driver.app().send(ApplyEdit{Undo{}});
-  driver.wait_until("the curve is gone", [&] { return driver.state().volume_curve.frames.empty(); });
+  driver.wait_until("the curve is gone", [&] { return driver.state().found.volume_curve.frames.empty(); });
   driver.settle();
   CHECK(driver.control("side panel/Place").rect.y == before);
 }
@@ -137,7 +137,7 @@ TEST_CASE("the doubt of a fit is an overlay with a legend and a figure") {
   driver.settle();
   CHECK_FALSE(driver.shows("not known: a fit to a label map tells it"));
   driver.wait_until("the figure is there", [&] { return driver.shows(" mm, at most 1"); });
-  CHECK(driver.state().colouring == Colouring::doubt);
+  CHECK(driver.state().look.colouring == Colouring::doubt);
   const Document& document = driver.document();
   REQUIRE(document.view()->shape.doubt_mm);
   const auto colours = mesh_colours(*document.view(), Colouring::doubt, {}, 1);
@@ -172,12 +172,12 @@ TEST_CASE("a fit to an organ that the scan cuts marks what is missing in grey") 
   CHECK(driver.control("Place/The scan cuts the organ").value == "off");
   driver.click("Place/The scan cuts the organ");
   driver.settle();
-  CHECK(driver.state().fit_settings.partial);
+  CHECK(driver.state().automatic.fit_settings.partial);
   driver.click("Place/Fit to the label");
   driver.wait_until("the fit is done", [&] { return driver.shows("Missing in the label"); });
   driver.settle();
   CHECK_FALSE(driver.shows("Dice"));
-  const Fitted& fitted = *driver.state().last_fit;
+  const Fitted& fitted = *driver.state().found.last_fit;
   CHECK(*fitted.missing_share > 0.1);
   CHECK(fitted.target.mean_mm < 0.5);  // the flat cut does not count
   CHECK(fitted.target.p95_mm < 1.6);
@@ -269,13 +269,13 @@ TEST_CASE("every group of choices has a heading") {
   Driver driver(scan.document(), {1280, 2600, 1});
   for (const char* section : {"Template", "Place", "Export"}) driver.app().send(OpenSection{section, true});
   driver.app().send(open_labels(labels));
-  driver.state().picture.view = ViewKind::axial;
+  driver.state().saving.picture.view = ViewKind::axial;
   driver.settle();
   CHECK(groups_without_heading(driver) == "");
   for (const BrushPaints paints : {BrushPaints::factor, BrushPaints::fill}) {
-    driver.state().brush.paints = paints;
+    driver.state().hand.brush.paints = paints;
     for (const MouseTool tool : {MouseTool::stiffness, MouseTool::confirm}) {
-      driver.state().tool = tool;
+      driver.state().hand.tool = tool;
       driver.frames(2);
       CHECK(groups_without_heading(driver) == "");
     }
@@ -302,8 +302,8 @@ TEST_CASE("fields are as high as the buttons beside them and the rows of stages 
   }
   driver.app().send(open_labels(labels));
   driver.settle();
-  driver.state().template_settings.mask.vertices = 500;
-  driver.app().send(MakeTemplate{driver.state().template_settings, {}});
+  driver.state().automatic.template_settings.mask.vertices = 500;
+  driver.app().send(MakeTemplate{driver.state().automatic.template_settings, {}});
   driver.wait_until("it is made", [&] { return driver.has("Template/Save and use…"); });
   driver.settle();
   const DrawnItem* name = text_named(driver, "1  ");

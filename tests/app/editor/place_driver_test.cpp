@@ -141,13 +141,13 @@ TEST_CASE("a fit begins with the shape of the study's model or of a file's and s
   });
   const auto fit = [&] {
     driver.click("Place/Fit to the label");
-    driver.wait_until("the fit is done", [&] { return driver.state().last_fit.has_value(); });
+    driver.wait_until("the fit is done", [&] { return driver.state().found.last_fit.has_value(); });
     driver.settle();
     CHECK(driver.shows("The model alone comes within"));
-    CHECK(driver.state().last_fit->agreement.assd_mm < 0.6);
+    CHECK(driver.state().found.last_fit->agreement.assd_mm < 0.6);
     driver.press('Z', {false, true, false});
     driver.settle();
-    driver.state().last_fit.reset();
+    driver.state().found.last_fit.reset();
   };
   driver.click("fit model/Study's");
   fit();
@@ -157,7 +157,7 @@ TEST_CASE("a fit begins with the shape of the study's model or of a file's and s
   driver.click("Choose the model…");
   driver.type_into("name", (folder.path / "balls.h5.json").string());
   driver.press(key::enter);
-  driver.wait_until("the model is read", [&] { return driver.state().fit_model != nullptr; });
+  driver.wait_until("the model is read", [&] { return driver.state().automatic.fit_model != nullptr; });
   fit();
 }
 
@@ -179,13 +179,13 @@ TEST_CASE("once a landmark of the template has its place the tool from before is
   const TwoLabels two;
   Driver driver(two.document);
   driver.press('S');
-  const MouseTool before = driver.state().tool;
+  const MouseTool before = driver.state().hand.tool;
   REQUIRE(before != MouseTool::pull);
   driver.click("side panel/Template");
   driver.type_into("new landmark", "east");
   driver.press(key::enter);
   driver.settle();
-  CHECK(driver.state().tool == MouseTool::template_landmark);
+  CHECK(driver.state().hand.tool == MouseTool::template_landmark);
   const auto click_mesh = [&](double aside_px) {
     const RectPx& view = driver.app().layout().image(ViewKind::space);
     driver.move(view.x + view.width / 2 + aside_px, view.y + view.height / 2);
@@ -196,7 +196,7 @@ TEST_CASE("once a landmark of the template has its place the tool from before is
   click_mesh(0);
   CHECK(driver.document().structure()->the_template->landmarks.size() == 3);
   CHECK(driver.control("new landmark").value.empty());
-  CHECK(driver.state().tool == before);
+  CHECK(driver.state().hand.tool == before);
   CHECK_FALSE(driver.shows("Type a landmark's name"));
 
   driver.click("Move or remove landmarks…");
@@ -207,9 +207,9 @@ TEST_CASE("once a landmark of the template has its place the tool from before is
   const Vec3 was = east();
   click_mesh(20);
   CHECK((east() - was).norm() > 0.5);
-  CHECK(driver.state().tool == MouseTool::template_landmark);  // the list stays for the next
+  CHECK(driver.state().hand.tool == MouseTool::template_landmark);  // the list stays for the next
   driver.click("Done with landmarks");
-  CHECK(driver.state().tool == before);
+  CHECK(driver.state().hand.tool == before);
 }
 
 TEST_CASE("a template is made of the label that the mesh lies in or else the cross-hair until one is chosen") {
@@ -227,7 +227,7 @@ TEST_CASE("a template is made of the label that the mesh lies in or else the cro
     driver.click("label/Label 1");
     driver.settle();
     CHECK(driver.control("Template/label").value == "Label 1");
-    CHECK(driver.state().template_settings.label == 1);
+    CHECK(driver.state().automatic.template_settings.label == 1);
   }
   const auto map = std::make_shared<const Volume>(test::must(read_volume(two.labels)).volume);
   Driver driver(new_document(two.labels.string(), map, nullptr));
@@ -235,15 +235,15 @@ TEST_CASE("a template is made of the label that the mesh lies in or else the cro
   driver.wait_until("the label map is open", [&] {
     return driver.has("Template/Make the template") && driver.control("Template/Make the template").enabled;
   });
-  driver.state().crosshair_mm = Vec3(5, 5, 0);
+  driver.state().look.crosshair_mm = Vec3(5, 5, 0);
   driver.frames(2);
   CHECK(driver.control("Template/label").value == "Label 2");
-  driver.state().crosshair_mm = Vec3(34, 3, 0);
+  driver.state().look.crosshair_mm = Vec3(34, 3, 0);
   driver.frames(2);
   CHECK(driver.control("Template/label").value == "Label 1");
   driver.click("Template/Make the template");
   driver.wait_until("it is made", [&] { return driver.has("Save and use…"); });
-  CHECK((driver.state().crosshair_mm - Vec3(38, 0, 0)).norm() < 2);  // the views look at what is made
+  CHECK((driver.state().look.crosshair_mm - Vec3(38, 0, 0)).norm() < 2);  // the views look at what is made
 }
 
 TEST_CASE("what came of a fit alone is called an edit and no stroke") {

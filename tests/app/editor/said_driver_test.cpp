@@ -92,9 +92,9 @@ TEST_CASE("names and the scale bar leave no view and cover neither each other no
            {"upper end", {20, 1, 0}}, {"lower end", {-20, 1, 0}}, {"left side of the hilum", {0, -20, 0}}})
     driver.app().send(ApplyEdit{PlaceLandmark{name, at}});
   driver.settle();
-  driver.state().crosshair_mm = Vec3::Zero();
+  driver.state().look.crosshair_mm = Vec3::Zero();
   const RectPx view = driver.app().layout().image(ViewKind::axial);
-  SlicePan& pan = driver.state().slices[index_of(ViewKind::axial)];
+  SlicePan& pan = driver.state().look.slices[index_of(ViewKind::axial)];
   pan.centre_mm = Vec3::Zero();
   // At each zoom the bar has another length; at some the landmarks lie at the view's edges.
   for (const double mm_across : {40.5, 42.0, 44.0, 47.0, 52.0, 60.0, 75.0, 95.0, 120.0}) {
@@ -159,17 +159,17 @@ TEST_CASE("J looks at the next fault with the patient upright and says which it 
   driver.app().send(ApplyEdit{broken});
   driver.settle();
   driver.wait_until("the fault is measured", [&] { return driver.has("Correspondence/Intersecting pairs"); });
-  driver.state().camera.to_eye = Vec3(0, -1, 0);
-  driver.state().camera.up = Vec3(1, 0, 0);  // rolled
+  driver.state().look.camera.to_eye = Vec3(0, -1, 0);
+  driver.state().look.camera.up = Vec3(1, 0, 0);  // rolled
   driver.press('J');
   driver.settle();
-  REQUIRE(driver.state().finding);
-  const Vec3 up = driver.state().camera.up, to_eye = driver.state().camera.to_eye;
+  REQUIRE(driver.state().found.finding);
+  const Vec3 up = driver.state().look.camera.up, to_eye = driver.state().look.camera.to_eye;
   REQUIRE(std::abs(to_eye.z()) < 0.95);  // not straight from above, where there is no upright
   CHECK(up.z() > 0);
   CHECK(std::abs(up.dot(Vec3::UnitZ().cross(to_eye))) < 1e-6);  // not tilted to one side
   const auto texts = texts_in(driver, "3D view");
-  CHECK(text_of(texts, finding_words(driver.state().finding->finding.kind)) != nullptr);
+  CHECK(text_of(texts, finding_words(driver.state().found.finding->finding.kind)) != nullptr);
 }
 
 TEST_CASE("a share is said with where it lies and never beyond all of it") {
@@ -204,7 +204,7 @@ TEST_CASE("the foot line names the overlay's label at the pointer") {
     const auto texts = texts_in(driver, "status line");
     return text_of(texts, "label 7") != nullptr;
   };
-  driver.state().crosshair_mm = Vec3::Zero();
+  driver.state().look.crosshair_mm = Vec3::Zero();
   CHECK(point_at({5, 5, 0}));
   CHECK_FALSE(point_at({30, 5, 0}));
 }

@@ -16,7 +16,7 @@ TEST_CASE("the overlay known follows the frame also where two frames share their
       std::make_shared<const VertexScalars>(VertexScalars::Ones(document.view()->shape.points->rows()));
   document.change({}, [&](Structure& first) { first.set_shape(1, std::move(begun)); });
   EditorState state;
-  state.colouring = Colouring::known;
+  state.look.colouring = Colouring::known;
   const std::optional<EditReport> no_preview;
   SceneBuilder builder;
   const auto colours_of = [&](int frame) {

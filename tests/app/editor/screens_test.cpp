@@ -101,7 +101,7 @@ TEST_CASE("golden picture of the section of a cine") {
   Driver driver(BeatingBall::document(), usual);
   driver.app().send(PropagateFrames{});
   driver.wait_until("every frame has a mesh",
-                    [&] { return driver.state().volume_curve.frames.size() == BeatingBall::frames; });
+                    [&] { return driver.state().found.volume_curve.frames.size() == BeatingBall::frames; });
   driver.state().notices.clear();
   open_only(driver, {"Cine"});
   check_screen(driver, "section_cine");
@@ -115,7 +115,7 @@ TEST_CASE("golden pictures of landmarks and a snap and what is confirmed") {
   driver.app().send(ApplyEdit{PlaceLandmark{"upper end", Vec3(0, 0, 22)}});
   driver.app().send(ApplyEdit{PlaceLandmark{"hilum", Vec3(-18, 0, -11)}});
   driver.app().send(SnapMesh{});
-  driver.wait_until("the mesh has snapped", [&] { return driver.state().snapped.has_value(); });
+  driver.wait_until("the mesh has snapped", [&] { return driver.state().found.snapped.has_value(); });
   driver.app().send(ApplyEdit{Confirm{Vec3(0, -22, 0), 12, true}});
   driver.settle();
   open_only(driver, {"Deform"});
@@ -145,7 +145,7 @@ TEST_CASE("golden pictures of the looks of the slices in 3D") {
   const OrganScan scan;
   Driver driver(scan.document(), {640, 600, 1});
   driver.state().preferences.panel_open = false;
-  driver.state().maximised = ViewKind::space;
+  driver.state().look.maximised = ViewKind::space;
   driver.state().preferences.show.glyphs = true;
   for (const auto& [look, name] :
        {std::pair(PlaneLook::behind, "slices_behind"), std::pair(PlaneLook::solid, "slices_solid")}) {

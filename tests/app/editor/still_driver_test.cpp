@@ -156,7 +156,7 @@ TEST_CASE("while a template is made and when it is taken what the pointer is on 
     driver.settle();
     driver.point_at("Deform");
     const float deform_px = driver.control("side panel/Deform").rect.y;
-    driver.app().send(MakeTemplate{driver.state().template_settings, std::nullopt});
+    driver.app().send(MakeTemplate{driver.state().automatic.template_settings, std::nullopt});
     driver.wait_until("it is made", [&] { return driver.has("Template/Save and use…"); });
     CHECK(driver.control("side panel/Deform").rect.y == doctest::Approx(deform_px).epsilon(0.01));
     driver.app().send(CloseTemplateMaking{});

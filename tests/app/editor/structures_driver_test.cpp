@@ -37,7 +37,7 @@ void start_with_two(Driver& driver) {
 /// The px of an axial slice where a vertex lies that is nearest to the slice.
 std::array<double, 2> on_axial_outline(Driver& driver, const char* id) {
   const Points points = points_of(driver, id);
-  driver.state().crosshair_mm = points.row(0).transpose();
+  driver.state().look.crosshair_mm = points.row(0).transpose();
   driver.settle();
   const auto px = view_map(driver.state(), driver.app().layout(), driver.document(), ViewKind::axial)
                       .to_px(points.row(0).transpose());
@@ -54,11 +54,11 @@ TEST_CASE("what a hand pulls is the structure that is worked on") {
 
   driver.app().send(ChooseStructure{"s2"});
   driver.settle();
-  CHECK(driver.state().structure == "s2");
+  CHECK(driver.state().look.structure == "s2");
   const auto [x, y] = on_axial_outline(driver, "s2");
   driver.move(x, y);
   driver.frame();
-  REQUIRE(driver.state().hover->on_mesh);
+  REQUIRE(driver.state().pointer.hover->on_mesh);
   driver.button(MouseButton::left, true);
   driver.move(x + 12, y + 4);
   driver.frame();
@@ -70,7 +70,7 @@ TEST_CASE("what a hand pulls is the structure that is worked on") {
 
   driver.app().send(ChooseStructure{});
   driver.settle();
-  CHECK(driver.state().structure.empty());
+  CHECK(driver.state().look.structure.empty());
   driver.app().send(ApplyEdit{SetStiffnessBase{7}});
   driver.settle();
   CHECK(driver.document().structure("s1")->paint.base == 7);
@@ -86,7 +86,7 @@ TEST_CASE("a structure that undo takes away is worked on no more") {
   driver.app().send(ApplyEdit{Undo{}});
   driver.settle();
   CHECK(driver.document().structures.size() == 1);
-  CHECK(driver.state().structure.empty());
+  CHECK(driver.state().look.structure.empty());
   driver.app().send(ChooseStructure{"s2"});
   driver.settle();
   CHECK(driver.shows("There is no structure \"s2\" in this case."));

@@ -104,7 +104,7 @@ TEST_CASE("a unit may be typed with a number") {
   Driver driver(scan.document(), {1280, 1400, 1});
   driver.press('C');
   type_number(driver, "Brush radius/value", "12.5 mm");
-  CHECK(driver.state().brush.radius_mm == 12.5);
+  CHECK(driver.state().hand.brush.radius_mm == 12.5);
   CHECK(driver.state().notices.empty());
 }
 

@@ -299,7 +299,7 @@ TEST_CASE("a landmark outside the image is said and B and C bring the brush into
   CHECK(driver.shows("stiff"));
   driver.press('L');
   driver.settle();
-  driver.state().slices[0].mm_per_px = 1;
+  driver.state().look.slices[0].mm_per_px = 1;
   driver.frames(2);
   const RectPx& view = driver.app().layout().image(ViewKind::axial);
   driver.move(view.x + 4, view.y + 6);

@@ -33,7 +33,7 @@ void PreviewEdit::spell(Fields& line) {
 }
 void PreviewEdit::run(Editing& editing) const {
   editing.shown.session().preview(action, action ? assistance(editing, *action) : std::vector<Compute>{},
-                                  editing.state.structure);
+                                  editing.state.look.structure);
 }
 
 void ApplyEdit::spell(Fields& line) {
@@ -43,9 +43,9 @@ void ApplyEdit::spell(Fields& line) {
 void ApplyEdit::run(Editing& editing) const {
   stop_playing(editing);
   // What is placed next is what the case lacks then.
-  if (std::holds_alternative<Undo>(action) || std::holds_alternative<Redo>(action)) editing.state.landmark.clear();
+  if (std::holds_alternative<Undo>(action) || std::holds_alternative<Redo>(action)) editing.state.hand.landmark.clear();
   if (const auto* placed = std::get_if<PlaceLandmark>(&action); placed != nullptr && !placed->at)
-    editing.state.landmark = placed->name;
+    editing.state.hand.landmark = placed->name;
   editing.apply(action, joined);
 }
 
@@ -54,7 +54,7 @@ void GoInHistory::spell(Fields& line) {
 }
 void GoInHistory::run(Editing& editing) const {
   stop_playing(editing);
-  editing.state.landmark.clear();
+  editing.state.hand.landmark.clear();
   constexpr int most = 1000;  // a list shows far fewer
   const int count = std::abs(std::clamp(steps, -most, most));
   for (int k = 0; k < count; ++k) editing.apply(steps < 0 ? Action(Undo{}) : Action(Redo{}));
@@ -76,7 +76,8 @@ void SnapMesh::run(Editing& editing) const {
                       "A snap needs an image and a mesh. Open an image and place a template on the organ first.",
                       false);
   stop_playing(editing);
-  editing.work.snaps.start(editing.shown.session(), region, editing.state.snap, joined, editing.state.structure);
+  editing.work.snaps.start(editing.shown.session(), region, editing.state.automatic.snap, joined,
+                           editing.state.look.structure);
 }
 
 void CancelSnap::run(Editing& editing) const {
@@ -96,10 +97,11 @@ void StartFit::run(Editing& editing) const {
   if (chosen.label == 0 && !labels.values.empty()) chosen.label = labels.values.front();
   const Snapshot& snapshot = editing.shown.snapshot();
   ModelOfFit model;
-  if (chosen.model == FitModel::file) model.model = editing.state.fit_model;
+  if (chosen.model == FitModel::file) model.model = editing.state.automatic.fit_model;
   if (chosen.model == FitModel::study) {
     model.study = editing.state.models.fitted.model;
-    const StudyCase* one = find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.structure);
+    const StudyCase* one =
+        find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.look.structure);
     if (one != nullptr) model.left_out = one->name;
   }
   if (chosen.model != FitModel::none && !model.model && !model.study)
@@ -107,14 +109,14 @@ void StartFit::run(Editing& editing) const {
   editing.work.fit_seen = false;
   editing.work.started_fit = *this;
   editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name}, chosen, model,
-                                editing.state.structure);
+                                editing.state.look.structure);
 }
 
 void RefineAlongSurface::run(Editing& editing) const {
   if (!editing.shape()) return;
   stop_playing(editing);
   editing.work.started_fit.reset();
-  editing.work.fitter.start_refinement(editing.shown.snapshot().document, editing.state.structure);
+  editing.work.fitter.start_refinement(editing.shown.snapshot().document, editing.state.look.structure);
 }
 
 void CancelFit::run(Editing& editing) const {
@@ -130,7 +132,7 @@ void PropagateFrames::run(Editing& editing) const {
   const Document& document = editing.shown.document();
   if (!editing.shape() || !document.scan.image || document.scan.image->frames < 2) return;
   stop_playing(editing);
-  editing.work.propagator.start(editing.shown.done(), editing.state.structure);
+  editing.work.propagator.start(editing.shown.done(), editing.state.look.structure);
 }
 
 void CancelPropagation::run(Editing& editing) const {
@@ -146,8 +148,8 @@ void BlendModel::run(Editing& editing) const {
 }
 
 void CompleteByModel::run(Editing& editing) const {
-  if (auto complete = editing.work.model_help.completion(editing.state.model_help))
-    editing.shown.session().apply_computed(std::move(complete), true, editing.state.structure);
+  if (auto complete = editing.work.model_help.completion(editing.state.automatic.model_help))
+    editing.shown.session().apply_computed(std::move(complete), true, editing.state.look.structure);
 }
 
 void ChooseStructure::spell(Fields& line) {
@@ -159,16 +161,16 @@ void ChooseStructure::run(Editing& editing) const {
   editing.work.snaps.cancel();
   show_structure(editing.state, editing.shown.document(), id);
   editing.work.quality.post(nullptr);
-  editing.work.quality.post(editing.shown.displayed(), editing.state.structure);
+  editing.work.quality.post(editing.shown.displayed(), editing.state.look.structure);
 }
 
 void ShowFrame::spell(Fields& line) {
   line.member("frame", frame);
 }
 void ShowFrame::run(Editing& editing) const {
-  if (frame != editing.shown.snapshot().document->frame) editing.state.landmark.clear();
+  if (frame != editing.shown.snapshot().document->frame) editing.state.hand.landmark.clear();
   editing.apply(SetFrame{frame});
-  editing.state.shown_frame.reset();
+  editing.state.look.shown_frame.reset();
 }
 
 void PlayFrames::spell(Fields& line) {
@@ -176,7 +178,7 @@ void PlayFrames::spell(Fields& line) {
 }
 void PlayFrames::run(Editing& editing) const {
   if (play)
-    editing.state.playing = true;
+    editing.state.look.playing = true;
   else
     stop_playing(editing);
 }

@@ -43,7 +43,7 @@ bool is_for_people(const std::filesystem::path& folder) {
 /// Where something of what is open was saved last, for what is written. Else the folder of what is open: in Models of
 /// the study, else of the image or, for what is written, of the case. Where nothing has a file, the one used last.
 std::filesystem::path folder_beside(const EditorState& state, const ControlsContext& context, bool saves) {
-  if (saves && is_for_people(state.saved_folder)) return state.saved_folder;
+  if (saves && is_for_people(state.saving.saved_folder)) return state.saving.saved_folder;
   const std::filesystem::path of_case = context.file, of_image = context.document.scan.source;
   const auto first = state.models.shown ? state.models.study_file : saves ? of_case : of_image;
   const auto second = state.models.shown ? state.models.study_file : saves ? of_image : of_case;
@@ -57,7 +57,11 @@ std::filesystem::path folder_beside(const EditorState& state, const ControlsCont
 void ShowFileDialog::spell(Fields& line) {
   std::string purpose_name = file_purpose(purpose).name;
   line.member("purpose", purpose_name);
-  if (line.reads()) purpose = purpose_of(purpose_name);
+  if (line.reads()) {
+    const auto known = purpose_of(purpose_name);
+    if (!known) throw Unreadable{"\"" + excerpt(purpose_name) + "\" is no purpose of a file dialog"};
+    purpose = *known;
+  }
   line.member("name", name);
 }
 void ShowFileDialog::run(EditorState& state, const ControlsContext& context, Outbox&) const {
@@ -146,7 +150,7 @@ void AcceptFile::run(EditorState& state, const ControlsContext& context, Outbox&
   const auto path = accept(dialog->browser);
   if (!path) return;
   state.preferences.folder = path->parent_path();
-  if (dialog->browser.kind.saves) state.saved_folder = path->parent_path();
+  if (dialog->browser.kind.saves) state.saving.saved_folder = path->parent_path();
   std::error_code ignored;
   if (dialog->browser.kind.saves)
     for (const std::filesystem::path& file : files_written(dialog->purpose, *path, state, context.document))

@@ -239,7 +239,7 @@ void ExportTemplateLandmarks::run(Editing& editing) const {
 }
 
 void ExportPicture::run(Editing& editing) const {
-  PictureOptions options = editing.state.picture;
+  PictureOptions options = editing.state.saving.picture;
   if (editing.state.models.shown)
     options.view.reset();
   else

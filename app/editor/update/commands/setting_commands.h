@@ -11,9 +11,9 @@ namespace homolog {
 // What is seen, and from where.
 
 /// Turns the 3D view.
-using LookFromSide = Call<"look from side", "side", look_from, &EditorState::camera>;
+using LookFromSide = Call<"look from side", "side", look_from, &EditorState::look, &Look::camera>;
 /// One view fills the window; all four where none is named.
-using MaximiseView = Setting<"maximise view", "view", &EditorState::maximised>;
+using MaximiseView = Setting<"maximise view", "view", &EditorState::look, &Look::maximised>;
 /// The slice views zoom together, or each by itself.
 using LinkZoom = Call<"link zoom", "linked", link_zoom>;
 /// Outline, surface, planes and so on.
@@ -25,8 +25,8 @@ using ShowRadiological =
 /// The light theme, or the dark one.
 using UseLightTheme = Setting<"use light theme", "light", &EditorState::preferences, &Preferences::light>;
 /// 0…1.
-using SetLabelOpacity = Setting<"set label opacity", "opacity", &EditorState::label_opacity>;
-using SpaceGlyphs = Setting<"space glyphs", "spacing_mm", &EditorState::glyph_spacing_mm>;
+using SetLabelOpacity = Setting<"set label opacity", "opacity", &EditorState::look, &Look::label_opacity>;
+using SpaceGlyphs = Setting<"space glyphs", "spacing_mm", &EditorState::look, &Look::glyph_spacing_mm>;
 /// Shows the study and its model, or the case.
 using ShowModels = Setting<"show models", "shown", &EditorState::models, &ModelsState::shown>;
 
@@ -35,29 +35,29 @@ using ShowModels = Setting<"show models", "shown", &EditorState::models, &Models
 /// Changes the chosen preset.
 using SetSigma = Call<"set sigma", "sigma_mm", set_sigma>;
 /// 0…1.
-using SetRelaxStrength = Setting<"set relax strength", "strength", &EditorState::relax_strength>;
+using SetRelaxStrength = Setting<"set relax strength", "strength", &EditorState::hand, &Hand::relax_strength>;
 /// Whether a stroke also moves sheets that lie near.
-using MoveThroughSpace = Setting<"move through space", "through", &EditorState::through_space>;
-using SetBrush = Setting<"set brush", "", &EditorState::brush>;
+using MoveThroughSpace = Setting<"move through space", "through", &EditorState::hand, &Hand::through_space>;
+using SetBrush = Setting<"set brush", "", &EditorState::hand, &Hand::brush>;
 /// The name that the next click gives a point of the template.
-using NameTemplateLandmark = Setting<"name template landmark", "name", &EditorState::template_landmark>;
+using NameTemplateLandmark = Setting<"name template landmark", "name", &EditorState::hand, &Hand::template_landmark>;
 /// The name of a new region, while it is typed.
-using TypeRegion = Setting<"type region", "name", &EditorState::new_region>;
+using TypeRegion = Setting<"type region", "name", &EditorState::hand, &Hand::new_region>;
 /// The new name of a region while it is typed; none: the field closes.
-using NameRegion = Setting<"name region", "", &EditorState::renaming>;
+using NameRegion = Setting<"name region", "", &EditorState::hand, &Hand::renaming>;
 /// A number of the case while it is changed in the panel; none: it was let go.
-using ChangeNumber = Setting<"change number", "", &EditorState::panel_edit>;
-using SetFit = Setting<"set fit", "", &EditorState::fit_settings>;
-using SetTemplate = Setting<"set template", "", &EditorState::template_settings>;
+using ChangeNumber = Setting<"change number", "", &EditorState::hand, &Hand::panel_edit>;
+using SetFit = Setting<"set fit", "", &EditorState::automatic, &Automatic::fit_settings>;
+using SetTemplate = Setting<"set template", "", &EditorState::automatic, &Automatic::template_settings>;
 /// A stage of a template's making; none: the last one.
-using ShowTemplateStage = Setting<"show stage", "stage", &EditorState::shown_stage>;
+using ShowTemplateStage = Setting<"show stage", "stage", &EditorState::look, &Look::shown_stage>;
 
 // Files.
 
 /// Which frames of a cine the next exports write: all that have a mesh, or the one that is shown.
-using ExportAllFrames = Setting<"export all frames", "all", &EditorState::export_all_frames>;
+using ExportAllFrames = Setting<"export all frames", "all", &EditorState::saving, &Saving::export_all_frames>;
 /// What a picture that is saved shows.
-using SetPicture = Setting<"set picture", "", &EditorState::picture>;
+using SetPicture = Setting<"set picture", "", &EditorState::saving, &Saving::picture>;
 
 // Dialogs.
 

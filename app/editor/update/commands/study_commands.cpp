@@ -108,8 +108,8 @@ void ExportObservers::run(Editing& editing) const {
 void ExportPlots::run(Editing& editing) const {
   if (editing.state.models.evaluation)
     write_picture_beside(editing, path,
-                         editing.pictures.plots({std::nullopt, 1800, 560, editing.state.picture.transparent,
-                                                 editing.state.picture.light}));
+                         editing.pictures.plots({std::nullopt, 1800, 560, editing.state.saving.picture.transparent,
+                                                 editing.state.saving.picture.light}));
 }
 
 void ChooseShapesFolder::spell(Fields& line) {

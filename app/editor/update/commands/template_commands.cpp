@@ -31,8 +31,8 @@ void MakeTemplate::run(Editing& editing) const {
   chosen.mask.frame = chosen.tube_options.frame = std::min(editing.shown.document().frame, labels.volume->frames - 1);
   chosen.tube_options.outer_label = chosen.outer_label != 0 ? std::optional<int>(chosen.outer_label) : std::nullopt;
   if (axis) chosen.tube_options.base_and_apex = {axis->from, axis->to};
-  state.shown_stage.reset();
-  state.making_shown = true;
+  state.look.shown_stage.reset();
+  state.look.making_shown = true;
   editing.work.template_maker.start(labels.volume, labels.name, chosen);
 }
 
@@ -44,7 +44,7 @@ void CancelTemplate::run(Editing& editing) const {
 
 void UndoTemplate::run(Editing& editing) const {
   editing.work.template_maker.undo();
-  editing.state.shown_stage.reset();
+  editing.state.look.shown_stage.reset();
 }
 
 void CloseTemplateMaking::run(Editing& editing) const {

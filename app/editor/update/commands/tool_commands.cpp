@@ -21,8 +21,8 @@ void ChooseTool::spell(Fields& line) {
   spell_choice(line, "tool", names, tool);
 }
 void ChooseTool::run(EditorState& state) const {
-  if (tool == MouseTool::template_landmark && state.tool != tool) state.tool_before_naming = state.tool;
-  state.tool = tool;
+  if (tool == MouseTool::template_landmark && state.hand.tool != tool) state.hand.tool_before_naming = state.hand.tool;
+  state.hand.tool = tool;
   const char* section = kind_of(tool).section;
   if (section == nullptr) return;
   state.wanted_section = section;
@@ -34,11 +34,11 @@ void ChooseSigma::spell(Fields& line) {
   line.member("preset", preset);
 }
 void ChooseSigma::run(EditorState& state, const ControlsContext&, Outbox& out) const {
-  state.sigma_preset = std::min(preset, state.sigma_presets_mm.size() - 1);
-  state.wheel_sigma_mm.reset();
-  if (!state.drag) return;
-  if (auto* stroke = std::get_if<StrokeDrag>(&*state.drag)) {
-    stroke->stroke.sigma_mm = state.sigma_mm();
+  state.hand.sigma_preset = std::min(preset, state.hand.sigma_presets_mm.size() - 1);
+  state.hand.wheel_sigma_mm.reset();
+  if (!state.pointer.drag) return;
+  if (auto* stroke = std::get_if<StrokeDrag>(&*state.pointer.drag)) {
+    stroke->stroke.sigma_mm = state.hand.sigma_mm();
     if (const auto action = drag_action(state)) out.preview(action);
   }
 }
@@ -47,10 +47,10 @@ void BrushRegion::spell(Fields& line) {
   line.member("region", region);
 }
 void BrushRegion::run(EditorState& state) const {
-  state.tool = MouseTool::stiffness;
-  state.brush.region = region;
-  state.brush.erases = region.empty();
-  if (state.brush.paints != BrushPaints::fill) state.brush.paints = BrushPaints::region;
+  state.hand.tool = MouseTool::stiffness;
+  state.hand.brush.region = region;
+  state.hand.brush.erases = region.empty();
+  if (state.hand.brush.paints != BrushPaints::fill) state.hand.brush.paints = BrushPaints::region;
 }
 
 void ChooseLandmark::spell(Fields& line) {
@@ -58,9 +58,9 @@ void ChooseLandmark::spell(Fields& line) {
   line.optional("look_at_mm", look_at_mm);
 }
 void ChooseLandmark::run(EditorState& state) const {
-  state.tool = MouseTool::landmark;
-  state.landmark = name;
-  if (look_at_mm) state.crosshair_mm = *look_at_mm;
+  state.hand.tool = MouseTool::landmark;
+  state.hand.landmark = name;
+  if (look_at_mm) state.look.crosshair_mm = *look_at_mm;
 }
 
 void SetSnap::spell(Fields& line) {
@@ -72,17 +72,17 @@ void SetSnap::spell(Fields& line) {
   line.member("learn", snap.learn);
 }
 void SetSnap::run(EditorState& state) const {
-  if (snap.show_confidence != state.snap.show_confidence) state.shows_confidence = snap.show_confidence;
-  auto learned = std::move(state.snap.learned);
-  state.snap = snap;
-  state.snap.learned = std::move(learned);
+  if (snap.show_confidence != state.automatic.snap.show_confidence) state.look.shows_confidence = snap.show_confidence;
+  auto learned = std::move(state.automatic.snap.learned);
+  state.automatic.snap = snap;
+  state.automatic.snap.learned = std::move(learned);
 }
 
 void SnapWithStrokes::spell(Fields& line) {
   line.member("on", on);
 }
 void SnapWithStrokes::run(EditorState& state) const {
-  state.snap.with_strokes = on;
+  state.automatic.snap.with_strokes = on;
   add_notice(state,
              on ? "Snap while dragging is on: what you pull or grab snaps to the image (Shift+N: off)."
                 : "Snap while dragging is off.",
@@ -90,16 +90,16 @@ void SnapWithStrokes::run(EditorState& state) const {
 }
 
 void Escape::run(EditorState& state, const ControlsContext& context, Outbox& out) const {
-  if (state.drag)
+  if (state.pointer.drag)
     cancel_drag(state, out);
   else if (context.fits)
     out.send(CancelFits{});
-  else if (state.ruler)
-    state.ruler.reset();
-  else if (state.finding)
-    state.finding.reset();
+  else if (state.hand.ruler)
+    state.hand.ruler.reset();
+  else if (state.found.finding)
+    state.found.finding.reset();
   else
-    state.maximised.reset();
+    state.look.maximised.reset();
 }
 
 }  // namespace homolog

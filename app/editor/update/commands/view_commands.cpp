@@ -43,28 +43,28 @@ void SetWindow::spell(Fields& line) {
   line.member("high", high);
 }
 void SetWindow::run(EditorState& state) const {
-  state.window_low = low;
-  state.window_high = high;
+  state.look.window_low = low;
+  state.look.window_high = high;
 }
 
 void ShowOwnPlanes::spell(Fields& line) {
   line.member("own", own);
 }
 void ShowOwnPlanes::run(EditorState& state, const ControlsContext& context, Outbox&) const {
-  const auto slices = state.slices;
-  const Camera3D camera = state.camera;
+  const auto slices = state.look.slices;
+  const Camera3D camera = state.look.camera;
   const auto fill = [&] {
     show_all(state, context.document, context.layout);
-    state.camera = camera;
+    state.look.camera = camera;
   };
   fill();
-  const bool filled = state.slices == slices;
-  state.own_planes = own;
+  const bool filled = state.look.slices == slices;
+  state.look.own_planes = own;
   // Whoever saw the whole image goes on to see it; whoever looked closely stays at the place.
   if (filled)
     fill();
   else
-    state.slices = slices;
+    state.look.slices = slices;
   settle_crosshair(state, context.document);
 }
 
@@ -75,23 +75,23 @@ void ChooseColouring::spell(Fields& line) {
   spell_choice(line, "colouring", names, colouring);
 }
 void ChooseColouring::run(EditorState& state) const {
-  state.shows_confidence = colouring == Colouring::confidence;
-  if (!state.shows_confidence) state.colouring = colouring;
+  state.look.shows_confidence = colouring == Colouring::confidence;
+  if (!state.look.shows_confidence) state.look.colouring = colouring;
 }
 
 void SeekFrame::spell(Fields& line) {
   line.member("frame", frame);
 }
 void SeekFrame::run(EditorState& state) const {
-  state.shown_frame = frame;
-  state.playing = false;
+  state.look.shown_frame = frame;
+  state.look.playing = false;
 }
 
 void LookAt::spell(Fields& line) {
   line.member("point_mm", point_mm);
 }
 void LookAt::run(EditorState& state) const {
-  state.crosshair_mm = state.camera.target = point_mm;
+  state.look.crosshair_mm = state.look.camera.target = point_mm;
 }
 
 void ShowFinding::spell(Fields& line) {
@@ -105,7 +105,7 @@ void ShowFinding::run(Editing& editing) const {
   std::vector<Finding> all;
   const auto& figures = editing.work.quality.latest();
   if (figures) all = figures->findings;
-  all.insert(all.end(), state.unclear_edges.begin(), state.unclear_edges.end());
+  all.insert(all.end(), state.found.unclear_edges.begin(), state.found.unclear_edges.end());
   if (kind) std::erase_if(all, [&](const Finding& one) { return one.kind != *kind; });
   if (all.empty())
     return add_notice(state,
@@ -113,7 +113,7 @@ void ShowFinding::run(Editing& editing) const {
                       : kind   ? "Nothing of this kind is left."
                                : "Nothing to look at: no faulty triangle, no unclear edge and no doubt.",
                       false);
-  const auto now = state.finding ? std::find(all.begin(), all.end(), state.finding->finding) : all.end();
+  const auto now = state.found.finding ? std::find(all.begin(), all.end(), state.found.finding->finding) : all.end();
   const std::size_t count = all.size(), at = static_cast<std::size_t>(now - all.begin());
   const std::size_t next = now == all.end() ? (back ? count - 1 : 0) : (at + (back ? count - 1 : 1)) % count;
   ShownFinding shown{all[next], 0, 0};
@@ -122,8 +122,8 @@ void ShowFinding::run(Editing& editing) const {
     ++shown.of;
     if (k <= next) ++shown.number;
   }
-  state.finding = std::move(shown);
-  look_closely(state, active->mesh(), state.finding->finding.vertex);
+  state.found.finding = std::move(shown);
+  look_closely(state, active->mesh(), state.found.finding->finding.vertex);
 }
 
 void MoveInGuide::spell(Fields& line) {

@@ -21,11 +21,11 @@ void take_fit(Editing& editing, Fitted fitted) {
   EditorState& state = editing.state;
   if (fitted.edit.by == by_refinement) {
     for (const std::string& remark : fitted.remarks) add_notice(state, remark, false);
-    state.last_refinement = fitted;
+    state.found.last_refinement = fitted;
     editing.log.is_done(RefineAlongSurface{});
   } else {
     look_at_mesh(state, *fitted.edit.points);
-    state.last_fit = fitted;
+    state.found.last_fit = fitted;
     if (editing.work.started_fit) editing.log.is_done(*editing.work.started_fit);
   }
   const bool is_fit = fitted.edit.by == by_fit;
@@ -36,7 +36,8 @@ void take_fit(Editing& editing, Fitted fitted) {
 
 void ask_model(Editing& editing) {
   const Snapshot& snapshot = editing.shown.snapshot();
-  const StudyCase* one = find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.structure);
+  const StudyCase* one =
+      find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.look.structure);
   editing.work.model_help.ask(editing.state.models.fitted.model, one != nullptr ? one->name : std::string());
 }
 
@@ -56,9 +57,10 @@ std::vector<Compute> assistance(const Editing& editing, const Action& action) {
   const auto* stroke = std::get_if<Stroke>(&action);
   if (stroke == nullptr || !moves_boundary(stroke->tool)) return then;
   const auto shown = editing.shape();
-  if (shown && editing.state.snap.with_strokes && editing.shown.document().scan.image)
-    then.push_back(snap_compute(snap_region(*shown, *stroke), editing.state.snap));
-  if (auto complete = editing.work.model_help.completion(editing.state.model_help)) then.push_back(std::move(complete));
+  if (shown && editing.state.automatic.snap.with_strokes && editing.shown.document().scan.image)
+    then.push_back(snap_compute(snap_region(*shown, *stroke), editing.state.automatic.snap));
+  if (auto complete = editing.work.model_help.completion(editing.state.automatic.model_help))
+    then.push_back(std::move(complete));
   return then;
 }
 
@@ -71,7 +73,7 @@ void cancel_fit(Editing& editing) {
 void update_fit(Editing& editing) {
   Fitter& fitter = editing.work.fitter;
   SessionThread& session = editing.shown.session();
-  const bool of_another = fitter.of() != editing.state.structure;
+  const bool of_another = fitter.of() != editing.state.look.structure;
   if (fitter.document() && (of_another || fitter.document() != editing.shown.snapshot().document)) {
     cancel_fit(editing);
     add_notice(editing.state, "The fit was stopped by an edit, another frame or another case. Start it again.", false);
@@ -121,17 +123,17 @@ void update_learning(Editing& editing) {
   const Snapshot& snapshot = editing.shown.snapshot();
   const Structure* structure = active_structure(state, *snapshot.document);
   auto cases = cases_to_learn(state.models.study, snapshot.file);
-  if (!state.snap.learn || structure == nullptr || cases.empty())
+  if (!state.automatic.snap.learn || structure == nullptr || cases.empty())
     appearance.forget();
   else
     appearance.ask(std::move(cases), structure->the_template->topology->vertices());
-  state.snap.learned = appearance.learned().appearance;
+  state.automatic.snap.learned = appearance.learned().appearance;
 }
 
 void blend_model(Editing& editing, const BlendModel& command) {
   if (!editing.state.models.model || !active_shape(editing.state, *editing.shown.snapshot().document)) return;
   ask_model(editing);
-  editing.state.model_help = command.strength;
+  editing.state.automatic.model_help = command.strength;
   SessionThread& session = editing.shown.session();
   auto complete = editing.work.model_help.completion(command.strength);
   if (command.strength <= 0) complete = without_help;
@@ -142,9 +144,9 @@ void blend_model(Editing& editing, const BlendModel& command) {
   }
   editing.work.blend_wanted.reset();
   if (command.commit)
-    session.apply_computed(std::move(complete), false, editing.state.structure);
+    session.apply_computed(std::move(complete), false, editing.state.look.structure);
   else
-    session.preview(std::nullopt, {std::move(complete)}, editing.state.structure);
+    session.preview(std::nullopt, {std::move(complete)}, editing.state.look.structure);
 }
 
 void update_model_help(Editing& editing) {
@@ -153,12 +155,12 @@ void update_model_help(Editing& editing) {
   if (const auto error = work.model_help.update()) {
     add_notice(state, *error);
     work.blend_wanted.reset();
-    state.model_help = 0;
+    state.automatic.model_help = 0;
   }
-  if (state.model_help <= 0) return;
+  if (state.automatic.model_help <= 0) return;
   const auto shown = active_shape(state, *editing.shown.snapshot().document);
   if (!state.models.model || !shown || state.models.model->vertices() != shown->the_template().topology->vertices()) {
-    state.model_help = 0;
+    state.automatic.model_help = 0;
     return;
   }
   ask_model(editing);  // the study may have grown
@@ -170,17 +172,18 @@ bool show_snap(Editing& editing) {
   if (auto found = editing.work.snaps.take()) {
     if (!found->warning.empty()) add_notice(state, found->warning, false);
     if (!found->held.empty()) add_notice(state, "Snap: held " + found->held + " where you put them.", false);
-    state.snapped = std::move(found);
-    state.shows_confidence = state.snap.show_confidence;
+    state.found.snapped = std::move(found);
+    state.look.shows_confidence = state.automatic.snap.show_confidence;
   }
   const auto view = editing.shape();
-  const bool shown = state.snapped && view && state.snapped->is_of(*view->shape.points);
-  auto confidence = shown ? state.snapped->confidence : nullptr;
-  const bool changed = confidence != state.confidence;
-  state.confidence = std::move(confidence);
+  const bool shown = state.found.snapped && view && state.found.snapped->is_of(*view->shape.points);
+  auto confidence = shown ? state.found.snapped->confidence : nullptr;
+  const bool changed = confidence != state.found.confidence;
+  state.found.confidence = std::move(confidence);
   if (changed) {
     const Mesh mesh = view ? view->mesh() : Mesh();
-    state.unclear_edges = state.confidence ? unclear_edges(mesh, *state.confidence) : std::vector<Finding>();
+    state.found.unclear_edges =
+        state.found.confidence ? unclear_edges(mesh, *state.found.confidence) : std::vector<Finding>();
   }
   return changed;
 }

@@ -104,7 +104,7 @@ void import_landmarks(Editing& editing, const std::filesystem::path& path) {
               then.state,
               name + ": no name in it is a landmark of the template. Rename its points as in the list (Place).");
         stop_playing(then);
-        then.state.landmark.clear();
+        then.state.hand.landmark.clear();
         for (std::size_t i = 0; i < known.size(); ++i)
           then.apply(PlaceLandmark{known[i].name, known[i].position}, i > 0);
         if (known.size() < read.size())
@@ -119,9 +119,9 @@ void open_fit_model(Editing& editing, const std::filesystem::path& path) {
   read_for_case(
       editing, OpenFitModel{{path}}, [](const auto& file) { return read_model(file); },
       [path](Editing& then, const ShapeModel& model) {
-        then.state.fit_model = std::make_shared<const ShapeModel>(model);
-        then.state.fit_model_file = path;
-        then.state.fit_settings.model = FitModel::file;
+        then.state.automatic.fit_model = std::make_shared<const ShapeModel>(model);
+        then.state.automatic.fit_model_file = path;
+        then.state.automatic.fit_settings.model = FitModel::file;
       });
 }
 
@@ -193,7 +193,7 @@ void use_made_template(Editing& editing, const std::filesystem::path& path) {
 }
 
 void close_template_making(Editing& editing) {
-  editing.state.making_shown = false;
+  editing.state.look.making_shown = false;
   editing.work.template_maker.forget();
 }
 

@@ -104,14 +104,14 @@ struct View {
 };
 
 View view_of(const EditorState& state) {
-  return {state.crosshair_mm, state.slices, state.camera, state.own_planes};
+  return {state.look.crosshair_mm, state.look.slices, state.look.camera, state.look.own_planes};
 }
 
 void look_as(EditorState& state, const View& view) {
-  state.crosshair_mm = view.crosshair_mm;
-  state.slices = view.slices;
-  state.camera = view.camera;
-  state.own_planes = view.own_planes;
+  state.look.crosshair_mm = view.crosshair_mm;
+  state.look.slices = view.slices;
+  state.look.camera = view.camera;
+  state.look.own_planes = view.own_planes;
 }
 
 /// An image, a template or a demo: a new case with what is open besides.
@@ -142,8 +142,8 @@ void start_with(Editing& editing, Opened opened) {
   if (in_place) look_as(state, view);
   if (demo && editing.shown.document().scan.image->modality == "CT") {
     // Soft tissue: what the demo is about.
-    state.window_low = -160;
-    state.window_high = 240;
+    state.look.window_low = -160;
+    state.look.window_high = 240;
   }
   if (opened.guide) {
     state.guide = std::move(*opened.guide);
@@ -176,21 +176,21 @@ void start_session(Editing& editing, EditSession session) {
   const std::filesystem::path folder_before = std::filesystem::path(source_before).parent_path();
   editing.work.snaps.cancel();
   state.guide.reset();
-  state.finding.reset();
+  state.found.finding.reset();
   const Refusals refused = shown.start(std::move(session));
   const Document& document = shown.document();
   show_document(state, document, editing.layout, !source_before.empty() && document.scan.source == source_before);
-  if (std::filesystem::path(document.scan.source).parent_path() != folder_before) state.saved_folder.clear();
+  if (std::filesystem::path(document.scan.source).parent_path() != folder_before) state.saving.saved_folder.clear();
   if (const auto& window = shown.snapshot().kept.window)
-    std::tie(state.window_low, state.window_high) = std::pair((*window)[0], (*window)[1]);
+    std::tie(state.look.window_low, state.look.window_high) = std::pair((*window)[0], (*window)[1]);
   const Layout& layout = editing.layout;
-  state.fit_views_wanted = layout.scale <= 0 || layout.status_line.width <= 0 || layout.models.width > 0;
-  if (!state.fit_views_wanted) show_repair(editing);
+  state.look.fit_views_wanted = layout.scale <= 0 || layout.status_line.width <= 0 || layout.models.width > 0;
+  if (!state.look.fit_views_wanted) show_repair(editing);
   remember_case(state, shown.snapshot());
   for (const std::string& sentence : told(refused)) add_notice(state, "In the case before: " + sentence);
   if (document.scan.image != (before ? before->scan.image : nullptr)) editing.pictures.forget();
   editing.work.quality.post(nullptr);
-  editing.work.quality.post(shown.displayed(), editing.state.structure);
+  editing.work.quality.post(shown.displayed(), editing.state.look.structure);
 }
 
 void show_repair(Editing& editing) {
@@ -227,8 +227,8 @@ void show_opened(Editing& editing, Opened opened) {
     auto fitted = kept_fit(editing.shown.snapshot());
     // A map belongs to the frame that was fitted to it.
     if (opened.labels) show_labels(editing, opened, fitted ? std::optional(fitted->first) : std::nullopt);
-    state.last_fit.reset();
-    if (fitted) state.last_fit = std::move(fitted->second);
+    state.found.last_fit.reset();
+    if (fitted) state.found.last_fit = std::move(fitted->second);
   } else {
     start_with(editing, std::move(opened));
   }

@@ -57,7 +57,7 @@ bool take_stage(Editing& editing) {
   maker.update();
   const auto making = maker.latest();
   if (making == editing.work.seen_making) return maker.busy();
-  const bool first = editing.state.making_shown && making && making->stages.size() == 1 && !making->done;
+  const bool first = editing.state.look.making_shown && making && making->stages.size() == 1 && !making->done;
   editing.work.seen_making = making;
   if (first) look_at_mesh(editing.state, making->stages.front().surface->points);
   return true;
@@ -85,11 +85,12 @@ bool update_label_surface(Editing& editing) {
   LabelSurfaces& surfaces = editing.work.label_surfaces;
   const ShownLabels& labels = editing.shown.labels();
   // While the mesh or a frame moves the label stays; it is asked for again when that is done.
-  if (state.drag || state.shown_frame) return surfaces.update();
+  if (state.pointer.drag || state.look.shown_frame) return surfaces.update();
   std::optional<LabelSurfaces::Wanted> wanted;
   if (editing.shown.labels_here() && state.preferences.show.label_surface && !state.models.shown) {
     const Document& document = *editing.shown.snapshot().document;
-    const int label = label_in_hand(state.fit_settings, labels.values, *labels.volume, active_shape(state, document));
+    const int label =
+        label_in_hand(state.automatic.fit_settings, labels.values, *labels.volume, active_shape(state, document));
     const int frame = document.frame < labels.volume->frames ? document.frame : 0;
     if (label != 0) wanted = LabelSurfaces::Wanted{labels.volume, label, frame};
   }
@@ -151,18 +152,18 @@ void forget_old_hints(EditorState& state, const Document& document, double secon
 }
 
 void play(EditorState& state, const Document& document, double seconds) {
-  if (!state.playing || seconds < state.next_frame_seconds || document.scan.frames() <= 1) return;
+  if (!state.look.playing || seconds < state.look.next_frame_seconds || document.scan.frames() <= 1) return;
   const Volume& volume = *document.scan.image;
   const double pace = volume.frame_seconds > 0 ? volume.frame_seconds : 0.05;
-  state.next_frame_seconds = std::max(state.next_frame_seconds + pace, seconds);
-  state.shown_frame = (shown_frame(state, document) + 1) % volume.frames;
+  state.look.next_frame_seconds = std::max(state.look.next_frame_seconds + pace, seconds);
+  state.look.shown_frame = (shown_frame(state, document) + 1) % volume.frames;
 }
 
 /// The guide goes on where its pull is done.
 void follow_guide(Editing& editing) {
   EditorState& state = editing.state;
   const auto shown = active_shape(state, *editing.shown.snapshot().document);
-  if (!state.guide || !state.guide->shown || state.drag || !shown) return;
+  if (!state.guide || !state.guide->shown || state.pointer.drag || !shown) return;
   Guide& guide = *state.guide;
   if (guide.at >= guide.steps.size() || !is_done(guide.steps[guide.at], shown->mesh())) return;
   ++guide.at;
@@ -176,20 +177,20 @@ bool update_quality(Editing& editing) {
   const bool fresh = editing.work.quality.update();
   const auto& figures = editing.work.quality.latest();
   // The figures of a pull may have come while it was in hand.
-  if (!state.drag && figures && !editing.work.quality.busy()) {
-    const std::size_t before = std::exchange(state.intersecting_at_rest, figures->intersecting);
-    if (figures->intersecting > before && !state.intersecting_before) state.intersecting_before = before;
-    if (state.intersecting_before && figures->intersecting <= *state.intersecting_before)
-      state.intersecting_before.reset();
+  if (!state.pointer.drag && figures && !editing.work.quality.busy()) {
+    const std::size_t before = std::exchange(state.found.intersecting_at_rest, figures->intersecting);
+    if (figures->intersecting > before && !state.found.intersecting_before) state.found.intersecting_before = before;
+    if (state.found.intersecting_before && figures->intersecting <= *state.found.intersecting_before)
+      state.found.intersecting_before.reset();
   }
   if (!fresh) return false;
-  if (!state.finding || state.finding->finding.faces.empty() || !figures) return true;
-  const auto& marked = state.finding->finding;
+  if (!state.found.finding || state.found.finding->finding.faces.empty() || !figures) return true;
+  const auto& marked = state.found.finding->finding;
   const bool there = std::any_of(figures->findings.begin(), figures->findings.end(), [&](const Finding& one) {
     return one.kind == marked.kind && std::find_first_of(one.faces.begin(), one.faces.end(), marked.faces.begin(),
                                                          marked.faces.end()) != one.faces.end();
   });
-  if (!there) state.finding.reset();
+  if (!there) state.found.finding.reset();
   return true;
 }
 
@@ -210,12 +211,12 @@ bool take_results(Editing& editing, double seconds) {
   take_imports(editing);
   play(state, editing.shown.document(), seconds);
   if (editing.shown.update_snapshot(state)) {
-    work.quality.post(editing.shown.displayed(), state.structure);
+    work.quality.post(editing.shown.displayed(), state.look.structure);
     follow_guide(editing);
   }
   const Document& shown = editing.shown.document();
   if (const Structure* structure = editing.structure(); structure != nullptr && shown.scan.frames() > 1)
-    state.volume_curve = volume_curve(*structure, state.volume_curve);
+    state.found.volume_curve = volume_curve(*structure, state.found.volume_curve);
   editing.shown.keep_window(state);
   count_work(editing, steps_before, seconds);
   bool changed = take_written(editing);
@@ -236,8 +237,8 @@ bool take_results(Editing& editing, double seconds) {
   forget_old_news(state, seconds);
   const bool hints_before = state.hints_over;
   forget_old_hints(state, editing.shown.document(), seconds);
-  return changed || state.notices.size() != notices_before || before != &editing.shown.snapshot() || state.playing ||
-         state.hints_over != hints_before;
+  return changed || state.notices.size() != notices_before || before != &editing.shown.snapshot() ||
+         state.look.playing || state.hints_over != hints_before;
 }
 
 void settle(Editing& editing) {
@@ -258,13 +259,13 @@ void settle(Editing& editing) {
 
 std::optional<double> next_move_seconds(const EditorState& state, const Work& work, double now) {
   constexpr double progress_seconds = 0.1;
-  if (state.playing) return std::max(state.next_frame_seconds - now, 0.0);
+  if (state.look.playing) return std::max(state.look.next_frame_seconds - now, 0.0);
   if (work.busy()) return progress_seconds;
   auto next = work.models.next_move_seconds(state.models);
-  const auto* brush = state.drag ? std::get_if<BrushDrag>(&*state.drag) : nullptr;
-  const auto held = state.held_click   ? std::optional(state.held_click->until)
-                    : brush != nullptr ? brush->waits_until
-                                       : std::nullopt;
+  const auto* brush = state.pointer.drag ? std::get_if<BrushDrag>(&*state.pointer.drag) : nullptr;
+  const auto held = state.pointer.held_click ? std::optional(state.pointer.held_click->until)
+                    : brush != nullptr       ? brush->waits_until
+                                             : std::nullopt;
   if (held) next = std::min(next.value_or(*held - now), std::max(*held - now, 0.0));
   if (const auto rest = work.quality.rest_seconds()) next = std::min(next.value_or(*rest), *rest);
   if (state.hints_until && !state.hints_over)
@@ -275,9 +276,10 @@ std::optional<double> next_move_seconds(const EditorState& state, const Work& wo
 }
 
 std::shared_ptr<const Mesh> shown_making(const EditorState& state, const Work& work) {
-  const auto making = state.making_shown ? work.template_maker.latest() : nullptr;
+  const auto making = state.look.making_shown ? work.template_maker.latest() : nullptr;
   if (!making || making->stages.empty()) return nullptr;
-  return making->stages[std::min(state.shown_stage.value_or(making->stages.size()), making->stages.size() - 1)].surface;
+  return making->stages[std::min(state.look.shown_stage.value_or(making->stages.size()), making->stages.size() - 1)]
+      .surface;
 }
 
 }  // namespace homolog

@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 StudyCase* case_on_screen(Editing& editing) {
   const Snapshot& snapshot = editing.shown.snapshot();
   if (snapshot.file.empty()) return nullptr;
-  const StudyCase* one = find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.structure);
+  const StudyCase* one =
+      find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.look.structure);
   return one == nullptr ? nullptr : find_case(editing.state.models.study, one->name);
 }
 
@@ -145,7 +146,7 @@ void fit_waiting(Editing& editing, int label, bool all_labels) {
       waiting.push_back(one);
   }
   if (waiting.empty()) return add_notice(editing.state, "No case with a label map waits for a fit.", false);
-  FitSettings settings = editing.state.fit_settings;
+  FitSettings settings = editing.state.automatic.fit_settings;
   settings.label = label;
   settings.all_labels = all_labels;
   if (all_labels)
@@ -164,7 +165,7 @@ void make_study_template(Editing& editing, const fs::path& file, int label, bool
       add_notice(editing.state, one.name + " is open, so it keeps its template.", false);
     }
   }
-  FitSettings settings = editing.state.fit_settings;
+  FitSettings settings = editing.state.automatic.fit_settings;
   settings.label = label;
   settings.all_labels = all_labels;
   editing.work.worklist.make_template(cases, settings, file, editing.state.models.study_file);

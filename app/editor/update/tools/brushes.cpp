@@ -11,10 +11,10 @@ namespace {
 /// Where a dab goes whose circle is drawn at a px; nullopt where it covers nothing of the mesh.
 std::optional<Vec3> dab_at(const EditorState& state, const ControlsContext& context, const ViewMap& map, double x_px,
                            double y_px) {
-  const auto on_mesh = mesh_at(state, context, map, x_px, y_px, state.brush.radius_mm);
-  const bool fills = state.tool == MouseTool::stiffness && state.brush.paints == BrushPaints::fill;
+  const auto on_mesh = mesh_at(state, context, map, x_px, y_px, state.hand.brush.radius_mm);
+  const bool fills = state.hand.tool == MouseTool::stiffness && state.hand.brush.paints == BrushPaints::fill;
   if (!on_mesh || fills || !map.is_slice()) return on_mesh;
-  return map.on_facing_plane(x_px, y_px, state.crosshair_mm);
+  return map.on_facing_plane(x_px, y_px, state.look.crosshair_mm);
 }
 
 bool begin_brush(const Press& press) {
@@ -24,20 +24,20 @@ bool begin_brush(const Press& press) {
   if (paints_regions(state) && press.shape()->paint().regions->list.empty())
     return press.hold({{}, "There is no region to paint yet. Add one first (Template, Regions)."});
   press.stay_at_frame();
-  state.drag = BrushDrag{hover.view,
-                         press.event.x_px,
-                         press.event.y_px,
-                         0,
-                         false,
-                         press.event.alt,
-                         press.event.seconds + double_click_seconds};
+  state.pointer.drag = BrushDrag{hover.view,
+                                 press.event.x_px,
+                                 press.event.y_px,
+                                 0,
+                                 false,
+                                 press.event.alt,
+                                 press.event.seconds + double_click_seconds};
   if (const auto dab = first_dab(state, press.context)) press.out.preview(dab);
   return true;
 }
 
 void move_brush(const DragStep& step) {
   EditorState& state = step.state;
-  auto& drag = std::get<BrushDrag>(*state.drag);
+  auto& drag = std::get<BrushDrag>(*state.pointer.drag);
   if (drag.waits_until && step.event.seconds < *drag.waits_until &&
       std::hypot(step.event.x_px - drag.x_px, step.event.y_px - drag.y_px) < double_click_px)
     return;
@@ -51,18 +51,18 @@ std::string stiffness_hint(const EditorState& state, const Document& shown) {
   if (!paints_regions(state)) return paint_hint;
   if (active_structure(state, shown)->paint.regions->list.empty())
     return "There is no region to paint yet. Add one first (Template, Regions).";
-  if (state.brush.erases) return "The brush takes vertices out of their region.";
+  if (state.hand.brush.erases) return "The brush takes vertices out of their region.";
   // As the brush does: the first one where none of that name is there.
   const auto& list = active_structure(state, shown)->paint.regions->list;
   const bool known =
-      std::any_of(list.begin(), list.end(), [&](const Region& one) { return one.name == state.brush.region; });
-  const std::string region = quoted(known ? state.brush.region : list.front().name);
-  return state.brush.paints == BrushPaints::fill ? "Click to fill " + region + "; Alt empties."
-                                                 : "Paint " + region + "; Alt erases.";
+      std::any_of(list.begin(), list.end(), [&](const Region& one) { return one.name == state.hand.brush.region; });
+  const std::string region = quoted(known ? state.hand.brush.region : list.front().name);
+  return state.hand.brush.paints == BrushPaints::fill ? "Click to fill " + region + "; Alt empties."
+                                                      : "Paint " + region + "; Alt erases.";
 }
 
 std::string confirm_hint(const EditorState& state, const Document&) {
-  return state.brush.hold ? paint_hint : "Paint what strokes may move again.";
+  return state.hand.brush.hold ? paint_hint : "Paint what strokes may move again.";
 }
 
 /// What both have in common. Every dab is an edit of its own, so that the drag has none.
@@ -99,9 +99,9 @@ constinit const ToolKind confirm_tool =
 
 void paint_to(EditorState& state, const ControlsContext& context, double x_px, double y_px, Outbox& out) {
   constexpr double parts_of_px = 256;
-  auto& drag = std::get<BrushDrag>(*state.drag);
+  auto& drag = std::get<BrushDrag>(*state.pointer.drag);
   const ViewMap map = view_map(state, context.layout, context.document, drag.view);
-  const bool fills = state.tool == MouseTool::stiffness && state.brush.paints == BrushPaints::fill;
+  const bool fills = state.hand.tool == MouseTool::stiffness && state.hand.brush.paints == BrushPaints::fill;
   const Eigen::Vector2d from(drag.x_px, drag.y_px), to(x_px, y_px);
   const double length_px = (to - from).norm();
   double along_px = drag.to_next_px;
@@ -113,8 +113,8 @@ void paint_to(EditorState& state, const ControlsContext& context, double x_px, d
       out.apply(*brush_action(state, context.document, *at), drag.painted);
       drag.painted = true;
     }
-    const double step_mm = state.brush.radius_mm / 2;
-    along_px += std::max(1.0, step_mm / map.mm_per_px(at ? *at : state.crosshair_mm));
+    const double step_mm = state.hand.brush.radius_mm / 2;
+    along_px += std::max(1.0, step_mm / map.mm_per_px(at ? *at : state.look.crosshair_mm));
   }
   drag.to_next_px = along_px - length_px;
   drag.x_px = x_px;
@@ -122,17 +122,17 @@ void paint_to(EditorState& state, const ControlsContext& context, double x_px, d
 }
 
 std::optional<Action> first_dab(const EditorState& state, const ControlsContext& context) {
-  const auto& drag = std::get<BrushDrag>(*state.drag);
+  const auto& drag = std::get<BrushDrag>(*state.pointer.drag);
   const ViewMap map = view_map(state, context.layout, context.document, drag.view);
   const auto at = dab_at(state, context, map, drag.x_px, drag.y_px);
   return at ? brush_action(state, context.document, *at) : std::nullopt;
 }
 
 std::optional<Action> brush_action(const EditorState& state, const Document& document, const Vec3& at) {
-  const auto* drag = state.drag ? std::get_if<BrushDrag>(&*state.drag) : nullptr;
+  const auto* drag = state.pointer.drag ? std::get_if<BrushDrag>(&*state.pointer.drag) : nullptr;
   const bool reversed = drag != nullptr && drag->reversed;
-  const BrushSettings& brush = state.brush;
-  if (state.tool == MouseTool::stiffness) {
+  const BrushSettings& brush = state.hand.brush;
+  if (state.hand.tool == MouseTool::stiffness) {
     const auto& regions = active_structure(state, document)->paint.regions->list;
     const bool known =
         std::any_of(regions.begin(), regions.end(), [&](const Region& one) { return one.name == brush.region; });
@@ -151,7 +151,8 @@ std::optional<Action> brush_action(const EditorState& state, const Document& doc
         return FillRegion{region, at, brush.fill_by, brush.fill_tolerance_per_mm};
     }
   }
-  if (state.tool == MouseTool::confirm) return Confirm{at, state.brush.radius_mm, state.brush.hold != reversed};
+  if (state.hand.tool == MouseTool::confirm)
+    return Confirm{at, state.hand.brush.radius_mm, state.hand.brush.hold != reversed};
   return std::nullopt;
 }
 

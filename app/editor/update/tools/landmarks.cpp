@@ -16,18 +16,18 @@ bool begin_landmark(const Press& press) {
   press.stay_at_frame();
   const auto& placed = press.shape()->shape.landmarks;
   if (const auto known = placed.find(hover.landmark); known != placed.end()) {
-    state.drag = LandmarkDrag{hover.view, known->first, known->second, known->second - *hover.p_mm, false};
+    state.pointer.drag = LandmarkDrag{hover.view, known->first, known->second, known->second - *hover.p_mm, false};
     return true;
   }
   const std::string name = landmark_in_hand(state, press.document());
   if (name.empty()) return false;
-  state.drag = LandmarkDrag{hover.view, name, *hover.p_mm};
+  state.pointer.drag = LandmarkDrag{hover.view, name, *hover.p_mm};
   press.out.preview(drag_action(state));
   return true;
 }
 
 void move_landmark(const DragStep& step) {
-  auto& drag = std::get<LandmarkDrag>(*step.state.drag);
+  auto& drag = std::get<LandmarkDrag>(*step.state.pointer.drag);
   const auto over = step.over(drag.view);
   if (!over) return;
   const Vec3 to = *over + drag.from_pointer;
@@ -37,13 +37,13 @@ void move_landmark(const DragStep& step) {
 }
 
 std::optional<Action> landmark_action(const EditorState& state) {
-  const auto& drag = std::get<LandmarkDrag>(*state.drag);
+  const auto& drag = std::get<LandmarkDrag>(*state.pointer.drag);
   return drag.moved ? std::optional<Action>(PlaceLandmark{drag.name, drag.to}) : std::nullopt;
 }
 
 void follow_landmark(EditorState& state, const Action& action, const ControlsContext& context, Outbox&) {
   const auto& placed = std::get<PlaceLandmark>(action);
-  state.landmark = next_unplaced_landmark(*context.shape(), placed.name);
+  state.hand.landmark = next_unplaced_landmark(*context.shape(), placed.name);
   const auto& volume = context.document.scan.image;
   if (volume && placed.at && !volume->geometry.holds(*placed.at))
     add_notice(state, "\"" + placed.name +
@@ -68,9 +68,9 @@ bool begin_template_landmark(const Press& press) {
   EditorState& state = press.state;
   const Hover& hover = press.hover;
   if (!hover.on_mesh) return false;
-  if (state.template_landmark.empty())
+  if (state.hand.template_landmark.empty())
     return press.hold({{}, "Type the landmark's name first (Template), or choose one in the list to move it."});
-  return press.hold({SetTemplateLandmark{state.template_landmark, *hover.on_mesh}, {}});
+  return press.hold({SetTemplateLandmark{state.hand.template_landmark, *hover.on_mesh}, {}});
 }
 
 void follow_template_landmark(EditorState& state, const Action& action, const ControlsContext& context, Outbox&) {
@@ -78,14 +78,14 @@ void follow_template_landmark(EditorState& state, const Action& action, const Co
   const auto& known = context.shape()->the_template().landmarks;
   const auto& name = std::get<SetTemplateLandmark>(action).name;
   if (std::none_of(known.begin(), known.end(), [&](const Landmark& one) { return one.name == name; }))
-    state.tool = state.tool_before_naming;
-  state.template_landmark.clear();
+    state.hand.tool = state.hand.tool_before_naming;
+  state.hand.template_landmark.clear();
 }
 
 std::string template_landmark_hint(const EditorState& state, const Document&) {
-  return state.template_landmark.empty()
+  return state.hand.template_landmark.empty()
              ? "Type a landmark's name, or choose one in the list to move it (Template)."
-             : "Click the point of the mesh that is " + quoted(state.template_landmark) + ".";
+             : "Click the point of the mesh that is " + quoted(state.hand.template_landmark) + ".";
 }
 
 }  // namespace

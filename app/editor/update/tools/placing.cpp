@@ -6,9 +6,9 @@ namespace homolog {
 namespace {
 
 PointerShape cursor_of_part(const EditorState& state) {
-  if (state.drag)
-    return std::get<PlaceDrag>(*state.drag).part == PlacePart::knob ? PointerShape::scale : PointerShape::move;
-  switch (state.hover ? state.hover->part : PlacePart::none) {
+  if (state.pointer.drag)
+    return std::get<PlaceDrag>(*state.pointer.drag).part == PlacePart::knob ? PointerShape::scale : PointerShape::move;
+  switch (state.pointer.hover ? state.pointer.hover->part : PlacePart::none) {
     case PlacePart::none:
       return PointerShape::arrow;
     case PlacePart::body:
@@ -32,18 +32,18 @@ bool begin_placing(const Press& press) {
   drag.start = drag.now = press.shape()->shape.placement;
   drag.centre_mm = bounds_of(*press.shape()->shape.points).center();
   drag.press_mm = press.map().on_facing_plane(press.event.x_px, press.event.y_px, drag.centre_mm);
-  state.drag = drag;
+  state.pointer.drag = drag;
   return true;
 }
 
 void move_placing(const DragStep& step) {
-  auto& drag = std::get<PlaceDrag>(*step.state.drag);
+  auto& drag = std::get<PlaceDrag>(*step.state.pointer.drag);
   drag.now = dragged_placement(drag, step.map(drag.view), step.event.x_px, step.event.y_px);
   step.out.preview(SetPlacement{drag.now});
 }
 
 std::optional<Action> placing_action(const EditorState& state) {
-  const auto& drag = std::get<PlaceDrag>(*state.drag);
+  const auto& drag = std::get<PlaceDrag>(*state.pointer.drag);
   return drag.now == drag.start ? std::nullopt : std::optional<Action>(SetPlacement{drag.now});
 }
 

@@ -6,28 +6,29 @@ namespace homolog {
 namespace {
 
 PointerShape ruler_cursor(const EditorState& state) {
-  return state.drag ? PointerShape::arrow : hand_over_landmarks(state);
+  return state.pointer.drag ? PointerShape::arrow : hand_over_landmarks(state);
 }
 
 bool begin_ruler(const Press& press) {
   if (!press.hover.p_mm) return false;
-  press.state.ruler = Ruler{*press.hover.p_mm, *press.hover.p_mm};
-  press.state.drag = RulerDrag{press.hover.view};
+  press.state.hand.ruler = Ruler{*press.hover.p_mm, *press.hover.p_mm};
+  press.state.pointer.drag = RulerDrag{press.hover.view};
   return true;
 }
 
 void move_ruler(const DragStep& step) {
   // In space both ends lie on the surface: a length across the screen would be too short.
-  if (const auto over = step.over(std::get<RulerDrag>(*step.state.drag).view)) step.state.ruler->to = *over;
+  if (const auto over = step.over(std::get<RulerDrag>(*step.state.pointer.drag).view))
+    step.state.hand.ruler->to = *over;
 }
 
 void finish_ruler(EditorState& state) {
-  if (state.ruler->length_mm() == 0) state.ruler.reset();
+  if (state.hand.ruler->length_mm() == 0) state.hand.ruler.reset();
 }
 
 std::string ruler_hint(const EditorState& state, const Document&) {
-  return state.ruler ? "Drag again to measure something else. Escape removes the ruler."
-                     : "Drag from one point to another.";
+  return state.hand.ruler ? "Drag again to measure something else. Escape removes the ruler."
+                          : "Drag from one point to another.";
 }
 
 }  // namespace
@@ -46,6 +47,6 @@ constinit const ToolKind ruler_tool{.tool = MouseTool::ruler,
                                     .begin = begin_ruler,
                                     .move = move_ruler,
                                     .finish = finish_ruler,
-                                    .cancel = [](EditorState& state) { state.ruler.reset(); }};
+                                    .cancel = [](EditorState& state) { state.hand.ruler.reset(); }};
 
 }  // namespace homolog

@@ -13,18 +13,18 @@ bool begin_stroke(const Press& press) {
   press.stay_at_frame();
   StrokeDrag drag;
   drag.view = hover.view;
-  drag.stroke.tool = *kind_of(state.tool).stroke;
+  drag.stroke.tool = *kind_of(state.hand.tool).stroke;
   drag.stroke.at = drag.stroke.to = *hover.on_mesh;
-  drag.stroke.sigma_mm = state.sigma_mm();
-  drag.stroke.through_space = state.through_space;
-  drag.stroke.strength = state.relax_strength;
+  drag.stroke.sigma_mm = state.hand.sigma_mm();
+  drag.stroke.through_space = state.hand.through_space;
+  drag.stroke.strength = state.hand.relax_strength;
   drag.press_mm = press.map().on_facing_plane(press.event.x_px, press.event.y_px, *hover.on_mesh);
-  state.drag = drag;
+  state.pointer.drag = drag;
   return true;
 }
 
 void move_stroke(const DragStep& step) {
-  auto& drag = std::get<StrokeDrag>(*step.state.drag);
+  auto& drag = std::get<StrokeDrag>(*step.state.pointer.drag);
   const Vec3 cursor = step.map(drag.view).on_facing_plane(step.event.x_px, step.event.y_px, drag.stroke.at);
   drag.stroke.to = drag.stroke.at + (cursor - drag.press_mm);
   drag.moved = drag.moved || cursor != drag.press_mm;
@@ -32,7 +32,7 @@ void move_stroke(const DragStep& step) {
 }
 
 std::optional<Action> stroke_action(const EditorState& state) {
-  const auto& drag = std::get<StrokeDrag>(*state.drag);
+  const auto& drag = std::get<StrokeDrag>(*state.pointer.drag);
   return drag.moved ? std::optional<Action>(drag.stroke) : std::nullopt;
 }
 
@@ -41,9 +41,9 @@ void follow_stroke(EditorState& state, const Action& action, const ControlsConte
   state.preferences.hints.dragged = true;
   if (!moves_boundary(stroke.tool)) return;
   const auto shown = context.shape();
-  if (shown && state.snap.with_strokes && context.document.scan.image)
+  if (shown && state.automatic.snap.with_strokes && context.document.scan.image)
     out.send(SnapMesh{snap_region(*shown, stroke), true});
-  if (state.model_help > 0) out.send(CompleteByModel{});
+  if (state.automatic.model_help > 0) out.send(CompleteByModel{});
 }
 
 std::string stroke_hint(const EditorState&, const Document&) {

@@ -25,12 +25,12 @@ struct Press {
   bool in_space() const { return hover.view == ViewKind::space; }
   /// What is taken hold of belongs to the frame that is shown.
   void stay_at_frame() const {
-    if (state.playing) out.send(PlayFrames{false});
+    if (state.look.playing) out.send(PlayFrames{false});
   }
   /// A press that asks for something at once does so when it can be no double click.
   bool hold(HeldClick click) const {
     click.until = event.seconds + double_click_seconds;
-    state.held_click = std::move(click);
+    state.pointer.held_click = std::move(click);
     return true;
   }
 };
@@ -45,7 +45,7 @@ struct DragStep {
   ViewMap map(ViewKind kind) const { return view_map(state, context.layout, context.document, kind); }
   /// What the pointer is over in the drag's view; nothing outside it.
   std::optional<Vec3> over(ViewKind kind) const {
-    return state.hover && state.hover->view == kind ? state.hover->p_mm : std::nullopt;
+    return state.pointer.hover && state.pointer.hover->view == kind ? state.pointer.hover->p_mm : std::nullopt;
   }
 };
 

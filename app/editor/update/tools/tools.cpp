@@ -11,8 +11,8 @@ const ToolKind& kind_of(MouseTool tool) {
 }
 
 const ToolKind* dragging_tool(const EditorState& state) {
-  if (!state.drag || is_of_view(*state.drag)) return nullptr;
-  return &kind_of(state.begun_with);
+  if (!state.pointer.drag || is_of_view(*state.pointer.drag)) return nullptr;
+  return &kind_of(state.pointer.begun_with);
 }
 
 std::string quoted(const std::string& name) {
@@ -24,13 +24,13 @@ bool is_brush(MouseTool tool) {
 }
 
 PointerShape hand_over_mesh(const EditorState& state) {
-  if (state.drag) return PointerShape::hand;
-  return state.hover && state.hover->on_mesh ? PointerShape::hand : hand_over_landmarks(state);
+  if (state.pointer.drag) return PointerShape::hand;
+  return state.pointer.hover && state.pointer.hover->on_mesh ? PointerShape::hand : hand_over_landmarks(state);
 }
 
 PointerShape hand_over_landmarks(const EditorState& state) {
-  if (state.drag) return PointerShape::hand;
-  return state.hover && !state.hover->landmark.empty() ? PointerShape::hand : PointerShape::arrow;
+  if (state.pointer.drag) return PointerShape::hand;
+  return state.pointer.hover && !state.pointer.hover->landmark.empty() ? PointerShape::hand : PointerShape::arrow;
 }
 
 }  // namespace homolog

@@ -10,7 +10,7 @@ umask 022
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
 export SOURCE_DATE_EPOCH LC_ALL=C.UTF-8
 rm -rf build/release/debian  # else its files keep the date of the commit that was built before
-build release homolog homolog_pictures homolog_pictures_portable stand_in_curl stand_in_jbig homolog_documents homolog_debian >&2
+build release homolog homolog-lab homolog_pictures homolog_pictures_portable stand_in_curl stand_in_jbig homolog_documents homolog_debian >&2
 packages=$PWD/build/release/packages version=$(build/release/homolog --version | sed -n '1s/^homolog //p')
 mkdir -p "$packages"
 
@@ -27,7 +27,7 @@ cp -r "$stage/installed/share" "$here/share"
 rm -r "$here/share/lintian" "$here/share/doc/homolog/changelog.gz" "$here/share/doc/homolog/copyright"
 cp packaging/launcher.sh "$here/homolog"
 cp LICENSE README.md "$here/"
-cp build/release/homolog build/release/portable/homolog_pictures.so "$here/lib/"
+cp build/release/homolog build/release/homolog-lab build/release/portable/homolog_pictures.so "$here/lib/"
 cp build/release/portable/lib{curl.so.4,jbig.so.0} "$here/lib/"
 
 # What the system has: the C and C++ libraries, by all means; those that OpenGL's drivers use too, where it has them
@@ -46,7 +46,7 @@ licence_of() {
   case $(cut -f 3 <<<"$row") in GPL* | *' GPL'*) echo "package: $1 is under the GPL" >&2; return 1 ;; esac
   cp -n "/usr/share/doc/$package/copyright" "$here/licences/$source.txt"
 }
-queue=("$here/lib/homolog" "$here/lib/homolog_pictures.so")
+queue=("$here/lib/homolog" "$here/lib/homolog-lab" "$here/lib/homolog_pictures.so")
 while [ ${#queue[@]} -gt 0 ]; do
   file=${queue[0]} queue=("${queue[@]:1}")
   for library in $(needed_by "$file"); do

@@ -28,8 +28,9 @@ using VerbRun = std::function<Result<Report>(Progress&)>;
 
 /// What the command line asks for.
 struct CommandLine {
-  VerbRun run;           ///< of the verb that was given; empty where the editor is to be opened
-  EditorOptions editor;  ///< what the editor opens
+  VerbRun run;             ///< of the verb that was given; empty where the editor is to be opened
+  EditorOptions editor;    ///< what the editor opens
+  bool is_of_lab = false;  ///< a verb of the laboratory was given [lab_verbs.h]
 };
 
 /// Adds a verb that reports: its `--json` flag and its `--jobs` are read by main.

@@ -16,6 +16,9 @@ long process_number();
 /// The file of the program that runs; empty where the system does not say.
 std::filesystem::path program_file();
 
+/// Goes on as another program, with this command line. Returns only where that is not possible.
+void become_program(const std::filesystem::path& program, char** argv);
+
 /// How long the calling thread has had a core, in ms. Other programs that take turns do not count.
 double thread_core_ms();
 

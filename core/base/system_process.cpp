@@ -38,6 +38,10 @@ fs::path program_file() {
   return fs::read_symlink("/proc/self/exe", none);
 }
 
+void become_program(const fs::path& program, char** argv) {
+  ::execv(program.c_str(), argv);
+}
+
 double thread_core_ms() {
   timespec time{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

@@ -8,7 +8,7 @@ failed() { echo "package_test: $1"; exit 1; }
 cmake --install "$build" --prefix "$folder/usr" > "$folder/log" || failed "cannot be installed: $(cat "$folder/log")"
 cd "$folder/usr" || exit 1
 
-for file in bin/homolog libexec/homolog/homolog libexec/homolog/homolog_pictures.so share/applications/homolog.desktop \
+for file in bin/homolog libexec/homolog/homolog libexec/homolog/homolog-lab libexec/homolog/homolog_pictures.so share/applications/homolog.desktop \
   share/icons/hicolor/scalable/apps/homolog.svg share/mime/packages/homolog.xml share/thumbnailers/homolog.thumbnailer \
   share/man/man1/homolog.1.gz share/bash-completion/completions/homolog share/zsh/vendor-completions/_homolog \
   share/doc/homolog/copyright share/doc/homolog/README.md share/doc/homolog/docs/commands.md share/doc/homolog/homolog.spdx.json; do

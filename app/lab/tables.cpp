@@ -1,4 +1,4 @@
-#include "app/verbs/experiment_tables.h"
+#include "app/lab/tables.h"
 
 #include <algorithm>
 #include <cmath>

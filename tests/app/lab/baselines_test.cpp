@@ -1,4 +1,4 @@
-#include "core/experiment/baselines.h"
+#include "app/lab/baselines.h"
 
 #include <doctest/doctest.h>
 

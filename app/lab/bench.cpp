@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "app/editor/window/editor_frames.h"
-#include "app/verbs/bench_case.h"
-#include "app/verbs/bench_model.h"
-#include "app/verbs/bench_pictures.h"
-#include "app/verbs/bench_templates.h"
-#include "app/verbs/median.h"
-#include "app/verbs/verb.h"
+#include "app/lab/bench_case.h"
+#include "app/lab/bench_model.h"
+#include "app/lab/bench_pictures.h"
+#include "app/lab/bench_templates.h"
+#include "app/lab/experiment.h"
+#include "app/lab/median.h"
 #include "core/base/process.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
@@ -208,8 +208,8 @@ Result<Report> run_bench(const BenchOptions& options, Progress& progress) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, CommandLine& asked) {
-  CLI::App* verb = add_verb(app, "bench", "Times the solver, models, slices and pictures on this machine (medians)");
+void add_lab_bench(CLI::App& app, CommandLine& asked) {
+  CLI::App* verb = add_verb(app, lab_bench.name, lab_bench.description);
   auto options = std::make_shared<BenchOptions>();
   auto* masks =
       verb->add_option("--templates", options->masks,

@@ -3,10 +3,10 @@
 #include <map>
 #include <optional>
 
+#include "app/lab/chart.h"
+#include "app/lab/experiment.h"
+#include "app/lab/tables.h"
 #include "app/verbs/case_pool.h"
-#include "app/verbs/experiment.h"
-#include "app/verbs/experiment_chart.h"
-#include "app/verbs/experiment_tables.h"
 #include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/landmark_io.h"
@@ -14,7 +14,7 @@
 #include "core/model/model_files.h"
 #include "core/session/case_file.h"
 
-// The verb `study schemes`: the claims measured [docs/study.md].
+// The verb `study schemes`: the claims measured [docs/lab.md].
 
 namespace homolog {
 
@@ -285,7 +285,7 @@ void check_schemes(const SchemesOptions& options) {
 
 void add_study_schemes(CLI::App& study, CommandLine& asked) {
   auto options = std::make_shared<SchemesOptions>();
-  CLI::App* verb = add_verb(study, "schemes", "Compares ways of working: every scheme on every case, as tables");
+  CLI::App* verb = add_verb(study, lab_schemes.name, lab_schemes.description);
   verb->add_option("TEMPLATE", options->template_source, template_sources())->required();
   verb->add_option("--phantoms", options->phantoms, "Numbers of phantom subjects of the built-in template's organ")
       ->check(CLI::NonNegativeNumber)

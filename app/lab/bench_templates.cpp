@@ -1,10 +1,10 @@
-#include "app/verbs/bench_templates.h"
+#include "app/lab/bench_templates.h"
 
 #include <algorithm>
 #include <chrono>
 #include <limits>
 
-#include "app/verbs/median.h"
+#include "app/lab/median.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/template_making/mask_template.h"
 #include "core/volume/volume_io.h"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <sstream>
 
+#include "app/lab/schemes.h"
 #include "core/case/action_line.h"
 #include "core/deform/sigma_presets.h"
-#include "core/experiment/schemes.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
 #include "tests/refusal.h"

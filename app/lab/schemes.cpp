@@ -1,4 +1,4 @@
-#include "core/experiment/schemes.h"
+#include "app/lab/schemes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -78,7 +78,7 @@ struct SchemeRunOptions {
   Progress* progress = nullptr;
 };
 
-/// One scheme at work: placement, features, pulls of the scripted user [docs/study.md], or an adaptation without a
+/// One scheme at work: placement, features, pulls of the scripted user [docs/lab.md], or an adaptation without a
 /// hand. `session` is new and has the template. Openings of the mesh are capped flat for surface distances and Dice.
 /// Errors: the session's; cancelled.
 Result<SchemeRun> run_scheme(EditSession& session, const ExperimentSubject& subject, const WorkingScheme& scheme,

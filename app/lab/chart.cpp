@@ -1,4 +1,4 @@
-#include "app/verbs/experiment_chart.h"
+#include "app/lab/chart.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,6 @@
-#include "app/verbs/experiment.h"
+#include "app/lab/experiment.h"
 
 #include "app/verbs/read_image.h"
-#include "app/verbs/study_make.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
 #include "core/mesh/landmark_io.h"
@@ -62,9 +61,11 @@ Result<Report> study_user(const UserOptions& options, Progress& progress) {
   return report;
 }
 
-void add_user(CLI::App& study, CommandLine& asked) {
+}  // namespace
+
+void add_study_user(CLI::App& study, CommandLine& asked) {
   auto options = std::make_shared<UserOptions>();
-  CLI::App* verb = add_verb(study, "user", "A scripted user adapts a template to a label map and writes a case file");
+  CLI::App* verb = add_verb(study, lab_user.name, lab_user.description);
   verb->add_option("TEMPLATE", options->template_source, template_sources())->required();
   verb->add_option("--mask", options->mask, "The label map to adapt to")->required();
   add_target_options(*verb, options->target);
@@ -83,8 +84,6 @@ void add_user(CLI::App& study, CommandLine& asked) {
   verb->callback(
       [options, &asked] { asked.run = [options](Progress& progress) { return study_user(*options, progress); }; });
 }
-
-}  // namespace
 
 void add_target_options(CLI::App& verb, TargetOptions& options) {
   add_label_option(verb, options.labels, "Which label of the mask, where it holds several; 1,2: both together");
@@ -121,17 +120,6 @@ Json json_of(const SchemeRun& run) {
           {"edge_spread", run.edge_spread},
           {"min_angle_deg", run.min_angle_deg},
           {"turned_triangles", run.turned_triangles}};
-}
-
-void add_study(CLI::App& app, CommandLine& asked) {
-  CLI::App* study = app.add_subcommand(
-      "study", "Makes a study of many cases. Experiments: a scripted user, templates, experts' landmarks");
-  study->require_subcommand(1);
-  add_study_make(*study, asked);
-  add_user(*study, asked);
-  add_study_schemes(*study, asked);
-  add_study_bias(*study, asked);
-  add_study_experts(*study, asked);
 }
 
 }  // namespace homolog

@@ -7,13 +7,13 @@
 #include <set>
 #include <sstream>
 
+#include "app/lab/baselines.h"
+#include "app/lab/experiment.h"
+#include "app/lab/median.h"
 #include "app/verbs/case_pool.h"
-#include "app/verbs/experiment.h"
-#include "app/verbs/median.h"
 #include "app/verbs/subjects.h"
 #include "core/adapt/fit.h"
 #include "core/base/files.h"
-#include "core/experiment/baselines.h"
 #include "core/measure/compare.h"
 
 // The verb `study experts`: fits and baselines against landmarks that experts set.
@@ -312,7 +312,7 @@ Result<Report> study_experts(const ExpertsJob& options, Progress& progress) {
 void add_study_experts(CLI::App& study, CommandLine& asked) {
   auto options = std::make_shared<ExpertsJob>();
   options->subjects.vertices = 5000;
-  CLI::App* verb = add_verb(study, "experts", "Fits, closest points and point drift against experts' landmarks");
+  CLI::App* verb = add_verb(study, lab_experts.name, lab_experts.description);
   verb->add_option("SHAPE", options->subjects.files, "Surfaces of at least two subjects, or a folder of them")
       ->required();
   verb->add_option("--landmarks", options->subjects.landmarks, "Folder with NAME.mrk.json, .fcsv or .json for each")

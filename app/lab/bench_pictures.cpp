@@ -1,4 +1,4 @@
-#include "app/verbs/bench_pictures.h"
+#include "app/lab/bench_pictures.h"
 
 #include <zlib.h>
 
@@ -7,7 +7,7 @@
 #include "app/editor/drawing/gallery_pictures.h"
 #include "app/editor/work/models/build_study_model.h"
 #include "app/editor/work/opening/demo.h"
-#include "app/verbs/median.h"
+#include "app/lab/median.h"
 #include "core/base/process.h"
 #include "core/correspondence/colours.h"
 #include "core/volume/volume_io.h"

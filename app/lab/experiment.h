@@ -3,11 +3,12 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/lab/schemes.h"
+#include "app/verbs/lab_verbs.h"
 #include "app/verbs/verb.h"
 #include "core/case/document.h"
-#include "core/experiment/schemes.h"
 
-// What the verbs of `study` share.
+// What the experiments share.
 
 namespace homolog {
 
@@ -28,6 +29,8 @@ Result<ExperimentSubject> mask_subject(const std::filesystem::path& path, const 
 /// The figures of a run by name, lengths in mm; null where there is none.
 Json json_of(const SchemeRun& run);
 
+void add_lab_bench(CLI::App& app, CommandLine& asked);
+void add_study_user(CLI::App& study, CommandLine& asked);
 void add_study_schemes(CLI::App& study, CommandLine& asked);
 void add_study_bias(CLI::App& study, CommandLine& asked);
 void add_study_experts(CLI::App& study, CommandLine& asked);

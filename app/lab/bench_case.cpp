@@ -1,11 +1,11 @@
-#include "app/verbs/bench_case.h"
+#include "app/lab/bench_case.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <random>
 #include <vector>
 
-#include "app/verbs/median.h"
+#include "app/lab/median.h"
 #include "core/base/memory.h"
 #include "core/base/process.h"
 #include "core/catalogue/catalogue.h"

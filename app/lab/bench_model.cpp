@@ -1,6 +1,6 @@
-#include "app/verbs/bench_model.h"
+#include "app/lab/bench_model.h"
 
-#include "app/verbs/median.h"
+#include "app/lab/median.h"
 #include "core/base/memory.h"
 #include "core/base/parallel.h"
 #include "core/mesh/icosphere.h"

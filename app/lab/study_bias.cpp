@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "app/verbs/experiment.h"
+#include "app/lab/experiment.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/subjects.h"
 #include "core/groupwise/cohort_template.h"
@@ -49,7 +49,7 @@ Result<Report> study_bias(const BiasJob& options, Progress& progress) {
 
 void add_study_bias(CLI::App& study, CommandLine& asked) {
   auto options = std::make_shared<BiasJob>();
-  CLI::App* verb = add_verb(study, "bias", "How much results depend on the subject that the template is made from");
+  CLI::App* verb = add_verb(study, lab_bias.name, lab_bias.description);
   SubjectFiles& subjects = options->subjects;
   verb->add_option("SHAPE", subjects.files, "Surfaces or label maps of at least three subjects, or a folder of them")
       ->required();

@@ -1,7 +1,7 @@
 # What a program that builds on Homolog needs: headers in include/homolog, static libraries, and targets for
 # find_package(homolog COMPONENTS core render pictures). docs/library.md is about them. The packages of the program leave
 # this component out.
-set(core_parts base volume mesh measure correspondence solve deform placement template template_making phantom catalogue
+set(core_parts base volume mesh measure solve deform placement template template_making phantom catalogue
   case session adapt assist model groupwise experiment)
 list(TRANSFORM core_parts PREPEND homolog_core_)
 set(config lib/cmake/homolog)

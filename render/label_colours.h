@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/correspondence/colours.h"
+#include "core/mesh/colours.h"
 
 namespace homolog {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/geometry.h"
-#include "core/correspondence/colours.h"
+#include "core/mesh/colours.h"
 #include "core/mesh/topology.h"
 #include "core/volume/volume.h"
 #include "render/outlines.h"

@@ -9,7 +9,7 @@
 #include "app/editor/work/opening/demo.h"
 #include "app/lab/median.h"
 #include "core/base/process.h"
-#include "core/correspondence/colours.h"
+#include "core/mesh/colours.h"
 #include "core/volume/volume_io.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"

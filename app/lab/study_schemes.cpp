@@ -104,7 +104,7 @@ std::vector<std::string> subject_names(const SchemesOptions& options) {
   std::vector<std::string> files;
   for (const int number : options.phantoms) files.push_back("phantom-" + std::to_string(number));
   for (const fs::path& path : options.phantoms.empty() ? options.files() : std::vector<fs::path>{})
-    files.push_back(path.extension() == ".gz" ? path.stem().string() : path.string());
+    files.push_back(path.string());
   return shape_names(files);
 }
 

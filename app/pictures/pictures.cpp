@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "app/editor/state/models/gallery.h"
-#include "core/correspondence/colours.h"
+#include "core/mesh/colours.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"
 

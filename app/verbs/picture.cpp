@@ -10,6 +10,7 @@
 #include "app/editor/window/picture_captions.h"
 #include "app/pictures/pictures.h"
 #include "app/verbs/verb.h"
+#include "core/base/file_stem.h"
 #include "core/base/picture_io.h"
 #include "core/mesh/mirror.h"
 #include "core/model/shape_files.h"
@@ -115,7 +116,7 @@ Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
     const std::string& name = shape.name;
     const MeshFile& mesh = *shape.mesh;
     if (mesh.triangles.rows() == 0) return fail(name, "has points only; a picture needs faces, so give meshes");
-    names.push_back(fs::path(name).stem().string());
+    names.push_back(file_stem(name));
     if (shapes.empty()) {
       auto topology = Topology::make(mesh.points.rows(), mesh.triangles);
       if (!topology) return fail(name, topology.error().what);

@@ -6,12 +6,10 @@
 #include "core/adapt/propagate.h"
 #include "core/assist/assist.h"
 #include "core/base/files.h"
-#include "core/case/action_line.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"
-#include "core/session/case_header.h"
 #include "core/template/template_warnings.h"
 
 // The verb `propagate`: the mesh of one frame through a whole cine.
@@ -39,17 +37,11 @@ fs::path case_path_of(const PropagateVerb& verb) {
   return verb.out / "cine.homolog";
 }
 
-/// The lines of a case with a mesh in every frame. The frames' points become what the case keeps of them, so that the
-/// meshes that are written are those of the case.
-Result<std::string> case_lines(const PropagateVerb& verb, const Document& initial, Propagation& propagation) {
+/// A case with a mesh in every frame. The frames' points become what the case keeps of them, so that the meshes that
+/// are written are those of the case.
+Result<EditSession> case_of(const PropagateVerb& verb, const Document& initial, Propagation& propagation) {
   EditSession session(initial);
-  const auto header = case_header(initial, verb.out);
-  if (!header) return fail(header.error());
-  std::string lines = *header + '\n';
-  const auto apply = [&](Action action) {
-    lines += action_line({action}) + '\n';
-    return session.apply(std::move(action));
-  };
+  const auto apply = [&](Action action) { return session.apply(std::move(action)); };
   if (auto done = apply(SetPlacement{Similarity{}}); !done) return fail(done.error());
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
     PropagatedFrame& frame = propagation.frames[f];
@@ -64,7 +56,7 @@ Result<std::string> case_lines(const PropagateVerb& verb, const Document& initia
     if (auto done = apply(Note{"frame " + std::to_string(f) + " " + frame.doubt}); !done) return fail(done.error());
   }
   if (auto done = apply(SetFrame{verb.frame}); !done) return fail(done.error());
-  return lines;
+  return session;
 }
 
 /// Every frame as a case of a study; those in doubt are still to do.
@@ -103,8 +95,8 @@ std::string volume_table(const Propagation& propagation, double frame_seconds) {
 Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propagation& propagation) {
   const auto made = ResultFolder::make(verb.out);
   if (!made) return fail(made.error());
-  const auto lines = case_lines(verb, initial, propagation);
-  if (!lines) return fail(lines.error());
+  auto session = case_of(verb, initial, propagation);
+  if (!session) return fail(session.error());
   const Template& the_template = *initial.structure()->the_template;
   MeshFile file = to_mesh_file(the_template);
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
@@ -116,11 +108,7 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
   const double frame_seconds = initial.scan.image->frame_seconds;
   const std::string table = volume_table(propagation, frame_seconds);
   if (auto written = write_whole_file(verb.out / "volumes.csv", table); !written) return written;
-  const auto journal = Journal::create(case_path_of(verb), [&](std::ostream& out) -> Result<void> {
-    out << *lines;
-    return {};
-  });
-  if (!journal) return fail(journal.error());
+  if (auto saved = save_case_as(*session, case_path_of(verb)); !saved) return fail(saved.error());
   return write_study(study_of(verb, propagation, case_path_of(verb)), verb.out / "cine.study.json");
 }
 

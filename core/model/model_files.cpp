@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/mesh/formats/text.h"
 #include "core/mesh/mesh_io.h"
@@ -73,8 +74,7 @@ std::vector<std::string> shape_names(const std::vector<std::string>& files) {
     std::size_t which = file.rfind(" structure ");
     if (which == std::string::npos || !is_case_file(file.substr(0, which))) which = file.rfind(" frame ");
     const bool is_of_case = which != std::string::npos && is_case_file(file.substr(0, which));
-    const std::string stem = is_of_case ? fs::path(file.substr(0, which)).stem().string() + file.substr(which)
-                                        : fs::path(file).stem().string();
+    const std::string stem = is_of_case ? file_stem(file.substr(0, which)) + file.substr(which) : file_stem(file);
     std::string name = stem;
     while (used.contains(name)) name = stem + "-" + std::to_string(++used[stem]);
     used[name] = 1;

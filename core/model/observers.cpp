@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <set>
 
+#include "core/base/file_stem.h"
 #include "core/base/parallel.h"
 #include "core/measure/meeting.h"
 #include "core/mesh/inside_out.h"
@@ -37,7 +38,7 @@ Result<std::vector<std::pair<std::string, ShapeSource>>> sources_of(const fs::pa
   if (fs::is_directory(path, ignored)) {
     const auto shapes = shapes_in_folder(path);
     if (!shapes) return fail(shapes.error());
-    for (const fs::path& file : *shapes) sources.emplace_back(file.stem().string(), ShapeSource{file, {}});
+    for (const fs::path& file : *shapes) sources.emplace_back(file_stem(file), ShapeSource{file, {}});
   } else if (path.string().ends_with(".study.json")) {
     auto read = read_study(path);
     if (!read) return fail(read.error());

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/base/paths.h"
@@ -25,13 +26,6 @@ constexpr std::array<const char*, 3> state_names{"to do", "in work", "done"};
 fs::path absolute_in(const fs::path& folder, const std::string& text) {
   if (!names_file(text)) return text;
   return (folder / text).lexically_normal();
-}
-
-/// Relative to the folder where that is possible, with slashes on every system.
-std::string relative_to(const fs::path& folder, const fs::path& file) {
-  if (!names_file(file.string())) return file.string();
-  const fs::path relative = absolute_path(file).lexically_relative(folder);
-  return (relative.empty() ? file : relative).generic_string();
 }
 
 fs::path folder_of(const fs::path& study) {
@@ -69,7 +63,7 @@ Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& fol
   }
   if (texts[1].empty()) return fail("", where + " has no \"file\"; name its case file or mesh");
   StudyCase one;
-  one.name = texts[0].empty() ? fs::path(texts[1]).stem().string() : texts[0];
+  one.name = texts[0].empty() ? file_stem(texts[1]) : texts[0];
   where = "case \"" + excerpt(one.name) + "\"";
   if (one.name.size() > longest_case_name) return fail("", where + " has too long a name; shorten it");
   one.file = absolute_in(folder, texts[1]);
@@ -149,13 +143,13 @@ std::vector<std::string> missing_files(const Study& study, const fs::path& path)
 }
 
 Json case_json(const StudyCase& one, const fs::path& folder) {
-  Json json{{"name", one.name}, {"file", relative_to(folder, one.file)}, {"state", state_name(one.state)}};
+  Json json{{"name", one.name}, {"file", relative_source(folder, one.file.string())}, {"state", state_name(one.state)}};
   if (!one.structure.empty()) json["structure"] = one.structure;
   if (one.frame) json["frame"] = *one.frame;
   if (one.flipped) json["flipped"] = true;
-  if (!one.imported.empty()) json["imported"] = relative_to(folder, one.imported);
+  if (!one.imported.empty()) json["imported"] = relative_source(folder, one.imported.string());
   if (one.from_scan) json["from_scan"] = true;
-  if (!one.labels.empty()) json["labels"] = relative_to(folder, one.labels);
+  if (!one.labels.empty()) json["labels"] = relative_source(folder, one.labels.string());
   if (!one.doubt.empty()) json["doubt"] = one.doubt;
   if (one.seconds > 0) json["seconds"] = std::round(10 * one.seconds) / 10;
   if (one.gestures > 0) json["gestures"] = one.gestures;
@@ -217,7 +211,7 @@ Result<void> check_names(const Study& study, const fs::path& path) {
   std::vector<fs::path> files{study.template_file};
   for (const StudyCase& one : study.cases) files.insert(files.end(), {one.file, one.imported, one.labels, one.name});
   for (const fs::path& file : files)
-    if (!file.empty() && !is_utf8(relative_to(folder_of(path), file)))
+    if (!file.empty() && !is_utf8(relative_source(folder_of(path), file.string())))
       return fail(path.string(), "was not written: the name of " + file.string() +
                                      " is no UTF-8, so a study cannot hold it; rename that file or folder");
   return {};
@@ -229,7 +223,7 @@ Result<void> write_study(const Study& study, const fs::path& path) {
   const fs::path folder = folder_of(path);
   if (auto nameable = check_names(study, path); !nameable) return nameable;
   Json json{{"homolog_study", version}};
-  if (!study.template_file.empty()) json["template"] = relative_to(folder, study.template_file);
+  if (!study.template_file.empty()) json["template"] = relative_source(folder, study.template_file.string());
   json.update(study.other);
   json["cases"] = Json::array();
   for (const StudyCase& one : study.cases) json["cases"].push_back(case_json(one, folder));

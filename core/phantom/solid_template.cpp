@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-#include "core/correspondence/colours.h"
+#include "core/mesh/colours.h"
 #include "core/mesh/remesh.h"
 #include "core/mesh/voxelise.h"
 #include "core/phantom/imaging.h"

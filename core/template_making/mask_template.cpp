@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "core/base/parallel.h"
-#include "core/correspondence/colours.h"
+#include "core/mesh/colours.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "core/correspondence/colours.h"
+#include "core/mesh/colours.h"
 #include "core/mesh/icosphere.h"
 #include "tests/golden.h"
 #include "tests/render_help.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/editor/state/state.h"
-#include "core/correspondence/colours.h"
+#include "core/mesh/colours.h"
 
 namespace homolog {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/case/document.h"
-#include "core/correspondence/colours.h"
+#include "core/mesh/colours.h"
 #include "core/model/procrustes.h"
 #include "core/model/shape_files.h"
 #include "core/model/shape_model.h"

@@ -1,4 +1,4 @@
-#include "core/correspondence/colours.h"
+#include "core/mesh/colours.h"
 
 #include <algorithm>
 #include <cassert>

@@ -111,10 +111,6 @@ class Faces {
     const Corners p = corners(a), q = corners(b);
     return shared == 0 ? meet(p, q) : shared == 1 ? meet_beyond_vertex(p, q) : shared == 3 || meet_beyond_edge(p, q);
   }
-  Box box(std::int32_t f) const {
-    const auto [a, b, c] = corners(vertices(f));
-    return Box(a).extend(b).extend(c);
-  }
 
  private:
   std::array<std::int32_t, 3> vertices(std::int32_t f) const {
@@ -133,19 +129,19 @@ class Faces {
 SelfIntersections find_self_intersections(const Mesh& mesh) {
   const SurfaceSearch search(mesh);
   const Faces faces(mesh);
-  const auto count = static_cast<std::int32_t>(mesh.topology->triangles().rows());
-  std::size_t looks = least_looks + looks_per_face * static_cast<std::size_t>(count);
+  const auto count = static_cast<std::size_t>(mesh.topology->triangles().rows());
+  // A pair is a look from either of its faces, and each face lies near itself.
+  std::size_t looks = least_looks + (looks_per_face - 1) * count;
   SelfIntersections found;
-  for (std::int32_t f = 0; f < count && found.all; ++f) {
-    const auto near = search.faces_near(faces.box(f));
-    found.all = near.size() <= looks;
-    looks -= std::min(looks, near.size());
-    for (auto g = near.begin(); g != near.end() && found.all; ++g) {
-      if (*g <= f || !faces.intersect(f, *g)) continue;
-      found.all = found.pairs.size() < most_intersections;
-      if (found.all) found.pairs.push_back({f, *g});
-    }
-  }
+  search.for_each_near_pair([&](std::int32_t f, std::int32_t g) {
+    found.all = looks >= 2;
+    if (!found.all) return false;
+    looks -= 2;
+    if (!faces.intersect(f, g)) return true;
+    found.all = found.pairs.size() < most_intersections;
+    if (found.all) found.pairs.push_back({f, g});
+    return found.all;
+  });
   std::sort(found.pairs.begin(), found.pairs.end());
   return found;
 }

@@ -283,4 +283,36 @@ std::vector<std::int32_t> SurfaceSearch::faces_near(const Box& box) const {
   return found;
 }
 
+void SurfaceSearch::for_each_near_pair(const std::function<bool(std::int32_t, std::int32_t)>& visit) const {
+  std::vector<Box> boxes(order_.size());
+  for (std::size_t f = 0; f < boxes.size(); ++f) boxes[f] = face_box(static_cast<std::int32_t>(f));
+  const auto visit_meeting = [&](std::int32_t f, std::int32_t g) {
+    const Box &a = boxes[static_cast<std::size_t>(f)], &b = boxes[static_cast<std::size_t>(g)];
+    return !a.intersects(b) || visit(std::min(f, g), std::max(f, g));
+  };
+  // Two nodes whose faces are to be compared; a node with itself at first.
+  std::vector<std::array<std::int32_t, 2>> stack{{0, 0}};
+  while (!stack.empty()) {
+    const auto [a, b] = stack.back();
+    stack.pop_back();
+    const Node &one = nodes_[static_cast<std::size_t>(a)], &other = nodes_[static_cast<std::size_t>(b)];
+    if (a != b && !one.box.intersects(other.box)) continue;
+    if (a == b && one.count == 0) {
+      stack.push_back({one.first, one.first});
+      stack.push_back({one.first + 1, one.first + 1});
+      stack.push_back({one.first, one.first + 1});
+    } else if (one.count == 0) {
+      stack.push_back({one.first, b});
+      stack.push_back({one.first + 1, b});
+    } else if (other.count == 0) {
+      stack.push_back({a, other.first});
+      stack.push_back({a, other.first + 1});
+    } else {
+      for (std::int32_t i = 0; i < one.count; ++i)
+        for (std::int32_t k = a == b ? i + 1 : 0; k < other.count; ++k)
+          if (!visit_meeting(face_in(one, i), face_in(other, k))) return;
+    }
+  }
+}
+
 }  // namespace homolog

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -52,6 +53,9 @@ class SurfaceSearch {
   std::optional<Nearest> first_hit(const Vec3& from, const Vec3& direction) const;
   /// Faces whose boxes meet `box`.
   std::vector<std::int32_t> faces_near(const Box& box) const;
+  /// Calls `visit(f, g)` once for each two faces f < g whose boxes meet, until it gives false. All in one walk through
+  /// the tree, which takes less time than to ask for every face.
+  void for_each_near_pair(const std::function<bool(std::int32_t, std::int32_t)>& visit) const;
 
   const Mesh& mesh() const { return mesh_; }
 

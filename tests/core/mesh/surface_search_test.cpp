@@ -141,3 +141,24 @@ TEST_CASE("looking at every face finds the place that the search finds") {
     CHECK((found.at.interpolate(*mesh.topology, mesh.points).transpose() - found.position).norm() < 1e-9);
   }
 }
+
+TEST_CASE("one walk through the tree finds each two faces whose boxes meet once") {
+  const Mesh mesh = bumpy_torus();
+  const SurfaceSearch search(mesh);
+  using Pairs = std::vector<std::array<std::int32_t, 2>>;
+  Pairs found, expected;
+  search.for_each_near_pair([&](std::int32_t f, std::int32_t g) {
+    found.push_back({f, g});
+    return true;
+  });
+  for (std::int32_t f = 0; f < mesh.topology->triangles().rows(); ++f)
+    for (const std::int32_t g :
+         search.faces_near(Box(corner(mesh, f, 0)).extend(corner(mesh, f, 1)).extend(corner(mesh, f, 2))))
+      if (g > f) expected.push_back({f, g});
+  std::sort(found.begin(), found.end());
+  std::sort(expected.begin(), expected.end());
+  CHECK(found == expected);
+  int visits = 0;
+  search.for_each_near_pair([&](std::int32_t, std::int32_t) { return ++visits < 3; });
+  CHECK(visits == 3);
+}

@@ -114,7 +114,7 @@ bool needs_image(const FileLines& whole) {
 Result<EditSession> session_at_start(const LineFile& file, const FileLines& whole, const ReplayOptions& options,
                                      std::vector<std::string>& warnings) {
   const Json header = read_json<Json>(whole.header).value_or(Json());
-  const ImageOfHeader image{options.volume_source, !options.shapes_alone || needs_image(whole)};
+  const ImageOfHeader image{options.volume_source, !options.shapes_alone || needs_image(whole), !options.shapes_alone};
   auto document = read_header(header, file.path().parent_path(), image, options.progress, warnings);
   if (!document) {
     Error error = document.error();

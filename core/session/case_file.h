@@ -24,7 +24,8 @@ struct ReplayOptions {
   /// Begin at the last checkpoint that holds, which gives the same to the last bit; else every line is played. Options
   /// that override the scheme play every line anyway.
   bool from_checkpoint = true;
-  /// For who wants the shapes alone: the image is left out where they do not depend on it [shapes_need_image].
+  /// For who wants the shapes alone: the image is left out where they do not depend on it [shapes_need_image], and else
+  /// read without its voxels where its format has them apart.
   bool shapes_alone = false;
   HistoryLimits limits;
   Progress* progress = nullptr;

@@ -129,6 +129,7 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const I
   std::string volume_source, template_source;
   VolumeReadOptions options;
   options.progress = progress;
+  options.without_voxels = !image.voxels;
   try {
     volume_source = image.source.empty() ? resolved_source(folder, header.value("volume", "")) : image.source;
     template_source = resolved_source(folder, header.value("template", ""));

@@ -33,6 +33,7 @@ Result<CaseTemplates> templates_in_header(const nlohmann::ordered_json& header, 
 struct ImageOfHeader {
   std::string source;  ///< where it lies now; as the header says where empty
   bool read = true;    ///< else the document has its name alone
+  bool voxels = true;  ///< else its grid and frames are enough [VolumeReadOptions::without_voxels]
 };
 
 /// Loads what a header names; paths are relative to `folder`. Errors: no header, a missing volume or template, a

@@ -22,6 +22,8 @@ struct VolumeReadOptions {
   std::string series_uid;                ///< which series of a folder that holds several
   std::optional<Vec3> stack_spacing_mm;  ///< required for a folder (or one file) of PNG/TIFF slices
   Progress* progress = nullptr;          ///< reported to and asked for cancellation when given
+  /// NIfTI, NRRD and MetaImage: grid and frames are enough, as their headers say them; `data` stays empty.
+  bool without_voxels = false;
 };
 
 /// A volume and what had to be mended to read it (each a sentence for `homolog: warning: …`).

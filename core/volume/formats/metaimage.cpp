@@ -234,6 +234,7 @@ Result<VolumeRead> read_metaimage(const fs::path& path, const VolumeReadOptions&
   result.volume.geometry = shape->geometry;
   result.volume.frames = shape->frames;
   result.volume.frame_seconds = shape->frame_seconds;
+  if (options.without_voxels) return result;
   double bytes = static_cast<double>(size_of(*type)) * shape->frames;
   for (const int size : shape->geometry.dims) bytes *= size;
   const auto run = find_run(*header, *type, bytes, path);

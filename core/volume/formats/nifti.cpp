@@ -289,6 +289,10 @@ Result<VolumeRead> read_nifti(const fs::path& path, const VolumeReadOptions& opt
   if (!geometry) return fail(geometry.error());
   volume.geometry = *geometry;
   if (image.nt > 1) volume.frame_seconds = std::max(0.0, image.dt * seconds_per_nifti_unit(image.time_units));
+  const std::int64_t frames = std::max<std::int64_t>(image.nt, 1);
+  if (frames > std::numeric_limits<int>::max()) return fail(path.string(), "claims more frames than there can be");
+  volume.frames = static_cast<int>(frames);
+  if (options.without_voxels) return result;
   Rescale rescale;
   if (!header->scale_is_finite)
     return fail(pair->header.string(), "scales its voxels by a number that is not finite; export it again");
@@ -301,10 +305,8 @@ Result<VolumeRead> read_nifti(const fs::path& path, const VolumeReadOptions& opt
   const VoxelRun run{{{.file = pair->voxels, .skip = *begin, .compression = compression_of(pair->voxels)}},
                      *type,
                      header->other_byte_order};
-  const std::int64_t frames = std::max<std::int64_t>(image.nt, 1);
   auto stored = read_run(run, volume.geometry, frames, !rescale.identity(), options.progress);
   if (!stored) return fail(stored.error());
-  volume.frames = static_cast<int>(frames);
   if (auto kept = keep_voxels(std::move(*stored), rescale, path.string(), volume, result.warnings); !kept)
     return fail(kept.error());
   return result;

@@ -197,6 +197,7 @@ Result<VolumeRead> read_nrrd(const fs::path& path, const VolumeReadOptions& opti
   if (frames > std::numeric_limits<int>::max()) return fail(path.string(), "claims more frames than there can be");
   volume.frames = static_cast<int>(frames);
   if (axes->frames) volume.frame_seconds = seconds_between_frames(*nrrd, *header, *axes->frames);
+  if (options.without_voxels && !header->is_segmentation) return result;
 
   const auto run = find_run(*header, *nrrd, *state, *type, path);
   if (!run) return fail(run.error());

@@ -13,6 +13,7 @@
 #include "core/model/study.h"
 #include "core/model/training_set.h"
 #include "core/session/case_file.h"
+#include "core/volume/volume_io.h"
 #include "tests/must.h"
 #include "tests/temporary_folder.h"
 
@@ -122,6 +123,30 @@ TEST_CASE("each structure of a case gives its own shapes") {
   REQUIRE(read.set.shapes.cols() == 2);
   CHECK(points_of(read.set.shapes, 1) == lopsided_organ(6).points);
   CHECK(shape_names(read.set.names) == std::vector<std::string>{"plain", "two structure s2 frame 0"});
+}
+
+TEST_CASE("the shapes of a cine's case need no voxel of its image") {
+  for (const char* name : {"cine.nii", "cine.nrrd", "cine.mha"}) {
+    CAPTURE(name);
+    const ShapeFolder files;
+    const fs::path image = files.path / name, file = files.path / "heart.homolog";
+    REQUIRE(write_volume(*empty_cine(), image));
+    const fs::path reference = files.write(lopsided_organ(0), "template.ply");
+    {
+      auto whole = std::make_shared<const Volume>(std::move(read_volume(image)->volume));
+      EditSession session =
+          create_case(new_document(image.string(), whole, load_template(reference.string()).value()), file).value();
+      REQUIRE(session.apply(SetFrame{3}));
+      REQUIRE(session.apply(SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(3).points)}));
+    }
+    fs::resize_file(image, fs::file_size(image) - 8);
+    CHECK_FALSE(read_case(file));
+    const auto shapes = read_shapes_of(file);
+    REQUIRE(shapes);
+    CHECK(shapes->shown == 3);
+    CHECK(shapes->edited == std::vector{3});
+    CHECK((*shapes->shape(3, ""))->points == lopsided_organ(3).points);
+  }
 }
 
 TEST_CASE("a study stands for its cases and a group for those that belong to it") {

@@ -191,6 +191,15 @@ std::ptrdiff_t Study::next_case(std::ptrdiff_t from) const {
   return next;
 }
 
+CasesByName::CasesByName(const Study& study) {
+  for (const StudyCase& one : study.cases) cases_.emplace(one.name, &one);
+}
+
+const StudyCase* CasesByName::find(const std::string& name) const {
+  const auto found = cases_.find(name);
+  return found == cases_.end() ? nullptr : found->second;
+}
+
 Result<StudyRead> read_study(const fs::path& path) {
   const auto bytes = read_whole_file(path, std::uintmax_t{1} << 25);
   if (!bytes) return fail(bytes.error());
@@ -227,7 +236,11 @@ Result<void> write_study(const Study& study, const fs::path& path) {
   json.update(study.other);
   json["cases"] = Json::array();
   for (const StudyCase& one : study.cases) json["cases"].push_back(case_json(one, folder));
-  return write_whole_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  std::error_code ignored;
+  if (fs::file_size(path, ignored) == text.size())
+    if (const auto there = read_whole_file(path, text.size()); there && *there == text) return {};
+  return write_whole_file(path, text);
 }
 
 }  // namespace homolog

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "core/base/result.h"
@@ -49,6 +51,17 @@ struct Study {
   std::ptrdiff_t next_case(std::ptrdiff_t from = -1) const;
 };
 
+/// The cases of a study by name, where many are looked up. The study must outlive it, and keep its cases.
+class CasesByName {
+ public:
+  explicit CasesByName(const Study& study);
+  /// Null where there is none of that name.
+  const StudyCase* find(const std::string& name) const;
+
+ private:
+  std::unordered_map<std::string_view, const StudyCase*> cases_;
+};
+
 struct StudyRead {
   Study study;
   std::vector<std::string> warnings;  ///< a sentence for each file that is not where the study says
@@ -58,7 +71,8 @@ struct StudyRead {
 /// that are missing are warnings; where all are, one sentence says that the folder was moved without them.
 Result<StudyRead> read_study(const std::filesystem::path& path);
 
-/// Whole or not at all. Fields that were read and are not known here are written again.
+/// Whole or not at all, and only where the file does not hold the same already. Fields that were read and are not known
+/// here are written again.
 Result<void> write_study(const Study& study, const std::filesystem::path& path);
 
 /// The sentence for a case whose file is not there.

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <fstream>
 
 #include "core/base/files.h"
@@ -177,4 +178,26 @@ TEST_CASE("a study that cannot be written leaves the old one whole") {
   CHECK(!write_study(Study(), folder.path / "nowhere/x.study.json"));
   CHECK(!fs::exists(folder.path / "nowhere"));
   CHECK(read_study(path)->study.cases.size() == 3);
+}
+
+TEST_CASE("a study that is the same is not written again") {
+  const TemporaryFolder folder;
+  const fs::path path = some_study(folder);
+  Study study = read_study(path)->study;
+  const auto long_ago = fs::last_write_time(path) - std::chrono::hours(1);
+  fs::last_write_time(path, long_ago);
+  CHECK(write_study(study, path));
+  CHECK(fs::last_write_time(path) == long_ago);
+  study.cases[1].group = "sick";
+  CHECK(write_study(study, path));
+  CHECK(fs::last_write_time(path) != long_ago);
+  CHECK(read_study(path)->study.cases[1].group == "sick");
+}
+
+TEST_CASE("cases are found by their names") {
+  const TemporaryFolder folder;
+  const Study study = read_study(some_study(folder))->study;
+  const CasesByName by_name(study);
+  CHECK(by_name.find("Bert") == &study.cases[1]);
+  CHECK(by_name.find("bert") == nullptr);
 }

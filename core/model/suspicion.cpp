@@ -139,34 +139,43 @@ std::vector<SuspiciousVertex> suspicious_vertices(const PrincipalComponents& com
 
 std::vector<SuspiciousTriangle> suspicious_triangles(const PrincipalComponents& components, const Topology& topology) {
   const Triangles& triangles = topology.triangles();
-  Eigen::MatrixXd stretches(triangles.rows(), components.shapes());
+  // Computed twice, by triangle and by shape: a table of all would be as large as the shapes themselves.
+  const auto edges_of = [&](Eigen::Index t, const auto& corner) {
+    return flat_edges(corner(triangles(t, 0)), corner(triangles(t, 1)), corner(triangles(t, 2)));
+  };
+  const auto mean_corner = [&](std::int32_t v) { return Vec3(components.mean.segment<3>(3 * v)); };
+  const auto stretch = [&](Eigen::Index t, Eigen::Index i) {
+    const auto corner = [&](std::int32_t v) {
+      return Vec3(components.mean.segment<3>(3 * v) + components.centred.col(i).segment<3>(3 * v));
+    };
+    return stretch_between(edges_of(t, mean_corner), edges_of(t, corner));
+  };
+  std::vector<Fences> of_triangle(static_cast<std::size_t>(triangles.rows()));
   in_parallel(triangles.rows(), [&](Eigen::Index first, Eigen::Index last) {
+    std::vector<double> stretches(static_cast<std::size_t>(components.shapes()));
     for (Eigen::Index t = first; t < last; ++t) {
-      const auto edges_of = [&](const auto& corner) {
-        return flat_edges(corner(triangles(t, 0)), corner(triangles(t, 1)), corner(triangles(t, 2)));
-      };
-      const auto mean_corner = [&](std::int32_t v) { return Vec3(components.mean.segment<3>(3 * v)); };
-      const Eigen::Matrix2d mean = edges_of(mean_corner);
-      for (Eigen::Index i = 0; i < components.shapes(); ++i) {
-        const auto corner = [&](std::int32_t v) {
-          return Vec3(components.mean.segment<3>(3 * v) + components.centred.col(i).segment<3>(3 * v));
-        };
-        stretches(t, i) = stretch_between(mean, edges_of(corner));
-      }
+      for (Eigen::Index i = 0; i < components.shapes(); ++i) stretches[static_cast<std::size_t>(i)] = stretch(t, i);
+      of_triangle[static_cast<std::size_t>(t)] = fences_of(stretches);
     }
   });
-  const TableFences fences(stretches);
-  std::vector<SuspiciousTriangle> list;
-  for (Eigen::Index i = 0; i < stretches.cols(); ++i) {
-    for (Eigen::Index t = 0; t < stretches.rows(); ++t) {
-      if (!fences.beyond(stretches(t, i), t, i)) continue;
-      const auto& beside = topology.neighbours(t);
+  std::vector<std::vector<SuspiciousTriangle>> of_shape(static_cast<std::size_t>(components.shapes()));
+  for_each_in_parallel(of_shape.size(), [&](std::size_t i) {
+    const auto shape = static_cast<Eigen::Index>(i);
+    std::vector<double> stretches(of_triangle.size());
+    for (std::size_t t = 0; t < stretches.size(); ++t) stretches[t] = stretch(static_cast<Eigen::Index>(t), shape);
+    const Fences own = fences_of(stretches);
+    for (std::size_t t = 0; t < stretches.size(); ++t) {
+      if (stretches[t] <= std::max(of_triangle[t].outer, own.outer)) continue;
+      const auto triangle = static_cast<Eigen::Index>(t);
+      const auto& beside = topology.neighbours(triangle);
       const bool worst = std::none_of(beside.begin(), beside.end(), [&](std::int32_t other) {
-        return other >= 0 && stretches(other, i) > stretches(t, i);
+        return other >= 0 && stretches[static_cast<std::size_t>(other)] > stretches[t];
       });
-      if (worst) list.push_back({i, t, stretches(t, i), fences.of_place[static_cast<std::size_t>(t)].median});
+      if (worst) of_shape[i].push_back({shape, triangle, stretches[t], of_triangle[t].median});
     }
-  }
+  });
+  std::vector<SuspiciousTriangle> list;
+  for (const auto& one : of_shape) list.insert(list.end(), one.begin(), one.end());
   sort_by(list, [](const SuspiciousTriangle& triangle) { return triangle.stretch; });
   return list;
 }

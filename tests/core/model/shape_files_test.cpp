@@ -144,8 +144,8 @@ TEST_CASE("the shapes of a cine's case need no voxel of its image") {
     const auto shapes = read_shapes_of(file);
     REQUIRE(shapes);
     CHECK(shapes->shown == 3);
-    CHECK(shapes->edited == std::vector{3});
-    CHECK((*shapes->shape(3, ""))->points == lopsided_organ(3).points);
+    CHECK(shapes->structure({})->edited == std::vector{3});
+    CHECK((*shapes->shape({{}, 3}, ""))->points == lopsided_organ(3).points);
   }
 }
 

@@ -1,8 +1,11 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <functional>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include "app/editor/update/file_purposes.h"
@@ -45,6 +48,13 @@ struct BallScene {
   }
 };
 
+/// What is in hand or selected already when the test comes to it: choosing it again changes nothing.
+bool is_chosen_already(const std::string& path) {
+  constexpr std::array paths{"side panel/Template/a name/a name", "side panel/Template/Click…", "cases/next",
+                             "cases/kidney-03/row"};
+  return std::ranges::find(paths, path) != paths.end();
+}
+
 class Operator {
  public:
   explicit Operator(Driver& driver) : driver_(driver) {}
@@ -70,6 +80,8 @@ class Operator {
       const auto next = wanted(part);
       if (!next) return;
       done_.insert(next->pattern);
+      put_off();
+      driver_.settle();
       const std::string before = fingerprint();
       use(*next);
       // Some work goes on beside the window, and nobody waits for it.
@@ -77,7 +89,7 @@ class Operator {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
         driver_.frame();
       }
-      if (fingerprint() == before) dead_ += "\n  " + next->path;
+      if (fingerprint() == before && !is_chosen_already(next->path)) dead_ += "\n  " + next->path;
       tidy();
     }
     FAIL("the controls of " << part << " come to no end");
@@ -120,14 +132,33 @@ class Operator {
     driver_.settle();
   }
 
-  /// What a person could see of a change, and what is written of it.
+  /// What a person could see of a change. That something is written into the log is no change.
   std::string fingerprint() const {
-    std::string all =
-        std::to_string(driver_.app().log().lines().size()) + ' ' + std::to_string(driver_.app().snapshot().committed) +
-        ' ' + std::to_string(driver_.state().notices.size()) + ' ' + std::to_string(driver_.app().wants_to_quit());
+    const EditorState& state = driver_.state();
+    const Look& look = state.look;
+    std::ostringstream views;
+    for (const Camera3D& camera : {look.camera, state.models.camera})
+      views << camera.to_eye.transpose() << ' ' << camera.up.transpose() << ' ' << camera.target.transpose() << ' '
+            << camera.distance_mm << ' ';
+    views << look.crosshair_mm.transpose() << ' ' << look.window_low << ' ' << look.window_high << ' '
+          << static_cast<int>(state.hand.tool) << ' ' << static_cast<int>(state.preferences.show.plane_look) << ' '
+          << state.hand.template_landmark << ' ' << state.models.selected;
+    for (const double deviation : state.models.deviations) views << ' ' << deviation;
+    for (const SlicePan& slice : look.slices) views << ' ' << slice.centre_mm.transpose() << ' ' << slice.mm_per_px;
+    std::string all = views.str() + ' ' + std::to_string(driver_.app().snapshot().committed) + ' ' +
+                      std::to_string(driver_.state().notices.size()) + ' ' +
+                      std::to_string(driver_.app().wants_to_quit());
     for (const DrawnItem& item : driver_.items())
       if (item.kind != DrawnItem::Kind::tip) all += '\n' + item.path + '=' + item.value;
     return all;
+  }
+
+  /// Off what buttons such as "fit", "Auto" and "Mean" bring about, so that they have something to do.
+  void put_off() {
+    EditorState& state = driver_.state();
+    for (Camera3D* camera : {&state.look.camera, &state.models.camera}) camera->distance_mm *= 1.01;
+    state.look.window_high *= 1.01;
+    if (!state.models.deviations.empty()) state.models.deviations.front() += 0.01;
   }
 
   void tidy() {
@@ -243,6 +274,8 @@ TEST_CASE("every control of the case does something") {
     driver.settle();
   }
   driver.app().send(ApplyEdit{SetRegion{{"cap", 2, {255, 0, 0}}}});
+  driver.settle();
+  driver.app().send(ChooseTool{MouseTool::grab});  // so that the first tool is another
   driver.settle();
   Operator hands(driver);
   for (const char* part : {"tool strip", "side panel/Correspondence", "side panel/Deform", "side panel/Place",

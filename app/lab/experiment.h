@@ -14,7 +14,7 @@ namespace homolog {
 
 /// Which label of a mask is the target, and how it is worked on.
 struct TargetOptions {
-  std::vector<int> labels;           ///< none: the only one
+  std::string label;                 ///< none: the only one
   std::optional<int> frame;          ///< of a label map with several; none: the first
   std::optional<double> closing_mm;  ///< as in `fit`
 };

@@ -57,7 +57,8 @@ void add_study_bias(CLI::App& study, CommandLine& asked) {
                    "Folder with NAME.mrk.json, .fcsv or .json for each: the places whose spread is measured (default: "
                    "places all over the surface)")
       ->check(CLI::ExistingDirectory);
-  add_label_option(*verb, subjects.labels, "Which label of label maps that hold several; 1,2: both together");
+  add_label_option(*verb, subjects.label,
+                   "Which label of label maps that hold several, by number or name; 1,2: both together");
   add_mask_frame_option(*verb, subjects.frame);
   add_ball_option(*verb, "--closing-mm", subjects.closing_mm, "Clefts narrower than twice this radius (mm) are filled");
   verb->add_option("--vertices", subjects.vertices, "How many vertices the templates have")

@@ -86,14 +86,15 @@ void add_study_user(CLI::App& study, CommandLine& asked) {
 }
 
 void add_target_options(CLI::App& verb, TargetOptions& options) {
-  add_label_option(verb, options.labels, "Which label of the mask, where it holds several; 1,2: both together");
+  add_label_option(verb, options.label,
+                   "Which label of the mask, where it holds several, by number or name; 1,2: both together");
   add_mask_frame_option(verb, options.frame);
   add_ball_option(verb, "--closing-mm", options.closing_mm, "Clefts narrower than twice this radius (mm) are filled");
 }
 
 Result<ExperimentSubject> mask_subject(const fs::path& path, const TargetOptions& options, const Template& the_template,
                                        std::vector<std::string>& warnings, Progress& progress) {
-  auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
+  auto mask = read_mask(path, options.label, {options.frame, {}}, progress);
   if (!mask) return fail(mask.error());
   warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
   auto boundary =

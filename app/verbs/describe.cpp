@@ -2,6 +2,7 @@
 
 #include "app/editor/work/opening/opener.h"
 #include "app/verbs/mending_report.h"
+#include "core/base/colour.h"
 #include "core/mesh/inside_out.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
@@ -186,14 +187,20 @@ Json describe(const Volume& volume) {
 
 namespace {
 
-/// The labels of a layer's first frame.
-void describe_labels(const Volume& map, std::size_t layer, Json& labels) {
-  for (const auto& [value, voxels] : labels_of(map))
+/// The labels of a layer's first frame. `layer`: empty where the volume holds all layers.
+void describe_labels(const Volume& map, const Segmentation& known, std::optional<std::size_t> layer, Json& labels) {
+  for (const auto& [value, voxels] : labels_of(map)) {
+    const Segment* segment = layer ? known.find(value, *layer) : known.find(value);
+    const bool named = segment != nullptr && !segment->name.empty(), coloured = segment != nullptr && segment->colour;
     labels.push_back({{"value", value},
-                      {"name", nullptr},
+                      {"name", named ? Json(segment->name) : Json()},
                       {"voxels", voxels},
                       {"volume_ml", static_cast<double>(voxels) * map.geometry.voxel_volume_mm3() / 1000},
-                      {"layer", layer}});
+                      {"layer", layer                ? *layer
+                                : segment != nullptr ? segment->layer
+                                                     : 0},
+                      {"colour", coloured ? Json(hex_of(*segment->colour)) : Json()}});
+  }
 }
 
 }  // namespace
@@ -214,10 +221,12 @@ Result<Report> describe_file(const std::filesystem::path& path, const VolumeRead
   if (!read) return fail(read.error());
   Report report{describe(read->volume), read->warnings};
   if (!read->other_layers.empty()) report.values["layers"] = read->other_layers.size() + 1;
-  if (holds_labels(read->volume)) {
+  const Segmentation& known = read->segmentation;
+  if (!known.segments.empty() || holds_labels(read->volume)) {
+    const auto& others = read->other_layers;
     Json labels = Json::array();
-    describe_labels(read->volume, 0, labels);
-    for (std::size_t k = 0; k < read->other_layers.size(); ++k) describe_labels(read->other_layers[k], k + 1, labels);
+    describe_labels(read->volume, known, others.empty() ? std::optional<std::size_t>() : 0, labels);
+    for (std::size_t k = 0; k < others.size(); ++k) describe_labels(others[k], known, k + 1, labels);
     report.values["labels"] = std::move(labels);
   }
   return report;

@@ -83,7 +83,7 @@ Result<Report> describe_and_write(const fs::path& in, const fs::path& out,
 void add_info(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path file, mask;
-    std::vector<int> labels;
+    std::string label;
     std::string series;
     std::vector<double> spacing_mm;
     std::optional<int> frame;
@@ -94,7 +94,8 @@ void add_info(CLI::App& app, CommandLine& asked) {
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
   add_spacing(*verb, options->spacing_mm);
   auto* mask_option = verb->add_option("--mask", options->mask, "A label map: also measure the mesh's distance to it");
-  add_label_option(*verb, options->labels, "Which label of the mask; 1,2: both together")->needs(mask_option);
+  add_label_option(*verb, options->label, "Which label of the mask, by number or name; 1,2: both together")
+      ->needs(mask_option);
   add_mask_frame_option(*verb, options->frame)->needs(mask_option);
   const auto info = [options](Progress& progress) -> Result<Report> {
     const auto warnings = check_effect(options->file, options->series, !options->spacing_mm.empty());
@@ -106,7 +107,7 @@ void add_info(CLI::App& app, CommandLine& asked) {
     if (!file) return fail(file.error());
     const auto mesh = read_mesh(options->file);
     if (!mesh) return fail(mesh.error());
-    const auto mask = read_mask(options->mask, options->labels, {options->frame, noted_frame(*file)}, progress);
+    const auto mask = read_mask(options->mask, options->label, {options->frame, noted_frame(*file)}, progress);
     if (!mask) return fail(mask.error());
     const auto target = labelled_surface(options->mask, *mask);
     if (!target) return fail(target.error());
@@ -273,14 +274,15 @@ Result<Mesh> surface_of(const MeshFile& file, const fs::path& path) {
 void add_compare(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path mesh, mask, other;
-    std::vector<int> labels;
+    std::string label;
     std::optional<int> frame;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "compare", "How well a mesh agrees with a mask or another mesh");
   verb->add_option("MESH", options->mesh, "The mesh, or a case for its mesh")->required();
   auto* mask_option = verb->add_option("--mask", options->mask, "A label map to compare with");
-  add_label_option(*verb, options->labels, "Which label of the mask; 1,2: both together")->needs(mask_option);
+  add_label_option(*verb, options->label, "Which label of the mask, by number or name; 1,2: both together")
+      ->needs(mask_option);
   add_mask_frame_option(*verb, options->frame)->needs(mask_option);
   verb->add_option("--mesh", options->other, "Another mesh or case to compare with")->excludes(mask_option);
   const auto compare = [options](Progress& progress) -> Result<Report> {
@@ -303,7 +305,7 @@ void add_compare(CLI::App& app, CommandLine& asked) {
         report.values["landmarks_mm"] = landmarks;
       return report;
     }
-    const auto mask = read_mask(options->mask, options->labels, {options->frame, noted_frame(*file)}, progress);
+    const auto mask = read_mask(options->mask, options->label, {options->frame, noted_frame(*file)}, progress);
     if (!mask) return fail(mask.error());
     const auto agreement = compare_with_mask(*mesh, mask->volume, mask->label, mask->frame);
     if (!agreement) return fail(options->mask.string(), mask->named(agreement.error().what));

@@ -291,7 +291,8 @@ void add_fit(CLI::App& app, CommandLine& asked) {
               "a study of all")
           ->required(),
       true);
-  add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together")
+  add_label_option(*verb, options->label,
+                   "Which label of the mask, where it holds several, by number or name; 1,2: both together")
       ->needs(mask);
   add_ball_option(*verb, "--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
       ->needs(mask);

@@ -88,7 +88,7 @@ Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared
     boundary->warnings.insert(boundary->warnings.begin(), file->warnings.begin(), file->warnings.end());
     return FitTarget{started, std::move(*boundary), std::nullopt};
   }
-  auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
+  auto mask = read_mask(path, options.label, {options.frame, {}}, progress);
   if (!mask) return fail(mask.error());
   const auto started = FitClock::now();
   const bool all_parts = takes_all_parts(options, *shared.the_template);

@@ -22,7 +22,7 @@ struct FitJob {
   double beyond = 1;
   SnapArguments snap;        ///< for an image
   std::optional<int> frame;  ///< of a label map: as asked
-  std::vector<int> labels;
+  std::string label;
   std::optional<double> closing_mm;
   bool mirror = false, partial = false;
   bool of_folder = false;  ///< cases were named by their folder

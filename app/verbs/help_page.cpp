@@ -151,23 +151,4 @@ void dress_help(CLI::App& app) {
   dress_verb(app, std::make_shared<HelpFormatter>());
 }
 
-std::string nearest_name(const std::string& word, const std::vector<std::string>& names) {
-  // Edit distance with exchanged neighbours, row by row.
-  const auto distance = [&word](const std::string& name) {
-    std::vector<std::vector<std::size_t>> d(word.size() + 1, std::vector<std::size_t>(name.size() + 1));
-    for (std::size_t i = 0; i <= word.size(); ++i) d[i][0] = i;
-    std::iota(d[0].begin(), d[0].end(), std::size_t{0});
-    for (std::size_t i = 1; i <= word.size(); ++i)
-      for (std::size_t j = 1; j <= name.size(); ++j) {
-        const std::size_t other = word[i - 1] == name[j - 1] ? 0 : 1;
-        d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + other});
-        if (i > 1 && j > 1 && word[i - 1] == name[j - 2] && word[i - 2] == name[j - 1])
-          d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-      }
-    return d[word.size()][name.size()];
-  };
-  return *std::min_element(names.begin(), names.end(),
-                           [&](const std::string& a, const std::string& b) { return distance(a) < distance(b); });
-}
-
 }  // namespace homolog

@@ -10,8 +10,4 @@ std::string full_name(const CLI::App& verb);
 /// Gives every verb of the program a help page: types in words ("N (1 to 1024)"), and examples. `app` has all verbs.
 void dress_help(CLI::App& app);
 
-/// Of the names, the one that a word was most likely meant as: with fewest letters changed, left out, put in or
-/// exchanged.
-std::string nearest_name(const std::string& word, const std::vector<std::string>& names);
-
 }  // namespace homolog

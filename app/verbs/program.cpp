@@ -22,6 +22,7 @@
 #include "core/base/guarded.h"
 #include "core/base/limits.h"
 #include "core/base/memory.h"
+#include "core/base/nearest_names.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/base/text.h"
@@ -187,7 +188,7 @@ std::optional<int> wrong_files(const CLI::App& app, const std::vector<std::files
     for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
       verbs.push_back(verb->get_name());
     std::cerr << "homolog: \"" << printable(name) << "\" is neither a verb nor a file; did you mean \""
-              << nearest_name(name, verbs) << "\"? See homolog --help\n";
+              << nearest_names(name, verbs, 1).front() << "\"? See homolog --help\n";
     return wrong_command_line;
   }
   return std::nullopt;

@@ -1,34 +1,14 @@
 #include "app/verbs/read_image.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <iterator>
 
 #include "core/base/listed.h"
+#include "core/base/text.h"
 #include "core/measure/compare.h"
 #include "core/volume/read_labels.h"
 
 namespace homolog {
-
-namespace {
-
-/// "1,2" as numbers above 0; empty where it is something else.
-std::vector<int> parsed_labels(const std::string& text) {
-  std::vector<int> labels;
-  const char *at = text.data(), *const end = at + text.size();
-  while (true) {
-    int label = 0;
-    const auto [after, error] = std::from_chars(at, end, label);
-    if (error != std::errc() || label <= 0) return {};
-    labels.push_back(label);
-    if (after == end) return labels;
-    if (*after != ',') return {};
-    at = after + 1;
-  }
-}
-
-}  // namespace
 
 Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress) {
   VolumeReadOptions reading;
@@ -40,17 +20,18 @@ Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Prog
   return read;
 }
 
-CLI::Option* add_label_option(CLI::App& verb, std::vector<int>& labels, const std::string& help) {
+CLI::Option* add_label_option(CLI::App& verb, std::string& label, const std::string& help) {
   return verb
       .add_option_function<std::string>(
           "--label",
-          [&labels](const std::string& text) {
-            labels = parsed_labels(text);
-            if (labels.empty())
-              throw CLI::ValidationError("--label", "needs a number above 0, or several as in 1,2; got " + text);
+          [&label](const std::string& text) {
+            if (is_bad_label(text))
+              throw CLI::ValidationError("--label",
+                                         "needs a number above 0 or a name, or several as in 1,2; got " + text);
+            label = text;
           },
           help)
-      ->type_name("N[,N...]");
+      ->type_name("N|NAME[,...]");
 }
 
 CLI::Option* add_ball_option(CLI::App& verb, const std::string& name, std::optional<double>& radius_mm,
@@ -124,16 +105,18 @@ Result<void> check_frame(const Volume& mask, const std::vector<int>& labels, int
                       (others.size() > 1 ? ", or another of " + listed_frames(others) : ""));
 }
 
-/// "1, 2 and 3 (named …)" of what a frame holds.
-std::string labels_there(const Volume& mask, int frame) {
+/// "1, 2 (spleen) and 3" of what a frame holds.
+std::string labels_there(const VolumeRead& read, int frame) {
   std::vector<std::string> names;
   constexpr std::size_t most = 20;
-  for (const auto& [label, voxels] : labels_of(mask, frame)) {
+  for (const auto& [label, voxels] : labels_of(read.volume, frame)) {
     if (names.size() == most) {
       names.emplace_back("…");
       break;
     }
-    names.push_back(std::to_string(label));
+    const Segment* known = read.segmentation.find(label);
+    names.push_back(std::to_string(label) +
+                    (known && !known->name.empty() ? " (" + excerpt(known->name) + ")" : std::string()));
   }
   return names.empty() ? "it holds none" : "it holds " + listed(names, " and ");
 }
@@ -152,20 +135,33 @@ bool any_occurs(const Volume& mask, const std::vector<int>& labels, int frame) {
 }
 
 /// Errors: none of the labels occurs; those that do are named.
-Result<void> check_labels(const Volume& mask, const std::vector<int>& labels, int frame) {
-  if (labels.empty() || any_occurs(mask, labels, frame)) return {};
+Result<void> check_labels(const VolumeRead& read, const std::vector<int>& labels, int frame) {
+  if (labels.empty() || any_occurs(read.volume, labels, frame)) return {};
   std::string what = "label ";
   for (std::size_t k = 0; k < labels.size(); ++k) what += (k > 0 ? "+" : "") + std::to_string(labels[k]);
-  return fail("", what + " does not occur in the label map; " + labels_there(mask, frame));
+  return fail("", what + " does not occur in the label map; " + labels_there(read, frame));
+}
+
+/// The only label of a frame. Errors: none, or several, which are named.
+Result<int> label_alone(const VolumeRead& read, int frame) {
+  auto only = only_label(read.volume, frame);
+  if (only) return only;
+  if (labels_of(read.volume, frame).empty() || read.segmentation.segments.empty())
+    return fail("", only.error().what + " by --label");
+  return fail("", "holds several labels; choose one by --label: " + labels_there(read, frame));
 }
 
 }  // namespace
 
-Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<int>& labels, const MaskFrame& asked,
+Result<MaskRead> read_mask(const std::filesystem::path& path, const std::string& label, const MaskFrame& asked,
                            Progress& progress) {
   auto read = read_image(path, asked.asked.value_or(0), progress);
   if (!read) return fail(read.error());
-  if (auto chosen = choose_layer(path, labels, *read); !chosen) return fail(chosen.error());
+  const auto segments = choose_segments(path, label, *read);
+  if (!segments) return fail(segments.error());
+  std::vector<int> labels;
+  for (const Segment& segment : *segments)
+    if (std::find(labels.begin(), labels.end(), segment.value) == labels.end()) labels.push_back(segment.value);
   const int frames = read->volume.frames;
   const int frame = asked.asked ? *asked.asked : frames > 1 ? asked.of_mesh.value_or(0) : 0;
   if (frame >= frames)
@@ -173,21 +169,17 @@ Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<
                                    " frames, counted from 0, and the mesh belongs to frame " + std::to_string(frame) +
                                    "; choose --frame among them");
   if (auto held = check_frame(read->volume, labels, frame); !held) return fail(path.string(), held.error().what);
-  if (auto there = check_labels(read->volume, labels, frame); !there) return fail(path.string(), there.error().what);
+  if (auto there = check_labels(*read, labels, frame); !there) return fail(path.string(), there.error().what);
   if (frames > 1 && !asked.asked && !asked.of_mesh)
     read->warnings.push_back(path.string() + ": has " + std::to_string(frames) +
                              " frames, of which frame 0 was taken; choose another by --frame");
   warn_of_soft_labels(path, read->volume, frame, read->warnings);
   if (labels.size() > 1) {  // one that does not occur adds nothing: most kidneys have no tumour
-    const auto held = labels_of(read->volume, frame);
-    std::vector<int> there;
-    std::copy_if(labels.begin(), labels.end(), std::back_inserter(there), [&](int l) { return held.contains(l); });
-    unite_labels(read->volume, there);
-    const int label = there.empty() ? labels.front() : there.front();
-    return MaskRead{std::move(*read), label, frame, labels};
+    const int united = unite_segments(read->volume, *segments, frame);
+    return MaskRead{std::move(*read), united, frame, labels};
   }
-  const auto chosen = !labels.empty() ? Result<int>(labels.front()) : only_label(read->volume, frame);
-  if (!chosen) return fail(path.string(), chosen.error().what + " by --label");
+  const auto chosen = !labels.empty() ? Result<int>(labels.front()) : label_alone(*read, frame);
+  if (!chosen) return fail(path.string(), chosen.error().what);
   return MaskRead{std::move(*read), *chosen, frame, {*chosen}};
 }
 

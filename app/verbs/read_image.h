@@ -13,8 +13,8 @@ namespace homolog {
 /// The image, of which `frame` must exist.
 Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress);
 
-/// Adds `--label N`, or `--label N,N…` for what several labels cover together.
-CLI::Option* add_label_option(CLI::App& verb, std::vector<int>& labels, const std::string& help);
+/// Adds `--label N`, `--label NAME`, or several for what they cover together; `label` is empty without it.
+CLI::Option* add_label_option(CLI::App& verb, std::string& label, const std::string& help);
 
 /// Adds `--NAME-mm R`, the radius of a ball; without it `radius_mm` stays empty: a share of the organ's size.
 CLI::Option* add_ball_option(CLI::App& verb, const std::string& name, std::optional<double>& radius_mm,
@@ -42,9 +42,10 @@ struct MaskRead : VolumeRead {
   }
 };
 /// A label map, and which frame and label of it are meant. The frame: the one that is asked for, else the one that the
-/// mesh belongs to, else the first, with a warning where there are several. The label: the union of `labels`, or the
-/// only one where they are none. Errors: a frame without them names those that hold some.
-Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<int>& labels, const MaskFrame& frame,
+/// mesh belongs to, else the first, with a warning where there are several. The label: what `label` names
+/// [choose_segments], together, or the only one where it is empty. Errors: a frame without them names those that hold
+/// some.
+Result<MaskRead> read_mask(const std::filesystem::path& path, const std::string& label, const MaskFrame& frame,
                            Progress& progress);
 
 }  // namespace homolog

@@ -15,7 +15,7 @@ namespace homolog {
 struct SubjectFiles {
   std::vector<std::filesystem::path> files;  ///< see subject_paths
   std::filesystem::path landmarks;           ///< a folder with a file for each [landmark_file_in]; empty: none
-  std::vector<int> labels;                   ///< of label maps: see read_mask
+  std::string label;                         ///< of label maps: see read_mask
   std::optional<int> frame;                  ///< of label maps with several: see read_mask
   std::optional<double> closing_mm;          ///< see label_boundary
   int vertices = 2500;

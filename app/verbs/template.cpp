@@ -191,13 +191,13 @@ Result<MadeTemplate> from_mesh(const TemplateJob& options, Progress& progress) {
 
 Result<MadeTemplate> make_template_of_one(const TemplateJob& options, bool choose_closing, Progress& progress) {
   if (is_mesh_name(options.in)) {
-    if (!options.labels.empty() || options.frame)
+    if (!options.label.empty() || options.frame)
       return fail(options.in.string(), "is a mesh, on which --label and --frame have no effect; leave them out");
     if (options.tube)
       return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
     return from_mesh(options, progress);
   }
-  const auto mask = read_mask(options.in, options.labels, {options.frame, {}}, progress);
+  const auto mask = read_mask(options.in, options.label, {options.frame, {}}, progress);
   if (!mask) return fail(mask.error());
   auto made = options.tube ? tube(options, *mask) : from_mask(options, *mask, choose_closing, progress);
   if (made) mask->report_frame(made->values);
@@ -304,7 +304,8 @@ void add_template(CLI::App& app, CommandLine& asked) {
                            ->required());
   verb->add_option("--landmarks", options->landmarks,
                    "Named points for the template (.mrk.json, .fcsv, .json), in the template's space");
-  add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together");
+  add_label_option(*verb, options->label,
+                   "Which label of the mask, where it holds several, by number or name; 1,2: both together");
   add_mask_frame_option(*verb, options->frame);
   verb->add_option("--vertices", options->vertices, "How many vertices")
       ->check(CLI::Range(100, 200000))

@@ -16,7 +16,7 @@ struct TemplateJob {
   std::filesystem::path in, out, landmarks;
   std::vector<std::filesystem::path> consensus, best_of;  ///< several subjects in place of `in`; a folder opens
   bool flip_mirrored = false;
-  std::vector<int> labels;
+  std::string label;
   std::optional<int> frame;
   int vertices = 2500;
   std::optional<double> closing_mm, opening_mm;

@@ -32,8 +32,4 @@ std::vector<std::int32_t> vertices_in(const Regions& regions, const std::string&
 /// `of_vertices`: how many vertices the mesh has.
 void add_region(Regions& regions, Region region, const std::vector<std::int32_t>& vertices, std::size_t of_vertices);
 
-/// "#rrggbb", as files and case lines hold a colour, and back (nothing for anything else).
-std::string hex_of(const std::array<std::uint8_t, 3>& colour);
-std::optional<std::array<std::uint8_t, 3>> colour_from_hex(const std::string& text);
-
 }  // namespace homolog

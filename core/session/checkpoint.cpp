@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "core/base/colour.h"
 #include "core/base/hash.h"
 #include "core/base/json.h"
 #include "core/base/limits.h"

@@ -151,8 +151,9 @@ bool take_over(const std::string& line, NrrdHeader& header) {
   const std::string_view segment = "Segment";
   if (const auto pair = line.find(":="); pair != std::string::npos && line.starts_with(segment)) {
     const std::string_view key = std::string_view(line).substr(segment.size(), pair - segment.size());
-    header.is_segmentation = header.is_segmentation || key.starts_with("ation_") ||
-                             (!key.empty() && key[0] >= '0' && key[0] <= '9' && key.find('_') != key.npos);
+    const bool of_one = !key.empty() && key[0] >= '0' && key[0] <= '9' && key.find('_') != key.npos;
+    header.is_segmentation = header.is_segmentation || of_one || key.starts_with("ation_");
+    if (of_one) header.segment_pairs.emplace_back(line.substr(0, pair), line.substr(pair + 2));
   }
   header.is_diffusion = header.is_diffusion || line.starts_with("modality:=DWMRI");
   return false;

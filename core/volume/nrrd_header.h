@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -21,8 +22,9 @@ struct NrrdHeader {
   int file_dimension = 0;                    ///< axes that each file holds; 0: all but the last, or all in one file
 
   std::vector<std::string> space_units, units;  ///< of the space's directions, and of the array's axes; none: not said
-  bool is_segmentation = false;                 ///< of 3D Slicer: a list of values is one of layers
-  bool is_diffusion = false;                    ///< a list of values is one of gradients
+  std::vector<std::pair<std::string, std::string>> segment_pairs;  ///< KEY:=VALUE of 3D Slicer's segments
+  bool is_segmentation = false;                                    ///< of 3D Slicer: a list of values is one of layers
+  bool is_diffusion = false;                                       ///< a list of values is one of gradients
 };
 
 /// Reads a file's header up to the empty line that ends it [NRRD format, "data file", the three ways of naming files].

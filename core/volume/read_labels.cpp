@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "core/base/listed.h"
@@ -39,30 +40,27 @@ std::vector<const Volume*> all_layers(const VolumeRead& read) {
 }
 
 /// "label 1 in layer 0, label 2 in layer 1", the first of them.
-std::string layer_words(const std::map<int, std::vector<std::size_t>>& layers) {
+std::string layer_words(const Segmentation& segmentation) {
   constexpr std::size_t most = 8;
   std::vector<std::string> words;
-  for (const auto& [label, in] : layers) {
-    std::vector<std::string> numbers;
-    for (const std::size_t layer : in) numbers.push_back(std::to_string(layer));
-    words.push_back("label " + std::to_string(label) + " in layer " + listed(numbers, " and "));
-    if (words.size() == most && layers.size() > most) {
+  for (const Segment& segment : segmentation.segments) {
+    if (words.size() == most) {
       words.push_back("…");
       break;
     }
+    words.push_back(label_words(segment) + " in layer " + std::to_string(segment.layer));
   }
   return words.empty() ? "without labels" : listed(words, ", ");
 }
 
-/// Sets the voxels that have a label in `from`, or any of `labels` where some are given.
-void put_over(const Volume& from, std::span<const int> labels, Volume& to) {
+/// Sets the voxels that have a label in `from`: this one, or any where none is given.
+void put_over(const Volume& from, std::optional<int> label, Volume& to) {
   std::visit(
       [&]<class T>(std::vector<T>& voxels) {
         const auto& source = std::get<std::vector<T>>(from.data);
         for (std::size_t i = 0; i < voxels.size(); ++i) {
-          const auto label = std::rint(static_cast<double>(source[i]));
-          const auto is = [label](int wanted) { return label == wanted; };
-          if (labels.empty() ? label != 0 : std::any_of(labels.begin(), labels.end(), is)) voxels[i] = source[i];
+          const auto value = std::rint(static_cast<double>(source[i]));
+          if (label ? value == *label : value != 0) voxels[i] = source[i];
         }
       },
       to.data);
@@ -133,8 +131,12 @@ void take_layers(const fs::path& path, VolumeRead& read) {
   read.other_layers = std::move(layers);
   const std::string count = std::to_string(read.other_layers.size() + 1);
   const auto all = all_layers(read);
-  const auto held = layers_of(all);
-  bool apart = std::all_of(held.begin(), held.end(), [](const auto& label) { return label.second.size() == 1; });
+  for (const auto& [value, in] : layers_of(all))
+    for (const std::size_t layer : in) read.segmentation.add({.name = {}, .value = value, .layer = layer});
+  std::set<int> values;
+  const auto& segments = read.segmentation.segments;
+  bool apart = std::all_of(segments.begin(), segments.end(),
+                           [&](const Segment& segment) { return values.insert(segment.value).second; });
   Volume united = apart ? read.volume : Volume();
   for (std::size_t layer = 1; layer < all.size() && apart; ++layer) {
     apart = !overlap(united, *all[layer]);
@@ -147,42 +149,53 @@ void take_layers(const fs::path& path, VolumeRead& read) {
                             " layers that nowhere overlap; they are read as one label map");
     return;
   }
-  read.warnings.push_back(path.string() + ": holds its segments in " + count + " layers, not frames: " +
-                          layer_words(held) + "; the first is taken unless --label names a segment of another");
+  read.warnings.push_back(path.string() + ": holds its segments in " + count +
+                          " layers, not frames: " + layer_words(read.segmentation) +
+                          "; the first is taken unless --label names a segment of another");
 }
 
-Result<void> choose_layer(const fs::path& path, std::span<const int> labels, VolumeRead& read) {
-  if (read.other_layers.empty()) return {};
-  const auto held = layers_of(all_layers(read));
-  std::vector<int> wanted(labels.begin(), labels.end());
+Result<std::vector<Segment>> choose_segments(const fs::path& path, const std::string& asked, VolumeRead& read) {
+  std::vector<Segment> wanted;
+  if (!asked.empty()) {
+    auto found = asked_segments(asked, read.segmentation);
+    if (!found) return fail(path.string(), found.error().what);
+    wanted = std::move(*found);
+  }
+  if (read.other_layers.empty()) return wanted;
+  const auto all = all_layers(read);
   if (wanted.empty()) {
-    if (held.empty()) return {};  // said where the label is looked for
-    if (held.size() > 1)
-      return fail(path.string(),
-                  "holds its segments in layers (" + layer_words(held) + "); choose one of them by its label");
-    wanted.push_back(held.begin()->first);
+    for (const auto& [value, in] : layers_of(all))
+      for (const std::size_t layer : in) {
+        const Segment* known = read.segmentation.find(value, layer);
+        wanted.push_back(known ? *known : Segment{.name = {}, .value = value, .layer = layer});
+      }
+    if (wanted.empty()) return wanted;  // said where the label is looked for
+    if (wanted.size() > 1 && wanted.front().value != wanted.back().value)
+      return fail(path.string(), "holds its segments in layers (" + layer_words(read.segmentation) +
+                                     "); choose one of them by its label or its name");
+    if (wanted.size() > 1)
+      if (auto told = asked_segments(std::to_string(wanted.front().value), read.segmentation); !told)
+        return fail(path.string(), told.error().what);
   }
-  std::vector<std::size_t> from;
-  for (const int label : wanted) {
-    const auto found = held.find(label);
-    if (found == held.end()) continue;  // said where the label is looked for
-    if (found->second.size() > 1) {
-      std::vector<std::string> numbers;
-      for (const std::size_t layer : found->second) numbers.push_back(std::to_string(layer));
-      return fail(path.string(), "has label " + std::to_string(label) + " in layers " + listed(numbers, " and ") +
-                                     ", so that it does not tell which segment is meant; export that segment alone as "
-                                     "a label map");
-    }
-    from.push_back(found->second.front());
+  const auto is_known = [&](const Segment& s) { return read.segmentation.find(s.value, s.layer) != nullptr; };
+  if (std::none_of(wanted.begin(), wanted.end(), is_known)) return wanted;  // said where the label is looked for
+  Volume chosen = *all[wanted.front().layer];
+  if (wanted.size() > 1) {
+    std::visit([](auto& voxels) { std::fill(voxels.begin(), voxels.end(), 0); }, chosen.data);
+    for (const Segment& segment : wanted) put_over(*all[segment.layer], segment.value, chosen);
   }
-  if (from.empty()) return {};
-  const auto layer = [&](std::size_t l) -> const Volume& { return l == 0 ? read.volume : read.other_layers[l - 1]; };
-  Volume chosen = layer(from.front());
-  for (const std::size_t other : from)
-    if (other != from.front()) put_over(layer(other), wanted, chosen);
   read.volume = std::move(chosen);
   read.other_layers.clear();
-  return {};
+  return wanted;
+}
+
+int unite_segments(Volume& volume, std::span<const Segment> segments, int frame) {
+  const auto held = labels_of(volume, frame);
+  std::vector<int> there;
+  for (const Segment& segment : segments)
+    if (held.contains(segment.value)) there.push_back(segment.value);
+  unite_labels(volume, there);
+  return there.empty() ? segments.front().value : there.front();
 }
 
 }  // namespace homolog

@@ -18,13 +18,19 @@ Result<VolumeRead> read_labels(const std::filesystem::path& path, const VolumeRe
 void warn_of_soft_labels(const std::filesystem::path& path, const Volume& labels, int frame,
                          std::vector<std::string>& warnings);
 
-/// Makes a label map of a segmentation whose "frames" are layers of segments. Segments that nowhere overlap and have
+/// Makes a label map of a segmentation whose "frames" are layers of segments, and adds to `read.segmentation` what its
+/// header does not describe. Segments that nowhere overlap and have
 /// labels of their own become one label map; else every layer stays one. `read.warnings` says which.
 void take_layers(const std::filesystem::path& path, VolumeRead& read);
 
-/// Makes `read.volume` the label map of one layer in which these labels lie, whatever layers they come from; where
-/// `labels` are none, of the only label there is. Does nothing where there are no layers. Errors: a label that lies in
-/// several layers, so that it does not tell which segment is meant; none given, and several there.
-Result<void> choose_layer(const std::filesystem::path& path, std::span<const int> labels, VolumeRead& read);
+/// The segments that `asked` names [asked_segments]. Of a map with layers `read.volume` becomes the label map in which
+/// they lie, whatever layers they come from; where `asked` is empty, of the only label there is. Errors: those of
+/// asked_segments; nothing asked for, and several there.
+Result<std::vector<Segment>> choose_segments(const std::filesystem::path& path, const std::string& asked,
+                                             VolumeRead& read);
+
+/// Gives the voxels of all these segments one value in a frame, so that it stands for their union: that of the first
+/// that occurs there, or of the first where none does.
+int unite_segments(Volume& volume, std::span<const Segment> segments, int frame);
 
 }  // namespace homolog

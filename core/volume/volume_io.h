@@ -6,6 +6,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/volume/segmentation.h"
 #include "core/volume/volume.h"
 
 namespace homolog {
@@ -30,6 +31,7 @@ struct VolumeReadOptions {
 struct VolumeRead {
   Volume volume;
   std::vector<std::string> warnings;
+  Segmentation segmentation;  ///< names and colours of labels, where the file gives some; of layers all labels
   /// Of a segmentation whose segments overlap or share labels (3D Slicer): the layers behind `volume`, which is the
   /// first, on its grid. read_labels.h chooses among them.
   std::vector<Volume> other_layers;

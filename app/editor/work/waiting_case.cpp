@@ -23,12 +23,14 @@ Result<CaseLabels> read_case_labels(const StudyCase& one, const FitSettings& set
   if (!read) return fail(read.error());
   int wanted = settings.all_labels ? 0 : settings.label;
   bool all = settings.all_labels;
-  if (const auto own = one.other.find("label"); own != one.other.end() && own->is_number()) {
-    wanted = static_cast<int>(own->get<double>());  // as the study was made with
-    all = false;
+  std::string asked = wanted == 0 ? "" : std::to_string(wanted);
+  if (const auto own = one.other.find("label"); own != one.other.end() && (own->is_number() || own->is_string())) {
+    asked = own->is_string() ? own->get<std::string>() : std::to_string(static_cast<int>(own->get<double>()));
+    all = false;  // as the study was made with
   }
-  if (auto chosen = choose_layer(one.labels, {&wanted, wanted == 0 ? 0U : 1U}, *read); !chosen)
-    return fail(chosen.error());
+  const auto chosen = choose_segments(one.labels, asked, *read);
+  if (!chosen) return fail(chosen.error());
+  wanted = chosen->empty() ? 0 : unite_segments(read->volume, *chosen, 0);
   CaseLabels labels;
   warn_of_soft_labels(one.labels.filename(), read->volume, 0, labels.warnings);
   labels.map = {std::make_shared<const Volume>(std::move(read->volume)), one.labels.filename().string()};

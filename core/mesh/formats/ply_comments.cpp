@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/colour.h"
 #include "core/base/json.h"
 #include "core/base/text.h"
 #include "core/mesh/formats/text.h"

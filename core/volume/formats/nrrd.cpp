@@ -13,6 +13,7 @@
 #include "core/volume/nrrd_header.h"
 #include "core/volume/read_labels.h"
 #include "core/volume/readers.h"
+#include "core/volume/slicer_segments.h"
 #include "core/volume/text_voxels.h"
 #include "core/volume/write_voxels.h"
 
@@ -169,6 +170,8 @@ Result<VoxelRun> find_run(const NrrdHeader& header, const Nrrd& nrrd, const Nrrd
 
 /// What a list of values is besides frames.
 void name_list(const fs::path& path, const NrrdHeader& header, VolumeRead& read) {
+  const auto layers = header.is_segmentation ? static_cast<std::size_t>(read.volume.frames) : 1;
+  read.segmentation = slicer_segments(path, header.segment_pairs, layers, read.warnings);
   if (read.volume.frames < 2) return;
   if (header.is_segmentation) return take_layers(path, read);
   if (header.is_diffusion)

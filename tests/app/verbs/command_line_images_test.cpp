@@ -64,7 +64,7 @@ namespace {
 
 /// A segmentation as 3D Slicer saves it: a cube of 6 mm in each of two layers, the second 4 mm to the left of the first
 /// and over it.
-void put_layers(const fs::path& file, char first, char second) {
+void put_layers(const fs::path& file, char first, char second, const std::string& names = "") {
   constexpr int n = 16;
   std::string voxels;
   for (int k = 0; k < n; ++k)
@@ -79,8 +79,11 @@ void put_layers(const fs::path& file, char first, char second) {
       "NRRD0004\n# Complete NRRD file format specification at:\n# http://teem.sourceforge.net/nrrd/format.html\n"
       "type: unsigned char\ndimension: 4\nspace: left-posterior-superior\nsizes: 2 16 16 16\n"
       "space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\nencoding: raw\n"
-      "space origin: (0,0,0)\nSegment0_ID:=Segment_1\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n"
-      "Segment1_ID:=Segment_2\nSegment1_LabelValue:=2\nSegment1_Layer:=1\n"
+      "space origin: (0,0,0)\nSegment0_ID:=Segment_1\nSegment0_LabelValue:=" +
+      std::to_string(first) +
+      "\nSegment0_Layer:=0\n"
+      "Segment1_ID:=Segment_2\nSegment1_LabelValue:=" +
+      std::to_string(second) + "\nSegment1_Layer:=1\n" + names +
       "Segmentation_ContainedRepresentationNames:=Binary labelmap|\n\n";
   write_bytes(file, header + voxels);
 }
@@ -115,6 +118,28 @@ TEST_CASE("verbs find a label in any layer of a segmentation and say that there 
   check_refused(run(folder, "convert two.seg.nrrd u.nii"), "2 layers");
   CHECK(!fs::exists(folder.path / "u.nii"));
   CHECK(run(folder, "info t.ply --mask two.seg.nrrd --label 2").status == 0);
+}
+
+TEST_CASE("a label has its name in the report and is taken by it") {
+  const TemporaryFolder folder;
+  put_layers(folder.path / "named.seg.nrrd", 1, 1,
+             "Segment0_Name:=Left Kidney\nSegment0_Color:=1 0 0\nSegment1_Name:=tumour\n");
+  const Json labels = run(folder, "info named.seg.nrrd --json").json()["labels"];
+  REQUIRE(labels.size() == 2);
+  CHECK(labels[0]["name"] == "Left Kidney");
+  CHECK(labels[0]["colour"] == "#ff0000");
+  CHECK(labels[1]["name"] == "tumour");
+  CHECK(labels[1]["value"] == 1);
+  CHECK(labels[1]["layer"] == 1);
+  const Ran made = run(folder, "template named.seg.nrrd --vertices 300 -o t.ply --label 'left kidney'");
+  INFO(made.errors);
+  REQUIRE(made.status == 0);
+  CHECK(read_mesh(folder.path / "t.ply")->points.col(0).mean() == doctest::Approx(6.5).epsilon(0.05));
+  CHECK(run(folder, "compare t.ply --mask named.seg.nrrd --label TUMOUR --json").json()["dice"] < 0.9);
+  CHECK(run(folder, "template named.seg.nrrd --vertices 300 -o t.ply --label 'left kidney,tumour'").status == 0);
+  CHECK(read_mesh(folder.path / "t.ply")->points.col(0).mean() == doctest::Approx(8.5).epsilon(0.05));
+  check_refused(run(folder, "template named.seg.nrrd -o u.ply --label tumor"),
+                "the nearest names in it are \"tumour\"");
 }
 
 TEST_CASE("every verb that takes a label map says that its values are no whole numbers") {

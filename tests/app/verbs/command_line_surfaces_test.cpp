@@ -141,7 +141,7 @@ TEST_CASE("several labels are taken together by every verb that takes one") {
   CHECK(fitted("two.nii.gz --label 3,5") == fitted("one.nii.gz"));
   CHECK(fitted("one.nii.gz --label 3,5") == fitted("one.nii.gz"));  // a kidney without a tumour
   check_refused(run(folder, "fit one.ply --mask two.nii.gz --label 7,8 -o M.ply"), "label 7+8 does not occur");
-  for (const char* wrong : {"3,", ",3", "3;5", "0", "3,-5", "a"})
+  for (const char* wrong : {"3,", ",3", "3;5", "0", "3,-5", "a,"})
     CHECK(run(folder, "fit one.ply --mask two.nii.gz -o M.ply --label " + std::string("'") + wrong + "'").status == 2);
 }
 

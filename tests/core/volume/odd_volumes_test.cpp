@@ -51,8 +51,7 @@ TEST_CASE("odd volumes of other programs are read as they are meant or refused")
   REQUIRE(layers);
   CHECK(layers->volume.frames == 1);
   CHECK(labels_of(layers->volume).contains(1));
-  const int second = 2;
-  REQUIRE(choose_layer("overlap", std::span(&second, 1), *layers));
+  REQUIRE(choose_segments("overlap", "2", *layers));
   CHECK(labels_of(layers->volume).contains(2));
   const TemporaryFolder own;
   const Volume far = odd_volume(folder / "far_origin.nrrd");

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace homolog {
+
+/// What is known of one structure of a label map: the voxels of `value` in `layer`.
+struct Segment {
+  std::string name;  ///< UTF-8 without control characters; empty where the map gives none
+  int value = 0;
+  std::size_t layer = 0;  ///< in the file: structures that overlap lie in several
+  std::optional<std::array<std::uint8_t, 3>> colour{};
+  std::string terminology{};  ///< 3D Slicer's codes, as it writes them
+};
+
+/// What a label map says of its labels beside its voxels. One without names has no segments.
+struct Segmentation {
+  std::vector<Segment> segments;  ///< by layer and value, one of each
+
+  /// Null where nothing is said of it.
+  const Segment* find(int value, std::size_t layer) const;
+  /// Of whatever layer, the first.
+  const Segment* find(int value) const;
+  /// Puts one in its place; false where there is one of that layer and value, and beyond 16,384, which no atlas has.
+  bool add(Segment segment);
+};
+
+/// "label 3", or "label 3 (spleen)" where it has a name.
+std::string label_words(const Segment& segment);
+
+/// Text from another program as a name: what is no UTF-8 is taken for Latin-1, and control characters become '?'.
+std::string segment_name(std::string_view text);
+
+/// What `--label` and the columns of tables hold: a value above 0, a name in any case, or several of both, separated by
+/// commas. A value of which nothing is said is a segment without a name. Errors: a name that the map lacks (the nearest
+/// ones are named) or gives to several; a value that stands in several layers.
+Result<std::vector<Segment>> asked_segments(const std::string& asked, const Segmentation& known);
+
+/// Whether text is made of numbers, so that it is no name, and not of values above 0 with commas between them.
+bool is_bad_label(const std::string& asked);
+
+}  // namespace homolog

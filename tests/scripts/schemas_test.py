@@ -32,7 +32,7 @@ def strict(schema):
 
 
 schemas = {}
-for name in ("case-line", "study", "template-comment", "reports"):
+for name in ("case-line", "study", "set", "template-comment", "reports"):
     schema = json.loads((source / "docs/schemas" / f"{name}.schema.json").read_text())
     jsonschema.Draft202012Validator.check_schema(schema)
     schemas[name] = schema
@@ -90,6 +90,9 @@ check(json.loads((folder / "cohort/cohort.study.json").read_text()), "study", "t
 (folder / "cases.csv").write_text(f"name,mask,label,group,age\nA,{mask},1,healthy,63\n")
 run("study make", "cases.csv", "--template", "built-in:kidney", "-o", "made.study.json")
 check(json.loads((folder / "made.study.json").read_text()), "study", "a study that was made")
+run("set make", mask, "--all", "-o", "body.set.json")
+run("set info", "body.set.json")
+check(json.loads((folder / "body.set.json").read_text()), "set", "a template set")
 run("info", mask)
 run("refine", "case.homolog")
 for file in (image, one, "case.homolog", "kidney-1-landmarks.mrk.json"):

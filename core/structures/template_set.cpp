@@ -1,0 +1,224 @@
+#include "core/structures/template_set.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "core/base/colour.h"
+#include "core/base/files.h"
+#include "core/base/json.h"
+#include "core/base/paths.h"
+#include "core/base/text.h"
+#include "core/catalogue/catalogue.h"
+#include "core/mesh/surface_search.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int version = 1;
+constexpr std::array side_names{"", "left", "right"};
+
+/// A word of a name, and where it stands.
+struct Word {
+  std::string text;  ///< in small letters
+  std::size_t at = 0;
+};
+
+std::vector<Word> words_of(const std::string& name) {
+  std::vector<Word> words;
+  for (std::size_t k = 0; k < name.size(); ++k) {
+    if (std::string_view(" _-.,()/").find(name[k]) != std::string_view::npos) continue;
+    if (words.empty() || words.back().at + words.back().text.size() != k) words.push_back({{}, k});
+    words.back().text += lower_case(name.substr(k, 1));
+  }
+  return words;
+}
+
+Side side_of_word(const std::string& word) {
+  if (word == "left" || word == "l") return Side::left;
+  return word == "right" || word == "r" ? Side::right : Side::none;
+}
+
+/// `text` with the capitals that `like` has.
+std::string in_case_of(const std::string& text, const std::string& like) {
+  std::string cased = text;
+  const auto upper = [](char c) { return c >= 'A' && c <= 'Z'; };
+  const auto to_upper = [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; };
+  if (!upper(like.front())) return cased;
+  cased.front() = to_upper(cased.front());
+  if (upper(like.back())) std::ranges::transform(cased, cased.begin(), to_upper);
+  return cased;
+}
+
+Result<TemplateOfSet> parsed_structure(Json json, std::size_t number, const fs::path& folder) {
+  const std::string where = "structure " + std::to_string(number);
+  if (!json.is_object()) return fail("", where + " is no object; correct it in an editor");
+  const auto text = [&](const char* key) {
+    const auto found = json.find(key);
+    std::string value = found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+    if (found != json.end() && found->is_string()) json.erase(found);
+    return value;
+  };
+  TemplateOfSet one;
+  one.name = text("name");
+  const std::string file = text("template"), side = text("side"), colour = text("colour");
+  if (one.name.empty() || file.empty())
+    return fail("", where + " has no \"name\" or no \"template\"; give both, or make the set again");
+  one.file = names_file(file) ? (folder / file).lexically_normal() : fs::path(file);
+  one.side = side == "left" ? Side::left : side == "right" ? Side::right : Side::none;
+  one.partner = text("partner");
+  one.colour = colour_from_hex(colour);
+  if (const auto value = json.find("value"); value != json.end() && value->is_number_integer()) {
+    one.value = value->get<int>();
+    json.erase(value);
+  }
+  if (const auto layer = json.find("layer"); layer != json.end() && layer->is_number_unsigned()) {
+    one.layer = layer->get<std::size_t>();
+    json.erase(layer);
+  }
+  if (const auto near = json.find("neighbours"); near != json.end() && near->is_array()) {
+    for (const Json& name : *near)
+      if (name.is_string()) one.neighbours.push_back(name.get<std::string>());
+    json.erase(near);
+  }
+  one.other = std::move(json);
+  return one;
+}
+
+Result<TemplateSet> parsed_set(Json json, const fs::path& folder) {
+  const auto stamp = json.is_object() ? json.find("homolog_set") : json.end();
+  if (!json.is_object() || stamp == json.end() || !stamp->is_number_integer())
+    return fail("", "is no template set; a set starts with \"homolog_set\"");
+  if (*stamp > version)
+    return fail(
+        "", "was written by a newer version of this program (set version " + excerpt(stamp->dump()) + "); update it");
+  json.erase(stamp);
+  const Json structures = json.contains("structures") ? json["structures"] : Json::array();
+  json.erase("structures");
+  if (!structures.is_array() || structures.empty())
+    return fail("", "has no \"structures\"; make it with homolog set make");
+  TemplateSet set;
+  std::set<std::string> names;
+  for (const Json& entry : structures) {
+    auto one = parsed_structure(entry, set.structures.size() + 1, folder);
+    if (!one) return fail(one.error());
+    if (!names.insert(lower_case(one->name)).second)
+      return fail("", "has two structures named \"" + excerpt(one->name) + "\"; rename one of them");
+    set.structures.push_back(std::move(*one));
+  }
+  set.other = std::move(json);
+  return set;
+}
+
+/// How near two surfaces come: from the vertices of one to the faces of the other.
+double gap_mm(const SurfaceSearch& search, const Points& points, const Box& within) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (Eigen::Index v = 0; v < points.rows(); ++v) {
+    const Vec3 p = points.row(v);
+    if (within.contains(p)) nearest = std::min(nearest, search.nearest(p).distance_mm);
+  }
+  return nearest;
+}
+
+}  // namespace
+
+const TemplateOfSet* TemplateSet::find(const std::string& name) const {
+  const std::string wanted = lower_case(name);
+  const auto found =
+      std::ranges::find_if(structures, [&](const TemplateOfSet& one) { return lower_case(one.name) == wanted; });
+  return found == structures.end() ? nullptr : &*found;
+}
+
+bool is_template_set(const fs::path& file) {
+  return lower_case(file.string()).ends_with(".set.json");
+}
+
+Result<TemplateSet> read_template_set(const fs::path& path) {
+  const auto bytes = read_whole_file(path);
+  if (!bytes) return fail(bytes.error());
+  auto json = read_json<Json>(*bytes);
+  if (!json) return fail(path.string(), json.error().what + "; take its last good copy");
+  auto set = parsed_set(std::move(*json), absolute_path(path).parent_path());
+  if (!set) return fail(path.string(), set.error().what);
+  return set;
+}
+
+Result<void> write_template_set(const TemplateSet& set, const fs::path& path) {
+  const fs::path folder = absolute_path(path).parent_path();
+  Json json{{"homolog_set", version}};
+  json.update(set.other);
+  json["structures"] = Json::array();
+  for (const TemplateOfSet& one : set.structures) {
+    Json entry{{"name", one.name}, {"value", one.value}};
+    if (one.layer != 0) entry["layer"] = one.layer;
+    if (one.colour) entry["colour"] = hex_of(*one.colour);
+    entry["template"] = relative_source(folder, one.file.string());
+    if (one.side != Side::none) entry["side"] = side_names[static_cast<std::size_t>(one.side)];
+    if (!one.partner.empty()) entry["partner"] = one.partner;
+    entry["neighbours"] = one.neighbours;
+    entry.update(one.other);
+    json["structures"].push_back(std::move(entry));
+  }
+  return write_whole_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+Side side_in(const std::string& name) {
+  for (const Word& word : words_of(name))
+    if (const Side side = side_of_word(word.text); side != Side::none) return side;
+  return Side::none;
+}
+
+std::string name_of_other_side(const std::string& name) {
+  for (const Word& word : words_of(name)) {
+    const Side side = side_of_word(word.text);
+    if (side == Side::none) continue;
+    const bool is_letter = word.text.size() == 1;
+    const std::string other = side == Side::left ? (is_letter ? "r" : "right") : (is_letter ? "l" : "left");
+    const std::string written = name.substr(word.at, word.text.size());
+    return name.substr(0, word.at) + in_case_of(other, written) + name.substr(word.at + written.size());
+  }
+  return {};
+}
+
+void find_partners(TemplateSet& set) {
+  for (TemplateOfSet& one : set.structures) {
+    one.side = side_in(one.name);
+    const std::string other = name_of_other_side(one.name);
+    const TemplateOfSet* partner = other.empty() ? nullptr : set.find(other);
+    one.partner = partner != nullptr ? partner->name : std::string();
+  }
+}
+
+void find_neighbours(TemplateSet& set, const std::vector<Mesh>& meshes, double near_mm) {
+  const std::size_t count = set.structures.size();
+  std::vector<std::vector<std::pair<double, std::size_t>>> near(count);
+  for (std::size_t a = 0; a < count; ++a) {
+    const SurfaceSearch search(meshes[a]);
+    Box reach = bounds_of(meshes[a].points);
+    reach.min().array() -= near_mm;
+    reach.max().array() += near_mm;
+    for (std::size_t b = 0; b < count; ++b) {
+      if (a == b || !reach.intersects(bounds_of(meshes[b].points))) continue;
+      if (const double gap = gap_mm(search, meshes[b].points, reach); gap <= near_mm) {
+        near[a].emplace_back(gap, b);
+        near[b].emplace_back(gap, a);
+      }
+    }
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    std::ranges::sort(near[k]);
+    set.structures[k].neighbours.clear();
+    for (const auto& [gap, other] : near[k]) {
+      const std::string& name = set.structures[other].name;
+      auto& known = set.structures[k].neighbours;
+      if (std::ranges::find(known, name) == known.end()) known.push_back(name);
+    }
+  }
+}
+
+}  // namespace homolog

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+/// Which side of the body a structure is of.
+enum class Side { none, left, right };
+
+/// One structure of a template set.
+struct TemplateOfSet {
+  std::string name;                                   ///< as its label map calls it; no two of a set are equal
+  int value = 0;                                      ///< its label in maps that give no names
+  std::size_t layer = 0;                              ///< of a map in which structures overlap
+  std::optional<std::array<std::uint8_t, 3>> colour;  ///< none: not known
+  std::filesystem::path file;                         ///< its template; absolute in memory, relative on disk
+  Side side = Side::none;
+  std::string partner;                  ///< the same structure of the other side; empty: none
+  std::vector<std::string> neighbours;  ///< those that touch it or nearly do, the nearest first
+  nlohmann::ordered_json other = nlohmann::ordered_json::object();  ///< fields that are not known here, kept
+};
+
+/// The templates of several structures that belong together, `*.set.json`. They lie as in the subject that they were
+/// made of (LPS mm), so that the set says where each lies to the others.
+struct TemplateSet {
+  std::vector<TemplateOfSet> structures;
+  nlohmann::ordered_json other = nlohmann::ordered_json::object();
+
+  /// By its name, in any case. Null: there is none.
+  const TemplateOfSet* find(const std::string& name) const;
+};
+
+/// Whether a file is named as a template set.
+bool is_template_set(const std::filesystem::path& file);
+
+/// Errors: absent, not JSON, no set, a newer version, a structure without a name or template, two of one name.
+Result<TemplateSet> read_template_set(const std::filesystem::path& path);
+/// Whole or not at all; paths of templates relative to its folder.
+Result<void> write_template_set(const TemplateSet& set, const std::filesystem::path& path);
+
+/// The side that a name says: "kidney_left", "Left kidney", "L_hip", "hip.r".
+Side side_in(const std::string& name);
+/// The name that its partner has: left and right exchanged. Empty where it names no side.
+std::string name_of_other_side(const std::string& name);
+/// Fills in sides and partners from the names.
+void find_partners(TemplateSet& set);
+/// Fills in neighbours: the structures whose surface comes nearer than `near_mm`. `meshes`: one each, LPS mm.
+void find_neighbours(TemplateSet& set, const std::vector<Mesh>& meshes, double near_mm);
+
+}  // namespace homolog

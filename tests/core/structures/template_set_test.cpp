@@ -1,0 +1,111 @@
+#include "core/structures/template_set.h"
+
+#include <doctest/doctest.h>
+
+#include "core/base/files.h"
+#include "core/mesh/icosphere.h"
+#include "tests/must.h"
+#include "tests/refusal.h"
+#include "tests/temporary_folder.h"
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+TemplateOfSet named(const std::string& name) {
+  TemplateOfSet one;
+  one.name = name;
+  one.file = "built-in:kidney";
+  return one;
+}
+
+Mesh ball_at(double x_mm) {
+  Mesh ball = icosphere(3, 10);
+  ball.points.col(0).array() += x_mm;
+  return ball;
+}
+
+}  // namespace
+
+TEST_CASE("a name says its side and what its partner is called") {
+  CHECK(side_in("kidney_left") == Side::left);
+  CHECK(side_in("Right Lung") == Side::right);
+  CHECK(side_in("hip.R") == Side::right);
+  CHECK(side_in("L Femur") == Side::left);
+  CHECK(side_in("liver") == Side::none);
+  CHECK(side_in("vertebrae_L3") == Side::none);  // a lumbar vertebra
+  CHECK(side_in("bright") == Side::none);
+  CHECK(name_of_other_side("kidney_left") == "kidney_right");
+  CHECK(name_of_other_side("Right Lung") == "Left Lung");
+  CHECK(name_of_other_side("LEFT HIP") == "RIGHT HIP");
+  CHECK(name_of_other_side("hip.R") == "hip.L");
+  CHECK(name_of_other_side("liver").empty());
+}
+
+TEST_CASE("partners are found in the set and neighbours by their distance") {
+  TemplateSet set;
+  for (const char* name : {"kidney_left", "Kidney_Right", "liver", "lung_left"}) set.structures.push_back(named(name));
+  find_partners(set);
+  CHECK(set.structures[0].partner == "Kidney_Right");
+  CHECK(set.structures[1].partner == "kidney_left");
+  CHECK(set.structures[3].side == Side::left);
+  CHECK(set.structures[3].partner.empty());
+  // Balls of 10 mm: 1 mm, 3 mm and 40 mm apart.
+  find_neighbours(set, {ball_at(0), ball_at(21), ball_at(44), ball_at(104)}, 5);
+  CHECK(set.structures[0].neighbours == std::vector<std::string>{"Kidney_Right"});
+  CHECK(set.structures[1].neighbours == std::vector<std::string>{"kidney_left", "liver"});
+  CHECK(set.structures[3].neighbours.empty());
+}
+
+TEST_CASE("a set reads back as it was written and keeps what it does not know") {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path / "trunk.set.json";
+  TemplateSet set;
+  set.structures = {named("Leber, groß"), named("kidney_left")};
+  TemplateOfSet& one = set.structures[1];
+  one.value = 7;
+  one.layer = 2;
+  one.colour = {{1, 2, 3}};
+  one.file = folder.path / "trunk" / "kidney_left.ply";
+  one.side = Side::left;
+  one.partner = "kidney_right";
+  one.neighbours = {"liver", "spleen"};
+  one.other["weight"] = 3;
+  set.other["made_by"] = "anna";
+  REQUIRE(write_template_set(set, path));
+  CHECK(read_whole_file(path).value().find("\"trunk/kidney_left.ply\"") != std::string::npos);
+  const TemplateSet read = test::must(read_template_set(path));
+  REQUIRE(read.structures.size() == 2);
+  CHECK(read.other == set.other);
+  CHECK(read.find("LEBER, groß") == &read.structures[0]);
+  const TemplateOfSet& again = read.structures[1];
+  CHECK(again.value == 7);
+  CHECK(again.layer == 2);
+  CHECK(again.colour == one.colour);
+  CHECK(again.file == one.file);
+  CHECK(again.side == Side::left);
+  CHECK(again.partner == one.partner);
+  CHECK(again.neighbours == one.neighbours);
+  CHECK(again.other == one.other);
+}
+
+TEST_CASE("what is no set is refused with what to do") {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path / "a.set.json";
+  const auto refused = [&](const std::string& text, const std::string& says_so) {
+    REQUIRE(write_whole_file(path, text));
+    CHECK(says(read_template_set(path), says_so));
+  };
+  CHECK(says(read_template_set(path), "does not exist"));
+  refused("[1, 2", "take its last good copy");
+  refused("{}", "homolog_set");
+  refused(R"({"homolog_set":2})", "newer version");
+  refused(R"({"homolog_set":1})", "homolog set make");
+  refused(R"({"homolog_set":1,"structures":[{"name":"a"}]})", "\"template\"");
+  refused(R"({"homolog_set":1,"structures":[{"name":"a","template":"a.ply"},{"name":"A","template":"b.ply"}]})",
+          "rename one");
+}
+
+}  // namespace homolog

@@ -5,6 +5,7 @@
 #include "core/base/files.h"
 #include "core/base/listed.h"
 #include "core/volume/formats/formats.h"
+#include "core/volume/label_tables.h"
 #include "core/volume/readers.h"
 
 namespace homolog {
@@ -62,7 +63,11 @@ Result<VolumeRead> read_any(const fs::path& path, const VolumeReadOptions& optio
   std::error_code ignored;
   if (fs::is_regular_file(path, ignored) && is_lfs_pointer(path))
     return fail(path.string(), "is a Git LFS pointer, not the image itself; fetch it with `git lfs pull`");
-  if (const VolumeFormat* format = format_of(path)) return format->read(path, options);
+  if (const VolumeFormat* format = format_of(path)) {
+    auto read = format->read(path, options);
+    if (read && fs::is_regular_file(path, ignored)) take_names_beside(path, *read);
+    return read;
+  }
   const bool folder = fs::is_directory(path, ignored);
   std::vector<std::string> known;
   for (const VolumeFormat* format : volume_formats)

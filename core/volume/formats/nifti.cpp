@@ -11,6 +11,7 @@
 
 #include "core/base/files.h"
 #include "core/volume/formats/formats.h"
+#include "core/volume/label_tables.h"
 #include "core/volume/length_units.h"
 #include "core/volume/readers.h"
 #include "core/volume/write_voxels.h"
@@ -262,6 +263,34 @@ Rescale analyze_rescale(const NiftiHeader& header, const fs::path& path, std::ve
   return {header.analyze_scale, 0};
 }
 
+/// The names of labels in the extensions behind the header [nifti1.h, "extender"]: in XML (Caret, TotalSegmentator), or
+/// JSON. What they claim of their size is bounded by where the voxels begin.
+Segmentation names_in_extensions(const NiftiHeader& header, const Pair& pair) {
+  constexpr double most_bytes = 1 << 22;
+  const bool single = pair.header == pair.voxels;
+  const double end = single ? std::min(header.voxels_begin, most_bytes) : most_bytes;
+  constexpr std::size_t extender = 4, size_and_code = 8;
+  std::size_t at = header.bytes + extender;
+  if (!(end > static_cast<double>(at))) return {};
+  const auto head = read_head(pair.header, static_cast<std::size_t>(end));
+  if (!head || head->size() < at || (*head)[header.bytes] == 0) return {};
+  while (at + size_and_code <= head->size()) {
+    std::int32_t size = 0;
+    std::memcpy(&size, head->data() + at, sizeof size);
+    if (header.other_byte_order) nifti_swap_4bytes(1, &size);
+    if (size < static_cast<std::int32_t>(size_and_code)) break;
+    const std::string_view text =
+        std::string_view(*head).substr(at + size_and_code, static_cast<std::size_t>(size) - size_and_code);
+    Segmentation names = labels_of_xml(text);
+    const auto last = text.find_last_not_of(std::string_view(" \t\r\n\0", 5));
+    if (text.starts_with('{') && last != text.npos)
+      if (auto read = labels_of_json(text.substr(0, last + 1))) names = std::move(*read);
+    if (!names.segments.empty()) return names;
+    at += static_cast<std::size_t>(size);
+  }
+  return {};
+}
+
 Result<VolumeRead> read_nifti(const fs::path& path, const VolumeReadOptions& options) {
   const auto pair = find_pair(path);
   if (!pair) return fail(pair.error());
@@ -309,6 +338,7 @@ Result<VolumeRead> read_nifti(const fs::path& path, const VolumeReadOptions& opt
   if (!stored) return fail(stored.error());
   if (auto kept = keep_voxels(std::move(*stored), rescale, path.string(), volume, result.warnings); !kept)
     return fail(kept.error());
+  if (!header->analyze) result.segmentation = names_in_extensions(*header, *pair);
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "core/adapt/boundary/find_placement.h"
+#include "core/adapt/boundary/surface_target.h"
 #include "core/catalogue/catalogue.h"
 #include "core/phantom/phantom.h"
 #include "tests/adapting.h"

@@ -1,0 +1,155 @@
+#include "core/volume/label_tables.h"
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "core/base/colour.h"
+#include "core/base/files.h"
+#include "core/volume/volume_io.h"
+#include "tests/must.h"
+#include "tests/refusal.h"
+#include "tests/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace homolog;
+
+namespace {
+
+/// "1=spleen#ff0000 2=liver"
+std::string names_in(const Result<Segmentation>& labels) {
+  REQUIRE_MESSAGE(labels, labels.error().sentence());
+  std::string all;
+  for (const Segment& segment : labels->segments)
+    all += (all.empty() ? "" : " ") + std::to_string(segment.value) + "=" + segment.name +
+           (segment.colour ? hex_of(*segment.colour) : "");
+  return all;
+}
+
+/// Two labels in a row of six voxels.
+Volume two_labels() {
+  Volume map;
+  map.geometry.dims = {6, 1, 1};
+  map.data = std::vector<std::uint8_t>{0, 1, 1, 2, 2, 2};
+  map.range_max = 2;
+  return map;
+}
+
+/// A map beside which `file` holds `text`, as it is read.
+VolumeRead with_file_beside(const std::string& file, const std::string& text, const Volume& map = two_labels()) {
+  const TemporaryFolder folder;
+  REQUIRE(write_volume(map, folder.path / "a_seg.nii.gz"));
+  write_bytes(folder.path / file, text);
+  auto read = read_volume(folder.path / "a_seg.nii.gz");
+  REQUIRE(read);
+  return *read;
+}
+
+/// A .nii file's bytes with an extension behind its header, as nibabel writes it: padded to 16 bytes.
+std::string with_extension(std::string nii, int code, std::string content) {
+  content.resize((content.size() + 8 + 15) / 16 * 16 - 8, '\0');
+  const auto size = static_cast<std::int32_t>(content.size() + 8);
+  std::string extension(8, '\0');
+  std::memcpy(extension.data(), &size, 4);
+  std::memcpy(extension.data() + 4, &code, 4);
+  float offset = 0;
+  std::memcpy(&offset, nii.data() + 108, 4);
+  offset += static_cast<float>(size);
+  std::memcpy(nii.data() + 108, &offset, 4);
+  nii[348] = 1;
+  return nii.insert(352, extension + content);
+}
+
+/// As TotalSegmentator puts its class map into the header.
+const std::string caret_table =
+    "<?xml version=\"1.0\" encoding=\"UTF-8\"?> <CaretExtension>  <Date><![CDATA[2013-07-14T05:45:09]]></Date>   "
+    "<VolumeInformation Index=\"0\">   <LabelTable>\n"
+    "<Label Key=\"1\" Red=\"0.0\" Green=\"1.0\" Blue=\"0.0\" Alpha=\"1\"><![CDATA[spleen]]></Label>\n"
+    "<Label Key=\"2\" Red=\"0.0\" Green=\"0.0\" Blue=\"1.0\" Alpha=\"1\">kidney &amp; right</Label>\n\n"
+    "  </LabelTable>  <VolumeType><![CDATA[Label]]></VolumeType>   </VolumeInformation></CaretExtension>\n   ";
+
+}  // namespace
+
+TEST_CASE("names of labels are read from JSON in the forms that programs write") {
+  CHECK(names_in(labels_of_json(R"({"1": "spleen", "2": "liver"})")) == "1=spleen 2=liver");
+  CHECK(names_in(labels_of_json(R"({"background": 0, "spleen": 1, "liver": 2})")) == "1=spleen 2=liver");
+  CHECK(names_in(labels_of_json(
+            R"({"labels": {"background": 0, "all": [1, 2], "liver": 2}, "file_ending": ".nii"})")) == "2=liver");
+  CHECK(names_in(labels_of_json(R"([{"id": 3, "name": "vein", "color": "#FF8000"}])")) == "3=vein#ff8000");
+  // A sidecar of an image is about something else.
+  CHECK(names_in(labels_of_json(R"({"EchoTime": 0.002, "SeriesNumber": 3, "Manufacturer": "x"})")).empty());
+  CHECK(names_in(labels_of_json("[1, 2]")).empty());
+  CHECK(says(labels_of_json(R"({"spleen": 1, "liver": 1})"), "two names (liver and spleen)"));
+  CHECK(says(labels_of_json("{"), "is no JSON"));
+}
+
+TEST_CASE("names of labels are read from the tables of ITK-SNAP and FreeSurfer and 3D Slicer") {
+  CHECK(names_in(labels_of_lines("################\n# ITK-SnAP Label Description File\n# File format:\n"
+                                 "# IDX   -R-  -G-  -B-  -A--  VIS MSH  LABEL\n################\n"
+                                 "    0     0    0    0        0  0  0    \"Clear Label\"\n"
+                                 "    1   255    0    0        1  1  1    \"Left kidney\"\n"
+                                 "    2     0  255    0     0.50  1  1    \"Tumour 2\"\n")) ==
+        "1=Left kidney#ff0000 2=Tumour 2#00ff00");
+  CHECK(names_in(labels_of_lines("#$Id: FreeSurferColorLUT.txt $\n\n#No. Label Name:   R   G   B   A\n\n"
+                                 "0   Unknown                                 0   0   0   0\n"
+                                 "4   Left-Lateral-Ventricle                  120 18  134 0\r\n")) ==
+        "4=Left-Lateral-Ventricle#781286");
+  CHECK(names_in(labels_of_lines("# Color table file /tmp/a.ctbl\n# 2 values\n0 background 0 0 0 0\n"
+                                 "1 left kidney 185 102 83 255\n")) == "1=left kidney#b96653");
+  CHECK(names_in(labels_of_lines("1 spleen\n2 vertebrae L5\n")) == "1=spleen 2=vertebrae L5");
+  CHECK(names_in(labels_of_lines("Scanned on 3 May.\nLeft knee.\n")).empty());
+  CHECK(says(labels_of_lines("1 spleen\nliver\n"), "in line 2 has no number and name"));
+  CHECK(says(labels_of_lines("1 spleen\n1 liver\n"), "in line 2 gives label 1 two names"));
+}
+
+TEST_CASE("names of labels are read from tables by the names of their columns") {
+  CHECK(names_in(labels_of_table("name,value\nspleen,1\n\"left, kidney\",2\n")) == "1=spleen 2=left, kidney");
+  CHECK(names_in(labels_of_table("index\tname\tcolor\n1\tspleen\t#00FF00\n")) == "1=spleen#00ff00");
+  CHECK(names_in(labels_of_table("LabelValue;Name;Color_R;Color_G;Color_B;Color_A\n7;vein;0;151;206;255\n")) ==
+        "7=vein#0097ce");
+  CHECK(names_in(labels_of_table("1,spleen\n2,liver\n")) == "1=spleen 2=liver");
+  CHECK(names_in(labels_of_table("spleen,1\nliver,2\n")) == "1=spleen 2=liver");
+  CHECK(names_in(labels_of_table("subject,age\na,40\n")).empty());
+  CHECK(says(labels_of_table("name,value\nspleen,x\n"), "in line 2"));
+}
+
+TEST_CASE("names stand in the extension of a NIfTI header as TotalSegmentator writes them") {
+  const TemporaryFolder folder;
+  REQUIRE(write_volume(two_labels(), folder.path / "a.nii"));
+  const std::string bytes = test::must(read_whole_file(folder.path / "a.nii"));
+  const auto read_as = [&](int code, const std::string& content) {
+    write_bytes(folder.path / "b.nii", with_extension(bytes, code, content));
+    const auto read = read_volume(folder.path / "b.nii");
+    REQUIRE_MESSAGE(read, read.error().sentence());
+    CHECK(read->volume.data == two_labels().data);
+    return names_in(read->segmentation);
+  };
+  CHECK(read_as(0, caret_table) == "1=spleen#00ff00 2=kidney & right#0000ff");
+  CHECK(read_as(30, caret_table) == "1=spleen#00ff00 2=kidney & right#0000ff");
+  CHECK(read_as(6, R"({"1": "spleen"})") == "1=spleen");
+  CHECK(read_as(6, "a comment").empty());
+  CHECK(read_as(0, "<Label Key=\"1\"").empty());
+  // An extension that claims more than there is.
+  std::string claims = with_extension(bytes, 0, caret_table);
+  const std::int32_t huge = 0x7ffffff0;
+  std::memcpy(claims.data() + 352, &huge, 4);
+  write_bytes(folder.path / "b.nii", claims);
+  CHECK(read_volume(folder.path / "b.nii"));
+}
+
+TEST_CASE("names stand in a file beside a label map and not beside an image") {
+  CHECK(names_in(with_file_beside("a_seg.json", R"({"1": "spleen"})").segmentation) == "1=spleen");
+  CHECK(names_in(with_file_beside("a_seg.csv", "1,spleen\n").segmentation) == "1=spleen");
+  CHECK(names_in(with_file_beside("a_seg.label", "1 255 0 0 1 1 1 \"s\"\n").segmentation) == "1=s#ff0000");
+  CHECK(names_in(with_file_beside("dataset.json", R"({"labels": {"spleen": 1}})").segmentation) == "1=spleen");
+  CHECK(with_file_beside("b_seg.json", R"({"1": "spleen"})").segmentation.segments.empty());
+  const VolumeRead bad = with_file_beside("a_seg.json", R"({"spleen": 1, "liver": 1})");
+  REQUIRE(bad.warnings.size() == 1);
+  CHECK(bad.warnings.front().find("a_seg.json: gives label 1 two names (liver and spleen)") != std::string::npos);
+  Volume image = two_labels();
+  image.data = std::vector<std::int16_t>{-1000, 40, 60, 20, 70, 3};
+  image.range_min = -1000;
+  CHECK(with_file_beside("a_seg.json", R"({"SeriesNumber": 3})", image).segmentation.segments.empty());
+}

@@ -12,4 +12,10 @@ Rgb label_colour(int label) {
   return hsv_to_rgb(std::fmod(0.47f + 0.618034f * static_cast<float>(turn), 1.0f), turn % 2 == 0 ? 0.75f : 0.6f, 1);
 }
 
+Rgb label_colour(int label, const std::map<int, Rgb>* own) {
+  if (own == nullptr || label > label_colour_count) return label_colour(label);
+  const auto found = own->find(label);
+  return found == own->end() ? label_colour(label) : found->second;
+}
+
 }  // namespace homolog

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -29,7 +30,8 @@ struct ImageLayer {
 struct LabelLayer {
   std::shared_ptr<const Volume> labels;  ///< any grid; resliced by nearest voxel, coloured by label_colour()
   int frame = 0;
-  float opacity = 0.4f;  ///< twice that on the edges of a label
+  float opacity = 0.4f;                               ///< twice that on the edges of a label
+  std::shared_ptr<const std::map<int, Rgb>> colours;  ///< that the map gives; null where it gives none
 };
 
 /// Of a mesh without colours of its own: bone.

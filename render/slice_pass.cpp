@@ -1,5 +1,6 @@
 #include "render/slice_pass.h"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -9,10 +10,10 @@
 namespace homolog {
 namespace {
 
-gl::Texture make_label_colours() {
+gl::Texture make_label_colours(const std::map<int, Rgb>* own) {
   std::vector<float> colours;
   for (int label = 1; label <= label_colour_count; ++label) {
-    for (const float channel : label_colour(label)) colours.push_back(channel);
+    for (const float channel : label_colour(label, own)) colours.push_back(channel);
   }
   gl::Texture texture = gl::Texture::make();
   glBindTexture(GL_TEXTURE_2D, texture.name());
@@ -76,7 +77,7 @@ Result<SlicePass> SlicePass::make() {
   pass.plain_ = std::move(*plain);
   pass.labelled_ = std::move(*labelled);
   pass.no_attributes_ = gl::VertexArray::make();
-  pass.label_colours_ = make_label_colours();
+  pass.label_colours_ = make_label_colours(nullptr);
   return pass;
 }
 
@@ -88,6 +89,10 @@ void SlicePass::draw(const Scene& scene, const PlaneInSpace& part, const Project
       labels.labels && labels.opacity > 0 ? textures_.of(labels.labels, labels.frame) : nullptr;
   if (image_texture == nullptr && label_texture == nullptr) return;
 
+  if (label_texture != nullptr && labels.colours != own_colours_) {
+    own_colours_ = labels.colours;
+    label_colours_ = make_label_colours(own_colours_.get());
+  }
   const gl::Program& program = label_texture != nullptr ? labelled_ : plain_;
   program.use();
   set_plane(program, part, projection);

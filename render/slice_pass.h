@@ -20,6 +20,7 @@ class SlicePass {
   gl::Program plain_, labelled_;
   gl::VertexArray no_attributes_;
   gl::Texture label_colours_;
+  std::shared_ptr<const std::map<int, Rgb>> own_colours_;  ///< that label_colours_ holds
   VolumeTextures textures_;
 };
 

@@ -268,7 +268,8 @@ SceneBuilder::Input Drawing::scene_input(const EditorState& state) const {
           shown_making(state, work_),
           shown_.mesh().outlines(),
           state.preferences.show.label_surface && shown_.labels().volume ? work_.label_surfaces.shown() : nullptr,
-          work_.label_surfaces.label()};
+          work_.label_surfaces.label(),
+          shown_.labels().colours};
 }
 
 std::vector<RunningWork> Drawing::running_work() const {

@@ -8,6 +8,7 @@
 #include "app/editor/update/status.h"
 #include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/base/text.h"
 
 namespace homolog {
 
@@ -27,7 +28,10 @@ std::string read_out(const UiContext& ui) {
   const auto i = static_cast<int>(voxel.x()), j = static_cast<int>(voxel.y()), k = static_cast<int>(voxel.z());
   const double value = volume->at(i, j, k, shown_frame(ui.state, ui.document()));
   text += format("    voxel %d %d %d    %.4g", i, j, k, value);
-  if (const int label = label_there(ui, p_mm)) text += format("    label %d", label);
+  if (const int label = label_there(ui, p_mm)) {
+    const auto name = ui.labels().names.find(label);
+    text += format("    label %d", label) + (name == ui.labels().names.end() ? "" : " " + excerpt(name->second));
+  }
   return text;
 }
 

@@ -152,8 +152,8 @@ bool label_list(const UiContext& ui, int& label, bool& all_labels) {
     swatches.push_back(ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], 1}));
   };
   for (const int value : known) {
-    names.push_back(format("Label %d", value));
-    swatch(label_colour(value));
+    names.push_back(ui.labels().label_name(value));
+    swatch(label_colour(value, ui.labels().colours.get()));
   }
   names.emplace_back("All labels");
   swatch({0.5f, 0.5f, 0.5f});

@@ -91,8 +91,9 @@ void SceneBuilder::update_label_surface(const Input& input) {
   label_colours_.reset();
   if (!label_surface_) return;
   label_points_ = std::make_shared<const Points>(label_surface_->points);
-  label_colours_ = std::make_shared<const std::vector<Rgb>>(static_cast<std::size_t>(label_points_->rows()),
-                                                            label_colour(std::max(input.label, 1)));
+  label_colours_ =
+      std::make_shared<const std::vector<Rgb>>(static_cast<std::size_t>(label_points_->rows()),
+                                               label_colour(std::max(input.label, 1), input.label_colours.get()));
 }
 
 void SceneBuilder::update_others(const Input& input) {
@@ -144,7 +145,7 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
                  state.preferences.linear};
   if (input.labels) {
     const int label_frame = input.labels->frames > frame ? frame : 0;
-    scene.labels = {input.labels, label_frame, static_cast<float>(state.look.label_opacity)};
+    scene.labels = {input.labels, label_frame, static_cast<float>(state.look.label_opacity), input.label_colours};
   }
   if (making_) {
     MeshLayer mesh;

@@ -24,8 +24,9 @@ class SceneBuilder {
     std::shared_ptr<const Volume> labels;
     std::shared_ptr<const Mesh> making;  ///< a template being made, shown in place of the case's mesh; null: none
     std::shared_ptr<Outlines> outlines;  ///< shared with who points at them; null: none are kept
-    std::shared_ptr<const Mesh> label_surface = nullptr;  ///< of the overlay, shown in 3D; null: none
-    int label = 0;                                        ///< whose surface that is
+    std::shared_ptr<const Mesh> label_surface = nullptr;                ///< of the overlay, shown in 3D; null: none
+    int label = 0;                                                      ///< whose surface that is
+    std::shared_ptr<const std::map<int, Rgb>> label_colours = nullptr;  ///< that the map gives; null: none
   };
 
   /// Takes in a new moment; cheap where nothing changed.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "app/editor/work/opening/recovery.h"
+#include "core/base/text.h"
 #include "core/session/unsaved_cases.h"
 
 namespace homolog {
@@ -75,6 +76,12 @@ Refusals ShownCase::start(EditSession session) {
 
 std::shared_ptr<const Document> ShownCase::done() const {
   return at_frame(snapshot_->document, displayed_->frame);
+}
+
+std::string ShownLabels::label_name(int label) const {
+  const auto found = names.find(label);
+  const std::string number = std::to_string(label);
+  return found == names.end() ? "Label " + number : excerpt(found->second) + " (" + number + ")";
 }
 
 void ShownCase::show_labels(ShownLabels labels) {

@@ -12,6 +12,7 @@
 
 #include "app/editor/picking/shown_mesh.h"
 #include "app/editor/state/state.h"
+#include "core/correspondence/colours.h"
 #include "core/session/session_thread.h"
 
 namespace homolog {
@@ -24,6 +25,11 @@ struct ShownLabels {
   std::vector<int> values;         ///< without 0
   std::map<int, double> sizes_mm;  ///< of each and of every_label together [organ_size_mm]
   std::optional<int> frame;        ///< of a cine, where the map holds one frame only: the one that it belongs to
+  std::map<int, std::string> names;
+  std::shared_ptr<const std::map<int, Rgb>> colours;  ///< that the map gives; null where it gives none
+
+  /// "Label 3", or "kidney_left (3)" where it has a name.
+  std::string label_name(int label) const;
 };
 
 /// Whether there are edits of a case that has no file of its own.

@@ -108,6 +108,15 @@ TEST_CASE("a fit begins with the label that the mesh lies in and the foot line n
   CHECK(label_at_mesh(test::must(read_volume(two.labels)).volume, 0, icosphere(2, 500).points) == 0);
 }
 
+TEST_CASE("the label list and the foot line name labels as the map does") {
+  const TwoLabels two;
+  write_bytes(two.labels.parent_path() / "labels.json", R"({"1": "spleen", "2": "left kidney"})");
+  Driver driver(two.document);
+  driver.click("side panel/Place");
+  open_labels_of(driver, two);
+  CHECK(driver.control("Place/label").value == "left kidney (2)");
+}
+
 TEST_CASE("a fit begins with the shape of the study's model or of a file's and says how near that alone comes") {
   const TemporaryFolder folder;
   Study study;

@@ -41,8 +41,8 @@ void show_labels(Editing& editing, const Opened& opened, std::optional<int> fitt
                    " If it belongs to another one, go there and press \"It is of this frame\" (Case).",
                false);
   }
-  editing.shown.show_labels(
-      {opened.labels, name, absolute_path(opened.request.labels), opened.label_values, opened.label_sizes_mm, frame});
+  editing.shown.show_labels({opened.labels, name, absolute_path(opened.request.labels), opened.label_values,
+                             opened.label_sizes_mm, frame, opened.label_names, opened.label_colours});
 }
 
 void start_document(Editing& editing, Document document) {

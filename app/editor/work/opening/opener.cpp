@@ -39,8 +39,19 @@ Error second_image(const std::string& path, const std::string& why) {
                     "Template → Open a label map…"};
 }
 
-void take_labels(Opened& opened, Volume labels) {
-  for (const auto& [value, voxels] : labels_of(labels)) opened.label_values.push_back(value);
+void take_labels(Opened& opened, VolumeRead read) {
+  Volume& labels = read.volume;
+  std::map<int, Rgb> colours;
+  for (const auto& [value, voxels] : labels_of(labels)) {
+    opened.label_values.push_back(value);
+    const auto& known = read.segmentation;
+    const Segment* segment = read.other_layers.empty() ? known.find(value) : known.find(value, 0);
+    if (segment == nullptr) continue;
+    if (!segment->name.empty()) opened.label_names[value] = segment->name;
+    if (!segment->colour) continue;
+    for (std::size_t c = 0; c < 3; ++c) colours[value][c] = static_cast<float>((*segment->colour)[c]) / 255;
+  }
+  if (!colours.empty()) opened.label_colours = std::make_shared<const std::map<int, Rgb>>(std::move(colours));
   constexpr std::size_t most_sized = 256;  // a grey image has thousands of values, and no sizes that anybody wants
   if (opened.label_values.size() <= most_sized) opened.label_sizes_mm = label_sizes_mm(labels, 0);
   opened.labels = std::make_shared<const Volume>(std::move(labels));
@@ -65,7 +76,7 @@ std::string name_of(const OpenRequest& request) {
 }
 
 /// Takes the volume that was read first as the image over which the other lies as a label map, or the other way round.
-Result<void> take_pair(Opened& opened, Volume first, Progress& progress) {
+Result<void> take_pair(Opened& opened, VolumeRead first, Progress& progress) {
   OpenRequest& request = opened.request;
   VolumeReadOptions options;
   options.progress = &progress;
@@ -76,7 +87,8 @@ Result<void> take_pair(Opened& opened, Volume first, Progress& progress) {
   const auto likeness = [](const Volume& map, const Volume& image) {
     return on_same_voxels(map, image) ? label_likeness(map) : LabelLikeness::none;
   };
-  const LabelLikeness of_first = likeness(first, other->volume), of_other = likeness(other->volume, first);
+  const LabelLikeness of_first = likeness(first.volume, other->volume),
+                      of_other = likeness(other->volume, first.volume);
   if (of_first == of_other) {
     const std::string name = fs::path(request.volume_source).filename().string();
     return fail(second_image(request.other_source,
@@ -86,12 +98,12 @@ Result<void> take_pair(Opened& opened, Volume first, Progress& progress) {
   }
   const bool first_is_map = of_first > of_other;
   if (first_is_map) {
-    std::swap(first, other->volume);
+    std::swap(first, *other);
     std::swap(request.volume_source, request.other_source);
   }
-  opened.volume = std::make_shared<const Volume>(std::move(first));
+  opened.volume = std::make_shared<const Volume>(std::move(first.volume));
   request.labels = std::exchange(request.other_source, {});  // both are known by now
-  take_labels(opened, std::move(other->volume));
+  take_labels(opened, std::move(*other));
   opened.warnings.push_back(shown_as_labels(request.labels));
   return {};
 }
@@ -117,10 +129,10 @@ Result<void> open_volume(Opened& opened, Progress& progress) {
   if (!read) return fail(read.error());
   opened.warnings = std::move(read->warnings);
   if (!request.other_source.empty()) {
-    if (auto taken = take_pair(opened, std::move(read->volume), progress); !taken) return fail(taken.error());
+    if (auto taken = take_pair(opened, std::move(*read), progress); !taken) return fail(taken.error());
   } else if (request.template_source.empty() && request.beside && is_label_map_on(read->volume, *request.beside)) {
     request.labels = request.volume_source;
-    take_labels(opened, std::move(read->volume));
+    take_labels(opened, std::move(*read));
     opened.warnings.push_back(shown_as_labels(request.labels));
     return {};
   } else {
@@ -135,7 +147,7 @@ Result<void> open_labels(Opened& opened, Progress& progress) {
   auto read = read_labels(opened.request.labels, options);
   if (!read) return fail(read.error());
   opened.warnings.insert(opened.warnings.end(), read->warnings.begin(), read->warnings.end());
-  take_labels(opened, std::move(read->volume));
+  take_labels(opened, std::move(*read));
   return {};
 }
 

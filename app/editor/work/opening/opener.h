@@ -11,6 +11,7 @@
 #include "app/editor/state/guide.h"
 #include "app/editor/state/open_request.h"
 #include "app/editor/work/worker.h"
+#include "core/correspondence/colours.h"
 #include "core/measure/meeting.h"
 #include "core/phantom/phantom.h"
 #include "core/session/case_file.h"
@@ -31,8 +32,10 @@ struct Opened {
   std::shared_ptr<const Volume> labels;
   std::vector<int> label_values;         ///< those that `labels` holds, without 0
   std::map<int, double> label_sizes_mm;  ///< of each and of every_label together [organ_size_mm]
-  bool labels_off_image = false;         ///< none of them lies in the image that they are shown over
-  std::optional<Misfit> labels_misfit;   ///< then: what would bring their grid there
+  std::map<int, std::string> label_names;
+  std::shared_ptr<const std::map<int, Rgb>> label_colours;  ///< that the map gives; null where it gives none
+  bool labels_off_image = false;                            ///< none of them lies in the image that they are shown over
+  std::optional<Misfit> labels_misfit;                      ///< then: what would bring their grid there
   std::vector<std::string> warnings;
   std::vector<SeriesInfo> series;  ///< the folder holds several and none was chosen: nothing was opened
   bool needs_spacing = false;      ///< a stack of pictures, whose voxel size was not told: nothing was opened

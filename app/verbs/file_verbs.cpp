@@ -14,6 +14,7 @@
 #include "core/model/shape_files.h"
 #include "core/phantom/phantom_files.h"
 #include "core/volume/volume_io.h"
+#include "core/volume/write_segmentation.h"
 
 // Verbs that read files and write a file or a report: info, convert, mirror, label-map, compare, phantom.
 
@@ -162,11 +163,7 @@ void add_convert(CLI::App& app, CommandLine& asked) {
                   "is a volume, on which --times and --from-ras have no effect; correct the geometry in its header");
     auto read = read_volume(options->in, read_options(options->series, options->spacing_mm, progress));
     if (!read) return fail(read.error());
-    if (!read->other_layers.empty())
-      return fail(options->in.string(), "holds its segments in " + std::to_string(read->other_layers.size() + 1) +
-                                            " layers, which one label map cannot hold; export the segments that are "
-                                            "meant as a label map of their own");
-    if (auto written = write_volume(read->volume, options->out, &progress); !written) return fail(written.error());
+    if (auto written = write_segmentation(*read, options->out, &progress); !written) return fail(written.error());
     warnings->insert(warnings->begin(), read->warnings.begin(), read->warnings.end());
     return Report{describe(read->volume), std::move(*warnings)};
   };

@@ -32,7 +32,9 @@ std::vector<std::string> nearest_names(const std::string& word, std::vector<std:
   const std::string wanted = lower_case(word.substr(0, longest));
   std::vector<std::pair<std::size_t, std::string>> ranked;
   for (std::string& name : names) {
-    const std::size_t distance = edit_distance(wanted, lower_case(name.substr(0, longest)));
+    const std::string known = lower_case(name.substr(0, longest));
+    const bool held = wanted.size() > 1 && known.find(wanted) != known.npos;
+    const std::size_t distance = held ? 0 : edit_distance(wanted, known);
     ranked.emplace_back(distance, std::move(name));
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -181,6 +181,10 @@ Result<std::vector<Segment>> choose_segments(const fs::path& path, const std::st
   if (std::none_of(wanted.begin(), wanted.end(), is_known)) return wanted;  // said where the label is looked for
   Volume chosen = *all[wanted.front().layer];
   if (wanted.size() > 1) {
+    for (const Segment& segment : wanted)
+      if (!same_grid(all[segment.layer]->geometry, chosen.geometry))
+        return fail(path.string(), "keeps " + label_words(wanted.front()) + " and " + label_words(segment) +
+                                       " on grids of their own; name one of them, or resample them to one grid");
     std::visit([](auto& voxels) { std::fill(voxels.begin(), voxels.end(), 0); }, chosen.data);
     for (const Segment& segment : wanted) put_over(*all[segment.layer], segment.value, chosen);
   }

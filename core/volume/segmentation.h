@@ -32,6 +32,10 @@ struct Segmentation {
   bool add(Segment segment);
 };
 
+/// The colour of a structure to which the map gives none: by its name, one of a few that people who confuse red and
+/// green tell apart too [Okabe & Ito 2008; Tol 2021]. Those of the left and the right side are the same.
+std::array<std::uint8_t, 3> colour_by_name(const std::string& name);
+
 /// "label 3", or "label 3 (spleen)" where it has a name.
 std::string label_words(const Segment& segment);
 

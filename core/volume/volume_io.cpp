@@ -66,12 +66,17 @@ Result<VolumeRead> read_any(const fs::path& path, const VolumeReadOptions& optio
   if (const VolumeFormat* format = format_of(path)) {
     auto read = format->read(path, options);
     if (read && fs::is_regular_file(path, ignored)) take_names_beside(path, *read);
+    if (read)
+      for (Segment& segment : read->segmentation.segments)
+        if (!segment.colour && !segment.name.empty()) segment.colour = colour_by_name(segment.name);
     return read;
   }
   const bool folder = fs::is_directory(path, ignored);
   std::vector<std::string> known;
   for (const VolumeFormat* format : volume_formats)
-    if (const std::string& name = folder ? format->in_folder : format->name; !name.empty()) known.push_back(name);
+    if (const std::string& name = folder ? format->in_folder : format->name;
+        !name.empty() && (folder || !format->endings.empty()))
+      known.push_back(name);
   return fail(path.string(),
               folder ? "holds neither " + listed(known, " nor ") + "; choose the folder that does, or name a file"
                      : "is not a volume; open " + listed(known, ", or "));

@@ -33,7 +33,7 @@ struct VolumeRead {
   std::vector<std::string> warnings;
   Segmentation segmentation;  ///< names and colours of labels, where the file gives some; of layers all labels
   /// Of a segmentation whose segments overlap or share labels (3D Slicer): the layers behind `volume`, which is the
-  /// first, on its grid. read_labels.h chooses among them.
+  /// first. Each lies on the same grid, except those of a folder of masks. read_labels.h chooses among them.
   std::vector<Volume> other_layers;
 };
 

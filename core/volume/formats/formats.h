@@ -27,12 +27,12 @@ struct VolumeFormat {
 };
 
 namespace formats {
-extern const VolumeFormat dicom, nifti, nrrd, metaimage, stack;
+extern const VolumeFormat dicom, nifti, nrrd, metaimage, mgh, stack, masks;
 }
 
 /// The image formats, in the order in which sentences list them and in which a folder is looked through for them.
 inline constexpr std::array volume_formats{&formats::dicom, &formats::nifti, &formats::nrrd, &formats::metaimage,
-                                           &formats::stack};
+                                           &formats::mgh,   &formats::stack, &formats::masks};
 
 /// The endings of all formats' names: `endings` or `written`.
 inline std::vector<std::string> volume_format_endings(std::vector<std::string> VolumeFormat::*which) {

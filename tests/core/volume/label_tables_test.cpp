@@ -9,6 +9,7 @@
 #include "core/base/colour.h"
 #include "core/base/files.h"
 #include "core/volume/volume_io.h"
+#include "core/volume/write_segmentation.h"
 #include "tests/must.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"
@@ -19,12 +20,12 @@ using namespace homolog;
 namespace {
 
 /// "1=spleen#ff0000 2=liver"
-std::string names_in(const Result<Segmentation>& labels) {
+std::string names_in(const Result<Segmentation>& labels) {  // and the colours that are not those of their names
   REQUIRE_MESSAGE(labels, labels.error().sentence());
   std::string all;
   for (const Segment& segment : labels->segments)
     all += (all.empty() ? "" : " ") + std::to_string(segment.value) + "=" + segment.name +
-           (segment.colour ? hex_of(*segment.colour) : "");
+           (segment.colour && *segment.colour != colour_by_name(segment.name) ? hex_of(*segment.colour) : "");
   return all;
 }
 
@@ -152,4 +153,38 @@ TEST_CASE("names stand in a file beside a label map and not beside an image") {
   image.data = std::vector<std::int16_t>{-1000, 40, 60, 20, 70, 3};
   image.range_min = -1000;
   CHECK(with_file_beside("a_seg.json", R"({"SeriesNumber": 3})", image).segmentation.segments.empty());
+}
+
+TEST_CASE("a label map is written with names and colours and layers and read again") {
+  const TemporaryFolder folder;
+  VolumeRead map;
+  map.volume = two_labels();
+  map.segmentation.add({.name = "back\\slash", .value = 1, .layer = 0, .colour = {{255, 0, 51}}, .terminology = "a~b"});
+  const auto again = [&](const char* name) {
+    REQUIRE(write_segmentation(map, folder.path / name));
+    auto read = read_volume(folder.path / name);
+    REQUIRE_MESSAGE(read, read.error().sentence());
+    return *read;
+  };
+  for (const char* name : {"a.nii.gz", "a.mha", "b.seg.nrrd"}) {
+    CAPTURE(std::string(name));
+    const VolumeRead read = again(name);
+    CHECK(read.volume.data == map.volume.data);
+    CHECK(read.segmentation.find(1)->name == "back\\slash");
+    CHECK(read.segmentation.find(1)->colour == std::array<std::uint8_t, 3>{255, 0, 51});
+  }
+  CHECK(again("b.seg.nrrd").segmentation.find(1)->terminology == "a~b");
+  CHECK(again("b.seg.nrrd").segmentation.find(2)->name == "Label 2");
+  write_bytes(folder.path / "c.json", R"({"EchoTime": 0.1})");
+  CHECK(says(write_segmentation(map, folder.path / "c.nii"), "something else"));
+
+  map.other_layers.push_back(two_labels());
+  map.segmentation.add({.name = "other", .value = 1, .layer = 1});
+  CHECK(says(write_segmentation(map, folder.path / "d.nii"), "2 layers"));
+  const VolumeRead layered = again("d.seg.nrrd");
+  REQUIRE(layered.other_layers.size() == 1);
+  CHECK(layered.other_layers.front().data == two_labels().data);
+  CHECK(layered.segmentation.find(1, 1)->name == "other");
+  const std::string text = test::must(read_whole_file(folder.path / "d.seg.nrrd"));
+  CHECK(text.find("Segment0_Extent:=1 2 0 0 0 0") != std::string::npos);
 }

@@ -52,6 +52,12 @@ TEST_CASE("a segment's name is UTF-8 without control characters") {
   CHECK(segment_name("N\xc3\xa4he") == "N\xc3\xa4he");
 }
 
+TEST_CASE("a structure without a colour has one by its name that both sides share") {
+  CHECK(colour_by_name("Kidney_Left") == colour_by_name("right kidney"));
+  CHECK(colour_by_name("kidney") != colour_by_name("aorta"));
+  CHECK(colour_by_name("vertebrae_L1") != colour_by_name("vertebrae_L2"));
+}
+
 TEST_CASE("a segmentation holds one segment of each value and layer") {
   Segmentation known = three_segments();
   CHECK(!known.add({.name = "again", .value = 1}));

@@ -1,11 +1,14 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <bit>
 #include <fstream>
 #include <set>
 
+#include "core/volume/read_labels.h"
 #include "core/volume/volume_io.h"
 #include "tests/real_data.h"
+#include "tests/refusal.h"
 #include "tests/temporary_folder.h"
 
 // Files that other programs wrote.
@@ -300,4 +303,85 @@ TEST_CASE("shortened copies of good files never yield a volume with voxels missi
       }
     }
   }
+}
+
+namespace {
+
+/// A file as FreeSurfer and nibabel write it: 3 × 2 × 1 voxels of 2 × 3 × 4 mm, whose axes run to the left, down and to
+/// the front; the voxel at (1.5, 1, 0.5) lies at (10, 20, 30) in RAS.
+std::string mgh_bytes(int type, const std::string& voxels, bool placed = true) {
+  const auto big = [](std::uint32_t value, std::size_t bytes) {
+    const std::string little = little_endian(value, bytes);
+    return std::string(little.rbegin(), little.rend());
+  };
+  std::string bytes;
+  for (const int number : {1, 3, 2, 1, 1, type, 0}) bytes += big(static_cast<std::uint32_t>(number), 4);
+  bytes += big(placed ? 1 : 0, 2);
+  for (const float number : {2.F, 3.F, 4.F, -1.F, 0.F, 0.F, 0.F, 0.F, -1.F, 0.F, 1.F, 0.F, 10.F, 20.F, 30.F})
+    bytes += big(std::bit_cast<std::uint32_t>(number), 4);
+  bytes.resize(284, '\0');
+  return bytes + voxels;
+}
+
+}  // namespace
+
+TEST_CASE("MGH volumes of FreeSurfer are read with the place of their header") {
+  const TemporaryFolder folder;
+  write_bytes(folder.path / "a.mgh", mgh_bytes(4, std::string("\0\1\1\0\0\3\xff\xff\0\5\0\6", 12)));
+  const auto read = read_volume(folder.path / "a.mgh");
+  REQUIRE_MESSAGE(read, read.error().sentence());
+  CHECK(read->volume.data == VoxelData(std::vector<std::int16_t>{1, 256, 3, -1, 5, 6}));
+  const VolumeGeometry& g = read->volume.geometry;
+  CHECK(g.spacing_mm == Vec3(2, 3, 4));
+  CHECK((g.to_mm(Vec3(1.5, 1, 0.5)) - Vec3(-10, -20, 30)).norm() < 1e-9);
+  CHECK((g.to_mm(Vec3(0.5, 0, 0)) - Vec3(-12, -18, 33)).norm() < 1e-9);
+  write_bytes(folder.path / "b.mgh", mgh_bytes(0, "abcdef", false));
+  const auto unplaced = read_volume(folder.path / "b.mgh");
+  REQUIRE(unplaced);
+  CHECK(unplaced->volume.geometry.spacing_mm == Vec3(1, 1, 1));
+  CHECK(unplaced->warnings.size() == 1);
+  const auto refused = [&](const std::string& bytes, const std::string& what) {
+    write_bytes(folder.path / "c.mgz", bytes);
+    return says(read_volume(folder.path / "c.mgz"), what);
+  };
+  CHECK(refused(mgh_bytes(0, "abc"), "c.mgz"));  // cut
+  CHECK(refused(mgh_bytes(2, "abcdef"), "MGH type 2"));
+  CHECK(refused("no header", "is not an MGH file"));
+  std::string huge = mgh_bytes(0, "abcdef");
+  huge.replace(4, 12, std::string(12, '\x7f'));
+  CHECK(refused(huge, "c.mgz"));
+  huge.replace(4, 4, std::string(4, '\xff'));
+  CHECK(refused(huge, "size of -1"));
+}
+
+TEST_CASE("a folder of single masks is one label map with the names of its files") {
+  const TemporaryFolder folder;
+  const auto write = [&](const std::string& name, std::vector<std::uint8_t> voxels, int from = 0) {
+    Volume mask;
+    mask.geometry.dims = {static_cast<int>(voxels.size()), 1, 1};
+    mask.geometry.origin_mm = Vec3(from, 0, 0);
+    mask.data = std::move(voxels);
+    mask.range_max = 1;
+    REQUIRE(write_volume(mask, folder.path / (name + ".nii.gz")));
+  };
+  write("aorta", {1, 1, 0, 0});
+  write("liver", {0, 0, 1, 1});
+  write("lung", {0, 1, 1, 0});
+  write("spleen", {1, 1}, 9);
+  write("vein", {0, 0, 0, 0});
+  const auto read = read_labels(folder.path);
+  REQUIRE_MESSAGE(read, read.error().sentence());
+  CHECK(read->volume.data == VoxelData(std::vector<std::uint16_t>{1, 1, 2, 2}));
+  REQUIRE(read->other_layers.size() == 2);
+  CHECK(read->segmentation.segments.size() == 5);
+  VolumeRead spleen = *read;
+  REQUIRE(choose_segments(folder.path, "spleen", spleen));
+  CHECK(spleen.volume.geometry.origin_mm.x() == 9);
+  VolumeRead both = *read;
+  REQUIRE(choose_segments(folder.path, "lung,aorta", both));
+  CHECK(both.volume.data == VoxelData(std::vector<std::uint16_t>{1, 1, 3, 0}));
+  VolumeRead apart = *read;
+  CHECK(says(choose_segments(folder.path, "lung,spleen", apart), "on grids of their own"));
+  write("zz-all", {1, 2, 3, 0});
+  CHECK(says(read_labels(folder.path), "zz-all.nii.gz"));
 }

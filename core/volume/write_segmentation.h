@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+/// Writes a label map with its names, colours and layers: `.seg.nrrd` as 3D Slicer writes it, all else as write_volume
+/// does with a JSON file beside it ("a.json" beside "a.nii.gz"), which take_names_beside reads again. Errors: those of
+/// write_volume; layers, which only `.seg.nrrd` holds; a JSON file of that name that is about something else.
+Result<void> write_segmentation(const VolumeRead& map, const std::filesystem::path& path, Progress* progress = nullptr);
+
+}  // namespace homolog

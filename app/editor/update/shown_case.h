@@ -12,7 +12,7 @@
 
 #include "app/editor/picking/shown_mesh.h"
 #include "app/editor/state/state.h"
-#include "core/correspondence/colours.h"
+#include "core/mesh/colours.h"
 #include "core/session/session_thread.h"
 
 namespace homolog {

@@ -11,8 +11,8 @@
 #include "app/editor/state/guide.h"
 #include "app/editor/state/open_request.h"
 #include "app/editor/work/worker.h"
-#include "core/correspondence/colours.h"
 #include "core/measure/meeting.h"
+#include "core/mesh/colours.h"
 #include "core/phantom/phantom.h"
 #include "core/session/case_file.h"
 

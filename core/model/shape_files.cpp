@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <mutex>
 #include <utility>
 
 #include "core/base/files.h"
@@ -47,15 +46,10 @@ struct FileRead {
   std::vector<std::string> warnings;
 };
 
-/// `one_image`: held while a case is read with its image, which may be large: memory does not depend on the threads.
 FileRead read_file(const OneFile& file, const ShapeReading& reading, std::mutex& one_image) {
   FileRead read;
   const fs::path& path = file.sources.front()->file;
-  const auto shapes = [&] {
-    std::unique_lock lock(one_image, std::defer_lock);
-    if (is_case_file(path) && shapes_need_image(path)) lock.lock();
-    return read_shapes_of(path);
-  }();
+  const auto shapes = read_shapes_of(path, one_image);
   if (!shapes) {
     read.shapes.emplace_back(fail(shapes.error()));
     return read;
@@ -133,6 +127,12 @@ Result<ShapesOfFile> read_shapes_of(const fs::path& file) {
   for (const std::string& warning : mesh->warnings) shapes.warnings.push_back(file.string() + ": " + warning);
   shapes.structures.push_back({{}, {{0, std::make_shared<const MeshFile>(std::move(*mesh))}}, {}});
   return shapes;
+}
+
+Result<ShapesOfFile> read_shapes_of(const fs::path& file, std::mutex& one_image) {
+  std::unique_lock lock(one_image, std::defer_lock);
+  if (is_case_file(file) && shapes_need_image(file)) lock.lock();
+  return read_shapes_of(file);
 }
 
 Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& files, const std::string& group) {

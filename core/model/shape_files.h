@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,6 +47,9 @@ ShapesOfFile shapes_of(const Document& document);
 /// Reads a mesh (PLY, VTK, VTP, OBJ), `.particles`, or the meshes of a case file. Errors: read_mesh_file's,
 /// read_case's, an STL file, which keeps no vertices.
 Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file);
+/// The same where several threads read files. `one_image` is held while a case is read with its image, which may be
+/// large: so memory does not depend on the threads.
+Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file, std::mutex& one_image);
 
 /// Where a shape of a training set comes from.
 struct ShapeSource {

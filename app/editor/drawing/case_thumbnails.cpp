@@ -2,6 +2,7 @@
 
 #include <epoxy/gl.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -14,23 +15,27 @@ constexpr double frame_ms = 6;  ///< that a frame may spend on them
 /// More points than these cannot be told apart at that size.
 constexpr Eigen::Index most_dots = 400;
 
-/// A mesh from the front, or dots where a shape is points alone.
-Scene scene_of(const std::shared_ptr<const MeshFile>& shape) {
+/// A mesh from the front, or dots where a shape is points alone. `faces`: of the shape before, used again where this
+/// one has the same.
+Scene scene_of(const MeshFile& shape, std::shared_ptr<const Topology>& faces) {
   Scene scene;
   scene.background = {0, 0, 0, 0};
-  const auto topology =
-      shape->triangles.rows() > 0 ? Topology::make(shape->points.rows(), shape->triangles) : fail("", "");
-  if (topology) {
+  if (shape.triangles.rows() > 0 &&
+      (!faces || faces->vertices() != shape.points.rows() || faces->triangles().rows() != shape.triangles.rows() ||
+       faces->triangles() != shape.triangles))
+    faces = Topology::make(shape.points.rows(), shape.triangles).value_or(nullptr);
+  if (shape.triangles.rows() > 0 && faces) {
     MeshLayer layer;
-    layer.topology = *topology;
-    layer.points = std::shared_ptr<const Points>(shape, &shape->points);
+    layer.topology = faces;
+    // A copy that goes with the scene: else the renderer would keep the surface for the next frame.
+    layer.points = std::make_shared<const Points>(shape.points);
     scene.meshes.push_back(std::move(layer));
     return scene;
   }
-  const double radius_mm = 0.015 * bounds_of(shape->points).diagonal().norm();
-  const Eigen::Index step = 1 + shape->points.rows() / most_dots;
-  for (Eigen::Index i = 0; i < shape->points.rows(); i += step)
-    scene.glyphs.glyphs.push_back({shape->points.row(i), mesh_colour, static_cast<float>(radius_mm)});
+  const double radius_mm = 0.015 * bounds_of(shape.points).diagonal().norm();
+  const Eigen::Index step = 1 + shape.points.rows() / most_dots;
+  for (Eigen::Index i = 0; i < shape.points.rows(); i += step)
+    scene.glyphs.glyphs.push_back({shape.points.row(i), mesh_colour, static_cast<float>(radius_mm)});
   return scene;
 }
 
@@ -72,7 +77,18 @@ struct CaseThumbnails::Thumbnail {
 CaseThumbnails::CaseThumbnails() = default;
 CaseThumbnails::~CaseThumbnails() = default;
 
-bool CaseThumbnails::draw(const ModelsState& state, float scale, Renderer& renderer) {
+bool CaseThumbnails::misses(const ModelsState& state, const std::string& name) const {
+  const auto shape = state.shapes.find(name);
+  if (shape == state.shapes.end()) return false;
+  const auto drawn = thumbnails_.find(name);
+  return drawn == thumbnails_.end() || drawn->second.shape != shape->second;
+}
+
+bool CaseThumbnails::misses_any(const ModelsState& state) const {
+  return std::any_of(asked_.begin(), asked_.end(), [&](const std::string& name) { return misses(state, name); });
+}
+
+void CaseThumbnails::draw(const ModelsState& state, float scale, Renderer& renderer) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   const auto width_px = static_cast<int>(std::lround(width * scale));
@@ -82,25 +98,27 @@ bool CaseThumbnails::draw(const ModelsState& state, float scale, Renderer& rende
     framebuffer_.reset();
   }
   std::erase_if(thumbnails_, [&](const auto& entry) { return !state.shapes.contains(entry.first); });
-  for (const auto& [name, shape] : state.shapes) {
+  for (const std::string& name : std::exchange(asked_, {})) {
+    if (!misses(state, name)) continue;
+    if (std::chrono::duration<double, std::milli>(Clock::now() - begin).count() > frame_ms) return;
+    const auto& shape = state.shapes.at(name);
     Thumbnail& thumbnail = thumbnails_[name];
-    if (thumbnail.shape == shape) continue;
-    if (std::chrono::duration<double, std::milli>(Clock::now() - begin).count() > frame_ms) return true;
     thumbnail.shape = shape;
     if (!framebuffer_) {
       auto made = Framebuffer::make(width_px, height_px);
-      if (!made) return false;  // the list does without
+      if (!made) return;  // the list does without
       framebuffer_ = std::move(*made);
     }
     framebuffer_->bind();
-    if (!renderer.draw(scene_of(shape), camera_for(shape->points), {0, 0, width_px, height_px, scale})) continue;
+    if (!renderer.draw(scene_of(*shape, faces_), camera_for(shape->points), {0, 0, width_px, height_px, scale}))
+      continue;
     if (thumbnail.texture != 0) glDeleteTextures(1, &thumbnail.texture);
     thumbnail.texture = texture_of(framebuffer_->read());
   }
-  return false;
 }
 
 unsigned CaseThumbnails::texture(const std::string& name) const {
+  asked_.insert(name);
   const auto found = thumbnails_.find(name);
   return found == thumbnails_.end() ? 0 : found->second.texture;
 }

@@ -9,6 +9,7 @@ namespace homolog {
 namespace {
 
 constexpr std::array<float, 4> background{0.075f, 0.08f, 0.09f, 1};
+constexpr std::size_t fine_cells_a_frame = 4;
 
 }  // namespace
 
@@ -104,31 +105,65 @@ Framebuffer* GalleryPictures::fit(Drawn& drawn, const RectPx& rect, bool moving)
   return framebuffer.get();
 }
 
+void GalleryPictures::take_page(const ModelsState& state, const GalleryGrid& grid) {
+  if (page_of_ == state.model && page_first_ == grid.first && page_.size() == grid.shapes) return;
+  page_of_ = state.model;
+  page_first_ = grid.first;
+  page_.clear();
+  for (std::size_t k = grid.first; k < grid.first + grid.shapes; ++k)
+    page_.push_back(std::make_shared<const Points>(state.model->shape(k)));
+}
+
 void GalleryPictures::draw_gallery(const ModelsState& state, const RectPx& rect, float scale, Renderer& renderer) {
-  const GalleryGrid grid = gallery_grid(state.model->shapes.size(), {0, 0, rect.width, rect.height});
-  GalleryKey key = key_of(state, grid, state.turning, scale);
+  const GalleryGrid grid = page_grid(state, {0, 0, rect.width, rect.height});
+  const GalleryKey key = key_of(state, grid, state.turning, scale);
+  GalleryKey quick = key;
+  quick.moving = true;
   const bool fits = gallery_.width == static_cast<int>(rect.width) && gallery_.height == static_cast<int>(rect.height);
-  if (fits && same(key, gallery_key_)) return;
-  Framebuffer* framebuffer = fit(gallery_, rect, state.turning);
-  if (framebuffer == nullptr) return;
+  if (fits && same(key, shown_)) return;
+  take_page(state, grid);
+  const auto cells = static_cast<std::size_t>(grid.columns * grid.rows);
+  if (!fits || !same(quick, shown_)) {
+    const bool other_page = shown_.model != key.model || shown_.grid.first != key.grid.first;
+    const GalleryKey& now = key.moving || other_page ? quick : key;
+    if (draw_cells(state, now, rect, 0, cells, renderer)) shown_ = now;
+    return;
+  }
+  if (!same(key, fine_)) {
+    fine_ = key;
+    fine_cells_ = 0;
+  }
+  const std::size_t count = std::min(fine_cells_a_frame, cells - fine_cells_);
+  if (!draw_cells(state, key, rect, fine_cells_, count, renderer)) return;
+  fine_cells_ += count;
+  if (fine_cells_ < cells) return;
+  shown_ = std::exchange(fine_, {});
+}
+
+bool GalleryPictures::draw_cells(const ModelsState& state, const GalleryKey& key, const RectPx& rect, std::size_t first,
+                                 std::size_t count, Renderer& renderer) {
+  Framebuffer* framebuffer = fit(gallery_, rect, key.moving);
+  if (framebuffer == nullptr) return false;
   framebuffer->bind();
-  // Lines between the cells, where another grid left its own.
-  Scene lines;
-  lines.background = std::array<float, 4>{0, 0, 0, 0};
-  const Target whole{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale};
-  if (auto drawn = renderer.draw(lines, state.camera, whole); !drawn) error_ = drawn.error().sentence();
-  for (std::size_t k = 0; k < static_cast<std::size_t>(grid.columns * grid.rows); ++k) {
-    const RectPx cell = grid.cell(k);
+  if (first == 0) {
+    // Lines between the cells, where another grid left its own.
+    Scene lines;
+    lines.background = std::array<float, 4>{0, 0, 0, 0};
+    const Target whole{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), key.scale};
+    if (auto drawn = renderer.draw(lines, state.camera, whole); !drawn) error_ = drawn.error().sentence();
+  }
+  for (std::size_t k = first; k < first + count; ++k) {
+    const RectPx cell = key.grid.cell(key.grid.first + k);
     const Target target{static_cast<int>(cell.x), static_cast<int>(rect.height - cell.y - cell.height),
-                        static_cast<int>(cell.width), static_cast<int>(cell.height), scale};
-    const auto points = k < grid.shapes ? state.model->shapes[k] : nullptr;
+                        static_cast<int>(cell.width), static_cast<int>(cell.height), key.scale};
+    const auto points = k < page_.size() ? page_[k] : nullptr;
     Scene empty;
     empty.background = background;
-    const auto drawn = renderer.draw(points ? scene_of(state, points, state.glyphs && !state.turning) : empty,
+    const auto drawn = renderer.draw(points ? scene_of(state, points, state.glyphs && !key.moving) : empty,
                                      points ? cell_camera(state, *points) : state.camera, target);
     if (!drawn) error_ = drawn.error().sentence();
   }
-  gallery_key_ = std::move(key);
+  return true;
 }
 
 void GalleryPictures::draw_grid(const ModelsState& state, const GalleryGrid& grid, const CaptionRoom& room,
@@ -184,6 +219,9 @@ void GalleryPictures::draw(const ModelsState& state, const ModelsLayout& layout,
   if (!state.model) {
     gallery_ = {};
     model_ = {};
+    shown_ = fine_ = {};
+    page_.clear();
+    page_of_.reset();
     return;
   }
   prepare(state);
@@ -196,7 +234,7 @@ void GalleryPictures::copy(const ModelsLayout& layout, int height_px) const {
     const Framebuffer* shown = (moving ? drawn.moving : drawn.still).get();
     if (shown != nullptr) shown->copy_to(static_cast<int>(rect.x), height_px - static_cast<int>(rect.y + rect.height));
   };
-  copy_one(gallery_, gallery_key_.moving, layout.gallery);
+  copy_one(gallery_, shown_.moving, layout.gallery);
   copy_one(model_, model_key_.view.moving, layout.model);
 }
 

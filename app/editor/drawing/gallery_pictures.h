@@ -15,8 +15,11 @@ namespace homolog {
 /// The pictures of the Models mode, the gallery and the model's shape, drawn again only when what they show changed.
 class GalleryPictures {
  public:
-  /// Draws into framebuffers of its own; one of them stays bound.
+  /// Draws into framebuffers of its own; one of them stays bound. Another page is drawn quickly at first, without
+  /// glyphs and soft edges, and finely by the frames after it, a few cells in each: so no frame takes long.
   void draw(const ModelsState& state, const ModelsLayout& layout, float scale, Renderer& renderer);
+  /// Whether the next frame shows the gallery finer than the last.
+  bool draws_on(const ModelsState& state) const { return state.model && shown_.moving && !state.turning; }
   /// Copies what was drawn into the framebuffer that is bound, whose height is given.
   void copy(const ModelsLayout& layout, int height_px) const;
   /// Draws shapes into the cells of a grid as the gallery shows its own, into the framebuffer that is bound, whose
@@ -57,14 +60,24 @@ class GalleryPictures {
   /// The framebuffer for a picture of that size; null where it could not be made.
   Framebuffer* fit(Drawn& drawn, const RectPx& rect, bool moving);
   void draw_gallery(const ModelsState& state, const RectPx& rect, float scale, Renderer& renderer);
+  /// Draws cells from `first` on into the framebuffer for the key; false where there is none.
+  bool draw_cells(const ModelsState& state, const GalleryKey& key, const RectPx& rect, std::size_t first,
+                  std::size_t count, Renderer& renderer);
   void draw_model(const ModelsState& state, const RectPx& rect, float scale, Renderer& renderer);
 
+  /// The shapes of the page, made anew when another one is shown.
+  void take_page(const ModelsState& state, const GalleryGrid& grid);
+
+  std::shared_ptr<const StudyModel> page_of_;
+  std::size_t page_first_ = 0;
+  std::vector<std::shared_ptr<const Points>> page_;
   std::shared_ptr<const StudyModel> prepared_for_;
   double prepared_spacing_mm_ = 0;
   std::shared_ptr<const std::vector<Rgb>> colours_;
   std::vector<std::int32_t> glyphs_;
   Drawn gallery_, model_;
-  GalleryKey gallery_key_;
+  GalleryKey shown_, fine_;     ///< of the gallery: what is on the screen, and what is being drawn finely
+  std::size_t fine_cells_ = 0;  ///< those of it that are drawn
   ModelKey model_key_;
   std::string error_;
 };

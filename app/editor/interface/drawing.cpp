@@ -91,6 +91,8 @@ void Drawing::draw(int width_px, int height_px, double frames_per_second) {
   ImGui::NewFrame();
   begin_controls();
   draw_interface(ui_context(state_, frames_per_second), out_);
+  draws_on_ =
+      pictures_ && state_.models.shown && (thumbnails_.misses_any(state_.models) || gallery_.draws_on(state_.models));
   for (std::string& refusal : std::exchange(controls_memory().refusals, {})) add_notice(state_, std::move(refusal));
   ImGui::Render();
   if (pictures_) ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -114,7 +116,7 @@ void Drawing::draw_pictures(int width_px, int height_px) {
             : pictures_->slice(kind, scene, slice_view(state_, kind, geometry_of(shown_.document())), target);
   }
   const ModelsLayout models = models_layout(layout_);
-  draws_on_ = state_.models.shown && thumbnails_.draw(state_.models, scale_, pictures_->renderer());
+  if (state_.models.shown) thumbnails_.draw(state_.models, scale_, pictures_->renderer());
   if (state_.models.shown) gallery_.draw(state_.models, models, scale_, pictures_->renderer());
   for (auto error : {pictures_->take_error(), gallery_.take_error()})
     if (!error.empty()) add_notice(state_, std::move(error));
@@ -161,7 +163,8 @@ Result<Picture> Drawing::window_picture() {
   io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
   const ImVec2 pointer = std::exchange(io.MousePos, ImVec2(-FLT_MAX, -FLT_MAX));
   key_focus().let_mouse_speak();
-  draw(width, height, 0);
+  do draw(width, height, 0);
+  while (draws_on_);
   io.MousePos = pointer;
   state_.preferences.hints = hints;
   state_.pointer.hover = std::move(hover);

@@ -60,7 +60,7 @@ class Drawing : public PictureSource {
   SceneBuilder scenes_;
   GalleryPictures gallery_;
   CaseThumbnails thumbnails_;
-  bool draws_on_ = false;       ///< thumbnails are left
+  bool draws_on_ = false;       ///< pictures of shapes are left
   std::set<unsigned> letters_;  ///< met so far beside those of the program's own font
 };
 

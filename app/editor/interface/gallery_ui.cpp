@@ -53,7 +53,8 @@ std::optional<Eigen::Index> marked_vertex(const ModelsState& state) {
 
 /// Why a person has to look at a shape; empty: no reason, or somebody did.
 std::string doubt_shown(const ModelsState& state, std::size_t shape) {
-  const std::string& doubt = state.model->doubts[shape];
+  std::string doubt = state.model->doubts[shape];
+  if (doubt.empty() && state.suspicions) doubt = state.suspicions->doubts[shape];
   if (doubt.empty()) return {};
   const StudyCase* one = find_case(state.study, state.model->names[shape]);
   return one != nullptr && one->state == CaseState::done ? std::string() : doubt;
@@ -67,7 +68,9 @@ ImU32 name_colour(const StudyModel& model, std::size_t shape, bool pointed, bool
   return with_alpha(palette::mark, pointed ? 1.0f : 0.85f);
 }
 
-void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, std::size_t k) {
+/// `names`: of all shapes of the page.
+void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, std::size_t k,
+               const std::vector<std::string>& names) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const StudyModel& model = *state.model;
@@ -75,21 +78,20 @@ void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, s
   const ImVec2 low{cell.x, cell.y}, high{cell.x + cell.width, cell.y + cell.height};
   draw.PushClipRect(low, high, true);
   const bool pointed = state.hover && state.hover->shape == k;
-  if (const auto vertex = marked_vertex(state))
-    draw_marker(draw, theme, state, cell, *model.shapes[k], *vertex, pointed);
+  if (const auto vertex = marked_vertex(state)) draw_marker(draw, theme, state, cell, model.shape(k), *vertex, pointed);
   if (cell.width >= theme.px(56)) {
     const bool in_doubt = !doubt_shown(state, k).empty();
     const std::string mark = in_doubt ? std::string(icon::warning) + " " : std::string();
     const float room = cell.width - theme.px(8) - (in_doubt ? text_size(theme.small, mark).x : 0);
     shadowed(draw, theme.small, {low.x + theme.px(4), low.y + theme.px(2)}, name_colour(model, k, pointed, in_doubt),
-             mark + cut(theme.small, model.names[k], room, model.names));
+             mark + cut(theme.small, model.names[k], room, names));
   }
   draw.PopClipRect();
   if (state.selected == model.names[k]) draw.AddRect(low, high, palette::accent, 0, 0, std::max(theme.scale, 1.0f));
 }
 
 std::string place_text(const StudyModel& model, const GalleryVertex& place) {
-  const Vec3 apart = model.shapes[place.shape]->row(place.vertex) - model.mean.points.row(place.vertex);
+  const Vec3 apart = model.shape(place.shape).row(place.vertex) - model.mean.points.row(place.vertex);
   return format("%s, vertex %td: %.2f mm from the mean", model.names[place.shape].c_str(), place.vertex, apart.norm());
 }
 
@@ -116,6 +118,32 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
                                            ". The first shape sets the directions", out);
   ImGui::SetCursorPos({rect.width - theme.px(28), theme.px(2)});
   if (icon_button(theme, icon::everything, "fit", "All shapes in view (F)", {}, false, 24)) out.send(ShowAllShapes{});
+}
+
+/// Which page is shown, and a button to either side, at the right end of the tools; gives its width. Nothing where one
+/// page holds all shapes.
+float draw_pager(const UiContext& ui, const RectPx& rect, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const std::size_t pages = gallery_pages(state), page = state.gallery_page;
+  if (pages == 1) return 0;
+  const std::string text = format("page %zu of %zu", page + 1, pages);
+  // As wide on every page, so that the buttons stay where they are.
+  const float words = text_size(theme.body, format("page %zu of %zu", pages, pages)).x + theme.px(8);
+  const float width = words + 2 * theme.px(28) + theme.px(8), from = rect.width - width;
+  ImGui::SetCursorPos({from, theme.px(30)});
+  if (icon_button(theme, icon::left_angle, "page back", "The shapes before (PgUp)",
+                  page == 0 ? "This is the first page." : "", false, 28))
+    out.send(ShowGalleryPage{page - 1});
+  text_at(*ImGui::GetWindowDrawList(),
+          {rect.x + from + theme.px(28) + std::floor((words - text_size(theme.body, text).x) / 2),
+           std::floor(rect.y + theme.px(44) - theme.body->FontSize / 2)},
+          palette::dim, text);
+  ImGui::SetCursorPos({from + theme.px(28) + words, theme.px(30)});
+  if (icon_button(theme, icon::right_angle, "page on", "The next shapes (PgDn)",
+                  page + 1 == pages ? "This is the last page." : "", false, 28))
+    out.send(ShowGalleryPage{page + 1});
+  return width;
 }
 
 void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
@@ -146,7 +174,8 @@ void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
     text = place_text(model, *at);
   else if (state.pinned)
     text = format("Vertex %td is marked (Escape unmarks it)", *state.pinned);
-  const float x = rect.x + theme.px(44 + 12) + slider_width, room = rect.x + rect.width - theme.px(12) - x;
+  const float x = rect.x + theme.px(44 + 12) + slider_width;
+  const float room = rect.x + rect.width - theme.px(12) - x - draw_pager(ui, rect, out);
   ImGui::PushFont(theme.small);
   text_at(draw, {x, std::floor(rect.y + theme.px(44) - theme.small->FontSize / 2)}, palette::dim,
           shortened(text, room));
@@ -165,12 +194,17 @@ void steer(const UiContext& ui, double side_px, Outbox& out) {
       out.send(pans ? Command(PanGallery{right_px, down_px, side_px}) : TurnGallery{right_px, down_px});
   }
   if (ImGui::IsItemDeactivated() && ui.state.models.turning) out.send(LetGoOfGallery{});
-  if (ImGui::IsItemHovered() && io.MouseWheel != 0) out.send(ZoomGallery{static_cast<double>(io.MouseWheel)});
+  if (!ImGui::IsItemHovered() || io.MouseWheel == 0) return;
+  const ModelsState& state = ui.state.models;
+  if (gallery_pages(state) == 1 || io.KeyCtrl)
+    out.send(ZoomGallery{static_cast<double>(io.MouseWheel)});
+  else if (io.MouseWheel < 0 || state.gallery_page > 0)
+    out.send(ShowGalleryPage{io.MouseWheel < 0 ? state.gallery_page + 1 : state.gallery_page - 1});
 }
 
 void draw_cells(const UiContext& ui, const RectPx& room, Outbox& out) {
   const ModelsState& state = ui.state.models;
-  const GalleryGrid grid = gallery_grid(state.model->shapes.size(), room);
+  const GalleryGrid grid = page_grid(state, room);
   ImGui::SetCursorPos({0, 0});
   const ImGuiIO& io = ImGui::GetIO();
   const auto under = grid.shape_at(io.MousePos.x, io.MousePos.y);
@@ -178,7 +212,7 @@ void draw_cells(const UiContext& ui, const RectPx& room, Outbox& out) {
   const auto cells =
       area(ui.theme, "cells", {room.width, room.height},
            doubt.empty() ? std::string() : state.model->names[*under] + " is in doubt: " + doubt, {false, false, true});
-  const RectPx first = grid.cell(0);
+  const RectPx first = grid.cell(grid.first);
   steer(ui, std::min(first.width, first.height), out);
   const bool moved_far = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0).x != 0 && state.turning;
   const bool hovered = ImGui::IsItemHovered() && !state.turning;
@@ -194,7 +228,9 @@ void draw_cells(const UiContext& ui, const RectPx& room, Outbox& out) {
       out.send(SelectCase{state.model->names[*shape]});
   }
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  for (std::size_t k = 0; k < grid.shapes; ++k) draw_cell(draw, ui, grid, k);
+  const auto from = state.model->names.begin() + static_cast<std::ptrdiff_t>(grid.first);
+  const std::vector<std::string> names(from, from + static_cast<std::ptrdiff_t>(grid.shapes));
+  for (std::size_t k = 0; k < grid.shapes; ++k) draw_cell(draw, ui, grid, grid.first + k, names);
 }
 
 void draw_phantom_buttons(const UiContext& ui, Outbox& out) {

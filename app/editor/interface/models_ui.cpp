@@ -49,7 +49,9 @@ void draw_models_status(const UiContext& ui) {
   else if (!state.model_error.empty())
     left = state.model_error;
   else if (state.model)
-    left = "Drag: turn all shapes. Right-drag: move. Wheel: zoom. Click: mark a vertex. Double-click: look at it.";
+    left = std::string("Drag: turn all shapes. Right-drag: move. ") +
+           (gallery_pages(state) == 1 ? "Wheel: zoom." : "Wheel: pages. Ctrl+wheel: zoom.") +
+           " Click: mark a vertex. Double-click: look at it.";
   const float from = bar.x + theme.px(12), room = bar.width - theme.px(120);
   const std::string fitting = whole_sentences(left, room);
   if (fitting != left && left == state.model_error) {

@@ -29,9 +29,8 @@ std::string read_out(const UiContext& ui) {
   const double value = volume->at(i, j, k, shown_frame(ui.state, ui.document()));
   text += format("    voxel %d %d %d    %.4g", i, j, k, value);
   if (const int label = label_there(ui, p_mm)) {
-    const auto name = ui.on_screen.labels().volume().names.find(label);
-    text += format("    label %d", label) +
-            (name == ui.on_screen.labels().volume().names.end() ? "" : " " + excerpt(name->second));
+    const auto name = ui.labels().names.find(label);
+    text += format("    label %d", label) + (name == ui.labels().names.end() ? "" : " " + excerpt(name->second));
   }
   return text;
 }
@@ -68,8 +67,8 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   const float y = begin_status_line(ui);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float left = bar.x + theme.px(12), middle = bar.x + std::max(theme.px(300), std::round(bar.width * 0.36f));
-  const auto& snapshot = ui.on_screen.snapshot()();
-  const Status status = status_of(ui.state, snapshot, ui.document(), ui.making_shown()());
+  const auto& snapshot = ui.snapshot();
+  const Status status = status_of(ui.state, snapshot, ui.document(), ui.making_shown());
   const ImU32 colour = status.warns ? palette::amber : palette::dim;
   const std::string message = status.warns ? std::string(icon::warning) + "  " + status.text : status.text;
 

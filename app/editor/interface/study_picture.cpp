@@ -11,7 +11,12 @@ namespace homolog {
 StudyCells study_cells(const ModelsState& state, StudyPicture what, float width_px, float height_px) {
   const StudyModel& model = *state.model;
   const RectPx area{0, 0, width_px, height_px};
-  if (what == StudyPicture::gallery) return {gallery_grid(model.shapes.size(), area), model.shapes, model.names};
+  if (what == StudyPicture::gallery) {
+    StudyCells all{gallery_grid(model.names.size(), area), {}, model.names};
+    for (std::size_t k = 0; k < model.names.size(); ++k)
+      all.shapes.push_back(std::make_shared<const Points>(model.shape(k)));
+    return all;
+  }
   constexpr Eigen::Index most_modes = 3;
   const Eigen::Index modes = std::min(most_modes, model.model.modes());
   StudyCells cells;

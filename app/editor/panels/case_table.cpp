@@ -276,13 +276,14 @@ void draw_list(const UiContext& ui, Outbox& out) {
   const StudyCase* selected = find_case(state.study, state.selected);
   ImGui::BeginChild("cases", {0, selected == nullptr ? 0 : -case_details_height(ui, *selected)});
   const auto listed = listed_cases(state);
-  std::vector<std::string> names;
-  for (const std::size_t k : listed) names.push_back(state.study.cases[k].name);
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(listed.size()), theme.px(row_height));
-  while (clipper.Step())
-    for (int k = clipper.DisplayStart; k < clipper.DisplayEnd; ++k)
-      draw_row(ui, state.study.cases[listed[static_cast<std::size_t>(k)]], names, width, out);
+  while (clipper.Step()) {
+    const auto first = listed.begin() + clipper.DisplayStart, last = listed.begin() + clipper.DisplayEnd;
+    std::vector<std::string> names;  // of the rows on the screen
+    for (auto k = first; k != last; ++k) names.push_back(state.study.cases[*k].name);
+    for (auto k = first; k != last; ++k) draw_row(ui, state.study.cases[*k], names, width, out);
+  }
   if (listed.empty() && !state.study.cases.empty()) explanation(theme, "No match.");
   ImGui::EndChild();
   ImGui::PopStyleVar();

@@ -67,8 +67,9 @@ std::vector<CaseDoubts> doubts_by_case(const ModelsState& state) {
     one.weight = std::max(one.weight, doubt.weight);
     one.doubts.push_back(std::move(doubt));
   };
+  const CasesByName by_name(state.study);
   for (std::size_t k = 0; k < model.names.size(); ++k) {
-    const StudyCase* known = find_case(state.study, model.names[k]);
+    const StudyCase* known = by_name.find(model.names[k]);
     if (known == nullptr || known->doubt.empty() || known->state == CaseState::done) continue;
     add(static_cast<Eigen::Index>(k), {"doubtful fit", "", known->doubt, palette::amber, {}, 0});
     cases[k].doubtful_fit = true;
@@ -86,14 +87,16 @@ std::vector<CaseDoubts> doubts_by_case(const ModelsState& state) {
          {},
          median_mm > 0 ? one.distance_mm / median_mm : 1});
   }
-  for (const SuspiciousVertex& one : model.suspicious_vertices)
+  static const Suspicions none;
+  const Suspicions& inside = state.suspicions ? *state.suspicions : none;
+  for (const SuspiciousVertex& one : inside.vertices)
     add(one.shape,
         {format("vertex %td", one.vertex), format("%.2f mm", one.deviation_mm),
          format("Vertex %td lies %.2f mm from where the model of the other shapes expects it. The usual distance is "
                 "%.2f mm.",
                 one.vertex, one.deviation_mm, one.usual_mm),
          palette::amber, one.vertex, one.usual_mm > 0 ? one.deviation_mm / one.usual_mm : 1});
-  for (const SuspiciousTriangle& one : model.suspicious_triangles)
+  for (const SuspiciousTriangle& one : inside.triangles)
     add(one.shape,
         {format("triangle %td", one.triangle), format("%.2f\xc3\x97", one.stretch),
          format(
@@ -118,8 +121,9 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
     return;
   }
   const std::vector<CaseDoubts> cases = doubts_by_case(state);
+  if (!state.suspicions) explanation(theme, "Vertices and triangles are still looked at\xe2\x80\xa6");
   if (cases.empty()) {
-    explanation(theme, "Nothing is unusual.");
+    if (state.suspicions) explanation(theme, "Nothing is unusual.");
     return;
   }
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});

@@ -69,9 +69,8 @@ void draw_tube_settings(const UiContext& ui, int label, TemplateSettings& settin
   changed |= toggle(theme, "Close the base", settings.tube_options.capped, "Closes the base flat. Off leaves it open");
   bool wall = settings.outer_label != 0;
   const auto other =
-      std::find_if(ui.on_screen.labels().volume().values.begin(), ui.on_screen.labels().volume().values.end(),
-                   [&](int value) { return value != label; });
-  const bool has_other = other != ui.on_screen.labels().volume().values.end();
+      std::find_if(ui.labels().values.begin(), ui.labels().values.end(), [&](int value) { return value != label; });
+  const bool has_other = other != ui.labels().values.end();
   if (toggle(theme, "Add the outer sheet", wall,
              has_other ? "A second sheet around label " + std::to_string(*other) + " (epicardium)" : std::string(),
              has_other ? std::string() : "The label map holds one label only.")) {
@@ -120,13 +119,12 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
 /// The label that a template is made of. While none was chosen for this map, it is the one that the mesh lies in, or
 /// else the cross-hair.
 int template_label(const UiContext& ui) {
-  const auto& known = ui.on_screen.labels().volume().values;
+  const auto& known = ui.labels().values;
   const auto is_known = [&](int label) { return std::find(known.begin(), known.end(), label) != known.end(); };
   const int chosen = ui.state.automatic.template_settings.label;
   if (known.empty() || is_known(chosen)) return chosen;
   if (ui.has_shape())
-    if (const int there =
-            label_at_mesh(*ui.on_screen.labels().volume().volume, ui.document().frame, *ui.shown().shape.points);
+    if (const int there = label_at_mesh(*ui.labels().volume, ui.document().frame, *ui.shown().shape.points);
         is_known(there))
       return there;
   const int there = label_there(ui, ui.state.look.crosshair_mm);
@@ -135,7 +133,7 @@ int template_label(const UiContext& ui) {
 
 /// The labels of the map that is open, to choose one; true where another is chosen.
 bool label_list(const UiContext& ui, int& label, bool& all_labels) {
-  const auto& known = ui.on_screen.labels().volume().values;
+  const auto& known = ui.labels().values;
   if (known.empty()) {
     // The list is there before it has anything to choose: what lies below stays where it is.
     int none = 0;
@@ -154,8 +152,8 @@ bool label_list(const UiContext& ui, int& label, bool& all_labels) {
     swatches.push_back(ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], 1}));
   };
   for (const int value : known) {
-    names.push_back(ui.on_screen.labels().volume().label_name(value));
-    swatch(label_colour(value, ui.on_screen.labels().volume().colours.get()));
+    names.push_back(ui.labels().label_name(value));
+    swatch(label_colour(value, ui.labels().colours.get()));
   }
   names.emplace_back("All labels");
   swatch({0.5f, 0.5f, 0.5f});
@@ -171,9 +169,8 @@ bool label_list(const UiContext& ui, int& label, bool& all_labels) {
 
 bool ball_slider(const UiContext& ui, const char* name, std::optional<double>& radius_mm, int label,
                  const std::string& tip) {
-  const auto size = ui.on_screen.labels().volume().sizes_mm.find(label);
-  double radius =
-      radius_mm.value_or(size == ui.on_screen.labels().volume().sizes_mm.end() ? 1 : ball_share * size->second);
+  const auto size = ui.labels().sizes_mm.find(label);
+  double radius = radius_mm.value_or(size == ui.labels().sizes_mm.end() ? 1 : ball_share * size->second);
   bool released = false;
   if (!slider(ui.theme, name, radius, {0, 10, "%.1f", "mm", false}, tip, released)) return false;
   radius_mm = radius;
@@ -231,10 +228,10 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   const float width = ImGui::GetContentRegionAvail().x;
   const auto making = ui.work.template_maker.latest();
   const bool busy = ui.work.template_maker.busy();
-  const std::string refusal = busy                                            ? "The template is being made."
-                              : !ui.on_screen.labels().volume().volume        ? "Open a label map first."
-                              : ui.on_screen.labels().volume().values.empty() ? "The label map is empty."
-                                                                              : "";
+  const std::string refusal = busy                         ? "The template is being made."
+                              : !ui.labels().volume        ? "Open a label map first."
+                              : ui.labels().values.empty() ? "The label map is empty."
+                                                           : "";
   if (button(theme, "Make the template", "You see each stage in the views", refusal, width, !making || !making->mesh)) {
     settings.label = label;
     out.send(MakeTemplate{settings, settings.axis_by_ruler ? ui.state.hand.ruler : std::nullopt});
@@ -259,17 +256,15 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
 }
 
 int label_there(const UiContext& ui, const Vec3& p_mm) {
-  if (!ui.on_screen.labels().volume().volume ||
-      (ui.on_screen.labels().volume().frame &&
-       *ui.on_screen.labels().volume().frame != shown_frame(ui.state, ui.document())))
+  if (!ui.labels().volume || (ui.labels().frame && *ui.labels().frame != shown_frame(ui.state, ui.document())))
     return 0;
-  const Vec3 voxel = ui.on_screen.labels().volume().volume->geometry.to_voxel(p_mm).array().round();
-  const auto& dims = ui.on_screen.labels().volume().volume->geometry.dims;
+  const Vec3 voxel = ui.labels().volume->geometry.to_voxel(p_mm).array().round();
+  const auto& dims = ui.labels().volume->geometry.dims;
   for (int axis = 0; axis < 3; ++axis)
     if (voxel[axis] < 0 || voxel[axis] >= dims[static_cast<std::size_t>(axis)]) return 0;
-  const int frame = std::min(shown_frame(ui.state, ui.document()), ui.on_screen.labels().volume().volume->frames - 1);
-  return static_cast<int>(std::lround(ui.on_screen.labels().volume().volume->at(
-      static_cast<int>(voxel.x()), static_cast<int>(voxel.y()), static_cast<int>(voxel.z()), frame)));
+  const int frame = std::min(shown_frame(ui.state, ui.document()), ui.labels().volume->frames - 1);
+  return static_cast<int>(std::lround(ui.labels().volume->at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()),
+                                                             static_cast<int>(voxel.z()), frame)));
 }
 
 }  // namespace homolog

@@ -33,6 +33,7 @@ inline constexpr const char* play = "\xef\x81\x8b";         // play f04b
 inline constexpr const char* pause = "\xef\x81\x8c";        // pause f04c
 inline constexpr const char* camera = "\xef\x80\xb0";       // camera f030
 inline constexpr const char* down_angle = "\xef\x84\x87";   // angle-down f107
+inline constexpr const char* left_angle = "\xef\x84\x84";   // angle-left f104
 inline constexpr const char* right_angle = "\xef\x84\x85";  // angle-right f105
 inline constexpr const char* history = "\xef\x87\x9a";      // history f1da
 inline constexpr const char* outline = "\xef\x84\x8c";      // circle-o f10c

@@ -54,10 +54,10 @@ using AllCommands = TypeList<
     ExportObservers, ChooseShapesFolder, ExportShapes, StartEvaluation, CancelEvaluation, AddCases, AddScans,
     FitWaiting, MakeStudyTemplate, CancelWorklist, OpenNextCase, OpenCaseOfStudy, SelectCase, SelectNextCase,
     RemoveCase, SetCaseState, CycleCaseState, TypeCaseText, SetCaseText, FlipCases, AddFrames, FilterCases, SortCases,
-    LookFromSideInGallery, ShowAllShapes, TurnGallery, PanGallery, LetGoOfGallery, ZoomGallery, PointAtVertex,
-    PinVertex, ShowGalleryGlyphs, SpaceGalleryGlyphs, ShowMean, ShowSample, ShowSelectedShape, SetMode, AnimateMode,
-    ShowAllModes, ShowDifference, CompareGroup, ChooseAlignment, StartOptimisation, CancelOptimisation, ShowOptimised,
-    DiscardOptimised>;
+    LookFromSideInGallery, ShowAllShapes, ShowGalleryPage, TurnGallery, PanGallery, LetGoOfGallery, ZoomGallery,
+    PointAtVertex, PinVertex, ShowGalleryGlyphs, SpaceGalleryGlyphs, ShowMean, ShowSample, ShowSelectedShape, SetMode,
+    AnimateMode, ShowAllModes, ShowDifference, CompareGroup, ChooseAlignment, StartOptimisation, CancelOptimisation,
+    ShowOptimised, DiscardOptimised>;
 
 template <class One>
 concept ListedCommand = AllCommands::has<One>;

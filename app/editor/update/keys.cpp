@@ -76,6 +76,12 @@ Given scroll(const KeyMoment& now) {
   return ScrollSlices{view, on ? steps : -steps};
 }
 
+Given turn_page(const KeyMoment& now) {
+  const std::size_t page = now.state.models.gallery_page;
+  if (now.code == key::page_down) return ShowGalleryPage{page + 1};
+  return page > 0 ? Given(ShowGalleryPage{page - 1}) : std::nullopt;
+}
+
 Given snap_here(const KeyMoment& now) {
   const auto& hover = now.state.pointer.hover;
   SnapMesh snap;
@@ -176,6 +182,7 @@ std::vector<KeyRow> rows_of_models() {
          const StudyCase* one = find_case(models.study, models.selected);
          return one != nullptr ? Given(OpenCaseOfStudy{one->name, models.pinned}) : std::nullopt;
        }},
+      {"PgUp, PgDn", "pages of the gallery", {{key::page_up}, {key::page_down}}, turn_page},
       {"F", "all shapes in view", {{'F'}}, [](const KeyMoment&) -> Given { return ShowAllShapes{}; }},
       {"Shift+A P L R S I", "look from that side", side_chords(),
        [](const KeyMoment& now) -> Given { return LookFromSideInGallery{side_of(now.code)}; }},

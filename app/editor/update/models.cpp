@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "core/base/files.h"
+#include "core/base/index.h"
 #include "core/base/paths.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/case_of_shape.h"
@@ -284,6 +285,35 @@ void Models::build(EditorState& state, const Snapshot& snapshot) {
                  [request = std::move(request)](Progress& progress) { return build_study_model(request, progress); });
 }
 
+void Models::check(const ModelsState& models) {
+  if (checked_ == models.model) return;
+  checked_ = models.model;
+  checker_.cancel();
+  if (!models.model) return;
+  std::vector<std::shared_ptr<const MeshFile>> meshes(models.model->names.size());
+  for (const StudyCase& one : models.study.cases) {
+    const auto shape = models.model->index_of(one.name);
+    const auto file = models.files.find(one.file);
+    if (shape < 0 || file == models.files.end()) continue;
+    if (auto mesh = file->second.shapes.shape(one.frame, one.name)) meshes[index(shape)] = std::move(*mesh);
+  }
+  const auto look = [model = models.model, meshes = std::move(meshes),
+                     known = known_doubts_](Progress& progress) mutable -> Result<Checked> {
+    auto found = find_suspicions(*model, meshes, known, progress);
+    if (!found) return fail(found.error());
+    return Checked{model, std::make_shared<const Suspicions>(std::move(*found)), std::move(known)};
+  };
+  checker_.start("What is unusual", look);
+}
+
+bool Models::take_checked(ModelsState& models) {
+  auto checked = checker_.take();
+  if (!checked || !*checked) return checked.has_value();
+  known_doubts_ = std::move((*checked)->known);
+  if ((*checked)->model == models.model) models.suspicions = std::move((*checked)->suspicions);
+  return true;
+}
+
 void Models::show_built(EditorState& state, StudyModelBuilt built) {
   state.models.files = std::move(built.known);
   state.models.mirrored = std::move(built.mirrored);
@@ -310,7 +340,8 @@ void Models::tell_once(EditorState& state, const std::vector<std::string>& sente
 }
 
 bool Models::busy() const {
-  return builder_.busy() || phantoms_.busy() || evaluator_.busy() || exporter_.busy() || files_.busy();
+  return builder_.busy() || checker_.busy() || phantoms_.busy() || evaluator_.busy() || exporter_.busy() ||
+         files_.busy();
 }
 
 bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds, Outbox& out) {
@@ -339,6 +370,8 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
       models.model_error = built->error().sentence();
     changed = true;
   }
+  check(models);
+  changed = take_checked(models) || changed;
   if (auto evaluated = evaluator_.take()) {
     if (!*evaluated)
       add_notice(state, evaluated->error().sentence());
@@ -374,6 +407,8 @@ void Models::settle(EditorState& state, const Snapshot& snapshot, Outbox& out) {
   files_.finish();
   update(state, snapshot, 0, out);
   builder_.finish();
+  update(state, snapshot, 0, out);
+  checker_.finish();
   evaluator_.finish();
   exporter_.finish();
   update(state, snapshot, 0, out);

@@ -20,7 +20,7 @@ class Models {
  public:
   /// `wake` is called from any thread when there is something new.
   explicit Models(std::function<void()> wake)
-      : builder_(wake), evaluator_(wake), phantoms_(wake), exporter_(wake), files_(std::move(wake)) {}
+      : builder_(wake), checker_(wake), evaluator_(wake), phantoms_(wake), exporter_(wake), files_(std::move(wake)) {}
 
   void open_study(const ModelsState& models, const std::filesystem::path& path);
   void new_study(const ModelsState& models, const std::filesystem::path& path);
@@ -61,7 +61,16 @@ class Models {
     std::shared_ptr<const StudyModel> model;
     Evaluation evaluation;
   };
+  struct Checked {
+    std::shared_ptr<const StudyModel> model;
+    std::shared_ptr<const Suspicions> suspicions;
+    KnownDoubts known;
+  };
   void build(EditorState& state, const Snapshot& snapshot);
+  /// Looks for what is suspicious in the model that is shown, unless that is done or goes on.
+  void check(const ModelsState& models);
+  /// True where there is something new to draw.
+  bool take_checked(ModelsState& models);
   void show_built(EditorState& state, StudyModelBuilt built);
   /// Shows the sentences that were not shown yet; of many only the first, and how many more there are.
   void tell_once(EditorState& state, const std::vector<std::string>& sentences, bool error);
@@ -86,10 +95,13 @@ class Models {
                                const std::filesystem::path& case_file, EditorState& state, Outbox& out);
 
   Worker<StudyModelBuilt> builder_;
+  Worker<Checked> checker_;
   Worker<Evaluated> evaluator_;
   Worker<std::filesystem::path> phantoms_;
   Worker<std::string> exporter_;  ///< gives the sentence that says what was written
   Worker<FileDone> files_;        ///< the study's file and the cases made beside it, in order; none is dropped
+  std::shared_ptr<const StudyModel> checked_;  ///< the last that was asked to be checked
+  KnownDoubts known_doubts_;
   std::uint64_t built_revision_ = 0;
   std::uint64_t written_revision_ = 0;  ///< the last that was asked to be written
   std::filesystem::path unwritten_;     ///< see unwritten(); the next change, or closing, tries again

@@ -40,16 +40,23 @@ FitSettings settings() {
 /// Balls of 20, 22, 24 and 26 mm as a study's model, and the last of them a case.
 std::shared_ptr<const StudyModel> balls_model() {
   StudyModel model;
+  PrincipalComponents components;
   for (const int radius_mm : {20, 22, 24, 26}) {
-    model.names.push_back("ball" + std::to_string(radius_mm));
+    const std::string name = "ball" + std::to_string(radius_mm);
+    model.places.emplace(name, model.names.size());
+    model.names.push_back(name);
     const Mesh mesh = icosphere(3, radius_mm);
     Points points = mesh.points;
     if (radius_mm == 22) points.col(2) *= 1.2;
     model.topology = mesh.topology;
-    model.shapes.push_back(std::make_shared<const Points>(points));
+    const Eigen::VectorXd shape = points.reshaped<Eigen::RowMajor>();
+    if (components.mean.size() == 0) components.mean = shape;
+    components.centred.conservativeResize(shape.size(), components.centred.cols() + 1);
+    components.centred.rightCols<1>() = shape - components.mean;
     model.sizes_mm.push_back(centroid_size_mm(points));
   }
-  model.mean = {model.topology, *model.shapes.front()};
+  model.mean = {model.topology, points_of(components.mean)};
+  model.components = std::make_shared<const PrincipalComponents>(std::move(components));
   return std::make_shared<const StudyModel>(std::move(model));
 }
 

@@ -258,7 +258,7 @@ TEST_CASE("a case's coefficients give its shape back and stay within three stand
   ModelsState& state = balls.modelled();
   set_to_case(state, "b1");
   const Points shape = shape_of(state.model->model, shown_coefficients(state));
-  CHECK((shape - *state.model->shapes[2]).rowwise().norm().maxCoeff() < 0.2);
+  CHECK((shape - state.model->shape(2)).rowwise().norm().maxCoeff() < 0.2);
   for (int draw = 0; draw < 50; ++draw) {
     set_to_sample(state);
     for (const double deviation : state.deviations) CHECK(std::abs(deviation) <= 3);
@@ -270,12 +270,12 @@ TEST_CASE("a case's coefficients give its shape back and stay within three stand
 TEST_CASE("a landmark that is looked at is in the middle of every cell and faces the viewer") {
   Balls balls;
   ModelsState& state = balls.modelled();
-  const GalleryGrid grid = gallery_grid(state.model->shapes.size(), {100, 50, 640, 480});
+  const GalleryGrid grid = gallery_grid(state.model->names.size(), {100, 50, 640, 480});
   const double distance_mm = state.camera.distance_mm;
   pin_vertex(state, {1, 17}, true);
   CHECK(state.selected == "a2");
   for (std::size_t k = 0; k < grid.shapes; ++k) {
-    const Points& points = *state.model->shapes[k];
+    const Points points = state.model->shape(k);
     const RectPx cell = grid.cell(k);
     const Eigen::Vector2d px = cell_px(cell_camera(state, points), cell, points.row(17));
     CHECK(std::abs(px.x() - cell.x - cell.width / 2) < 1);
@@ -302,6 +302,42 @@ TEST_CASE("cells of a gallery fill its area without overlapping") {
       CHECK(cell.y + cell.height <= 680);
     }
   }
+}
+
+TEST_CASE("the gallery shows as many shapes as a page holds and the page of what is selected") {
+  ModelsState state;
+  TrainingSet set;
+  const Mesh ball = icosphere(1, 10);
+  constexpr std::size_t count = 2 * shapes_a_page + 1;
+  set.topology = ball.topology;
+  set.shapes.resize(ball.points.size(), count);
+  for (std::size_t k = 0; k < count; ++k) {
+    Points points = ball.points;
+    points.col(0) *= 1 + 0.01 * static_cast<double>(k);
+    set.names.push_back("ball-" + std::to_string(k));
+    set.shapes.col(static_cast<Eigen::Index>(k)) = points.reshaped<Eigen::RowMajor>();
+  }
+  const Progress progress;
+  show_model(state, test::must(make_study_model(set, std::vector<std::string>(count), Alignment::none, progress)));
+  CHECK(gallery_pages(state) == 3);
+  const RectPx area{10, 20, 640, 480};
+  const GalleryGrid first = page_grid(state, area);
+  CHECK(first.first == 0);
+  CHECK(first.shapes == shapes_a_page);
+  show_gallery_page(state, 7);
+  CHECK(state.gallery_page == 2);
+  const GalleryGrid last = page_grid(state, area);
+  CHECK(last.shapes == 1);
+  const RectPx cell = last.cell(count - 1), same = first.cell(0);
+  CHECK(cell.x == same.x);
+  CHECK(cell.width == same.width);
+  CHECK(last.shape_at(cell.x + 1, cell.y + 1) == count - 1);
+  CHECK_FALSE(last.shape_at(cell.x + cell.width + 10, cell.y + 1));
+  select_case(state, "ball-" + std::to_string(shapes_a_page));
+  CHECK(state.gallery_page == 1);
+  pin_vertex(state, {3, 5}, false);
+  CHECK(state.gallery_page == 0);
+  CHECK((state.model->shape(3) - Points(points_of(set.shapes, 3))).norm() < 1e-12);
 }
 
 TEST_CASE("Tab exchanges case and models and in the models the tools' keys do nothing") {

@@ -101,7 +101,11 @@ TEST_CASE("nothing of a grid before is left between the cells of the gallery") {
     model->topology = ball.topology;
     model->mean = ball;
     model->hues = std::make_shared<const std::vector<float>>(static_cast<std::size_t>(ball.points.rows()), 0.3f);
-    model->shapes.assign(shapes, std::make_shared<const Points>(ball.points));
+    model->names.assign(shapes, "ball");
+    PrincipalComponents components;
+    components.mean = ball.points.reshaped<Eigen::RowMajor>();
+    components.centred.setZero(components.mean.size(), static_cast<Eigen::Index>(shapes));
+    model->components = std::make_shared<const PrincipalComponents>(std::move(components));
     ModelsState state;
     state.glyphs = false;
     state.model = std::move(model);

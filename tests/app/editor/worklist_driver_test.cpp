@@ -370,7 +370,8 @@ TEST_CASE("the gallery marks a shape in doubt with the reason until somebody has
   driver.app().send(AddCases{files});
   driver.wait_until("there is a model", [&] { return driver.state().models.model != nullptr; });
   driver.settle();
-  CHECK(driver.state().models.model->doubts[2] == "Dice with the label is 0.41.");
+  REQUIRE(driver.state().models.suspicions);
+  CHECK(driver.state().models.suspicions->doubts[2] == "Dice with the label is 0.41.");
   const RectPx cells = driver.control("gallery/cells").rect;
   const GalleryGrid grid = gallery_grid(4, cells);
   const auto said_over = [&](std::size_t shape) {

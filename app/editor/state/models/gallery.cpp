@@ -70,8 +70,16 @@ GalleryGrid gallery_grid(std::size_t shapes, const RectPx& area) {
   return grid;
 }
 
+GalleryGrid page_grid(const ModelsState& state, const RectPx& area) {
+  const std::size_t count = state.model->names.size();
+  GalleryGrid grid = gallery_grid(std::min(count, shapes_a_page), area);
+  grid.first = std::min(state.gallery_page, gallery_pages(state) - 1) * shapes_a_page;
+  grid.shapes = std::min(count - grid.first, shapes_a_page);
+  return grid;
+}
+
 RectPx GalleryGrid::cell(std::size_t shape) const {
-  const int column = static_cast<int>(shape) % columns, row = static_cast<int>(shape) / columns;
+  const int number = static_cast<int>(shape - first), column = number % columns, row = number / columns;
   const auto edge = [](float from, float size, int k, int parts) {
     return std::round(from + size * static_cast<float>(k) / static_cast<float>(parts));
   };
@@ -81,7 +89,7 @@ RectPx GalleryGrid::cell(std::size_t shape) const {
 }
 
 std::optional<std::size_t> GalleryGrid::shape_at(double x_px, double y_px) const {
-  for (std::size_t k = 0; k < shapes; ++k)
+  for (std::size_t k = first; k < first + shapes; ++k)
     if (cell(k).contains(x_px, y_px)) return k;
   return std::nullopt;
 }
@@ -112,7 +120,7 @@ std::optional<GalleryVertex> vertex_at(const ModelsState& state, const GalleryGr
                                        float scale) {
   const auto shape = grid.shape_at(x_px, y_px);
   if (!state.model || !shape) return std::nullopt;
-  const Points& points = *state.model->shapes[*shape];
+  const Points points = state.model->shape(*shape);
   const RectPx cell = grid.cell(*shape);
   const Camera3D camera = cell_camera(state, points);
   const double reach_px = 6 * static_cast<double>(scale);

@@ -28,17 +28,21 @@ CaptionRoom caption_room(float scale);
 /// Below the model's shape, for the legend of its colours.
 CaptionRoom legend_room(const ModelsState& state, float scale);
 
-/// Cells for all shapes in an area, as near to square as can be, in reading order.
+/// Cells for shapes in an area, as near to square as can be, in reading order.
 struct GalleryGrid {
   RectPx area;  ///< px of the window
   int columns = 1, rows = 1;
   std::size_t shapes = 0;
+  std::size_t first = 0;  ///< of these shapes in the model
 
+  /// By the shape's number in the model.
   RectPx cell(std::size_t shape) const;
   std::optional<std::size_t> shape_at(double x_px, double y_px) const;
   bool operator==(const GalleryGrid&) const = default;
 };
 GalleryGrid gallery_grid(std::size_t shapes, const RectPx& area);
+/// Of the page that is shown. Cells lie the same on all pages.
+GalleryGrid page_grid(const ModelsState& state, const RectPx& area);
 
 /// The linked camera in the cell of a shape: around the shapes' common centre, or around the pinned vertex.
 Camera3D cell_camera(const ModelsState& state, const Points& shape);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 #include "core/base/file_stem.h"
 #include "core/base/paths.h"
@@ -51,16 +52,19 @@ std::vector<std::size_t> listed_cases(const ModelsState& state) {
   const std::string wanted = lower_case(state.filter);
   std::vector<std::size_t> listed;
   for (std::size_t k = 0; k < cases.size(); ++k)
-    if (holds(cases[k], wanted)) listed.push_back(k);
+    if (wanted.empty() || holds(cases[k], wanted)) listed.push_back(k);
+  std::vector<std::string> texts(cases.size());
+  if (state.sorted_by == CaseColumn::name || state.sorted_by == CaseColumn::group)
+    for (const std::size_t k : listed)
+      texts[k] = lower_case(state.sorted_by == CaseColumn::name ? cases[k].name : cases[k].group);
   const auto before = [&](std::size_t a, std::size_t b) {
     switch (state.sorted_by) {
       case CaseColumn::study:
         if (cases[a].doubt.empty() != cases[b].doubt.empty()) return cases[b].doubt.empty();  // the doubtful ones first
         return a < b;
       case CaseColumn::name:
-        return lower_case(cases[a].name) < lower_case(cases[b].name);
       case CaseColumn::group:
-        return lower_case(cases[a].group) < lower_case(cases[b].group);
+        return texts[a] < texts[b];
       case CaseColumn::state:
         return cases[a].state < cases[b].state;
       case CaseColumn::distance:
@@ -99,15 +103,20 @@ std::size_t cases_with_labels(const ModelsState& state) {
 
 std::size_t add_cases(ModelsState& state, const std::vector<fs::path>& files) {
   std::size_t added = 0;
+  auto& cases = state.study.cases;
+  std::set<std::string> names;
+  std::set<fs::path> known;
+  for (const StudyCase& one : cases) {
+    names.insert(one.name);
+    known.insert(one.file);
+  }
   for (const fs::path& given : files) {
     const fs::path file = absolute_path(given);
-    auto& cases = state.study.cases;
-    if (std::any_of(cases.begin(), cases.end(), [&](const StudyCase& one) { return one.file == file; })) continue;
+    if (!known.insert(file).second) continue;
     const std::string stem = shape_names({file.string()}).front();
     StudyCase one;
     one.name = stem;
-    for (int number = 2; find_case(state.study, one.name) != nullptr; ++number)
-      one.name = stem + "-" + std::to_string(number);
+    for (int number = 2; !names.insert(one.name).second; ++number) one.name = stem + "-" + std::to_string(number);
     one.file = file;
     cases.push_back(std::move(one));
     ++added;
@@ -228,7 +237,32 @@ void set_study_template(ModelsState& state, const fs::path& file) {
 void select_next_case(ModelsState& state) {
   const StudyCase* now = find_case(state.study, state.selected);
   const auto next = state.study.next_case(now != nullptr ? now - state.study.cases.data() : -1);
-  if (next >= 0) state.selected = state.study.cases[static_cast<std::size_t>(next)].name;
+  if (next >= 0) select_case(state, state.study.cases[static_cast<std::size_t>(next)].name);
+}
+
+namespace {
+
+/// Shows the page that has a shape of the model.
+void show_page_of(ModelsState& state, std::size_t shape) {
+  state.gallery_page = shape / shapes_a_page;
+}
+
+}  // namespace
+
+void select_case(ModelsState& state, const std::string& name) {
+  state.selected = name;
+  const auto shape = state.model ? state.model->index_of(name) : -1;
+  if (shape >= 0) show_page_of(state, static_cast<std::size_t>(shape));
+}
+
+std::size_t gallery_pages(const ModelsState& state) {
+  const std::size_t shapes = state.model ? state.model->names.size() : 0;
+  return std::max<std::size_t>((shapes + shapes_a_page - 1) / shapes_a_page, 1);
+}
+
+void show_gallery_page(ModelsState& state, std::size_t page) {
+  state.gallery_page = std::min(page, gallery_pages(state) - 1);
+  state.hover.reset();
 }
 
 void show_study(ModelsState& state, Study study, fs::path file) {
@@ -244,9 +278,10 @@ void show_study(ModelsState& state, Study study, fs::path file) {
 
 void show_model(ModelsState& state, std::shared_ptr<const StudyModel> model) {
   const bool other_landmarks = !model || !state.model || state.model->vertices() != model->vertices();
+  if (state.model != model) state.suspicions.reset();
   state.model = std::move(model);
   state.evaluation.reset();
-  state.hover.reset();
+  show_gallery_page(state, state.gallery_page);
   if (!state.model) {
     unpin(state);
     return;
@@ -281,10 +316,10 @@ void show_all_shapes(ModelsState& state) {
 void pin_vertex(ModelsState& state, const GalleryVertex& place, bool focus) {
   if (!state.model || place.shape >= state.model->names.size()) return;
   state.pinned = place.vertex;
-  state.selected = state.model->names[place.shape];
+  select_case(state, state.model->names[place.shape]);
   if (!focus) return;
   state.focused = true;
-  const Mesh shape{state.model->topology, *state.model->shapes[place.shape]};
+  const Mesh shape{state.model->topology, state.model->shape(place.shape)};
   if (shape.topology) look_from_outside(state.camera, vertex_normals(shape).row(place.vertex));
   constexpr double nearer = 0.5;
   state.camera.target = Vec3::Zero();

@@ -63,13 +63,15 @@ struct ModelsState {
   std::vector<std::string> mirrored;            ///< cases that are mirror images of most others
 
   Alignment alignment = Alignment::similarity;
-  std::shared_ptr<const StudyModel> model;  ///< of `shapes`
+  std::shared_ptr<const StudyModel> model;       ///< of `shapes`
+  std::shared_ptr<const Suspicions> suspicions;  ///< of `model`; null while they are looked for
   StudyOptimisation optimisation;
   std::string model_error;
   bool modelling = false;
   double modelling_fraction = 0;
 
-  Camera3D camera;  ///< linked: of all cells and of the model; its target stands off each shape's centre
+  std::size_t gallery_page = 0;  ///< from 0; see gallery_pages
+  Camera3D camera;               ///< linked: of all cells and of the model; its target stands off each shape's centre
   bool turning = false;
   bool glyphs = true;
   double glyph_spacing_mm = 12;
@@ -112,6 +114,8 @@ ListedSizes listed_sizes(const ModelsState& state);
 /// RMS distance to the mean shape; nothing for a case that is not in the model.
 std::optional<double> distance_mm(const ModelsState& state, const StudyCase& one);
 void sort_by(ModelsState& state, CaseColumn column);
+/// Selects a case, and shows the gallery's page that has it.
+void select_case(ModelsState& state, const std::string& name);
 
 /// Cases that wait for a fit to their label map.
 std::size_t waiting_cases(const ModelsState& state);
@@ -123,10 +127,10 @@ inline constexpr std::size_t enough_for_consensus = 5;
 /// Gives the number of cases added.
 std::size_t add_cases(ModelsState& state, const std::vector<std::filesystem::path>& files);
 void remove_case(ModelsState& state, const std::string& name);
-/// Null where there is none of that name.
 /// The study's case of a file's frame; null where it is none.
 const StudyCase* find_case(const ModelsState& state, const std::filesystem::path& file, const Document& document,
                            std::string_view structure);
+/// Null where there is none of that name. For many names see CasesByName.
 StudyCase* find_case(Study& study, const std::string& name);
 const StudyCase* find_case(const Study& study, const std::string& name);
 /// Takes cases left for right from now on, or as they lie where they were flipped.
@@ -159,6 +163,12 @@ void take_optimised(ModelsState& state, OptimisedStudy optimised);
 void show_optimised(ModelsState& state, bool shown);
 /// Gives up an optimisation or its result. The fitted shapes are shown.
 void discard_optimised(ModelsState& state);
+
+/// The gallery shows so many shapes at a time: as many as are turned without a jerk by a processor alone.
+inline constexpr std::size_t shapes_a_page = 20;
+std::size_t gallery_pages(const ModelsState& state);
+/// The nearest page that there is.
+void show_gallery_page(ModelsState& state, std::size_t page);
 
 /// Looks at all shapes, from the front.
 void show_all_shapes(ModelsState& state);

@@ -8,8 +8,13 @@
 namespace homolog {
 
 std::ptrdiff_t StudyModel::index_of(const std::string& name) const {
-  const auto found = std::find(names.begin(), names.end(), name);
-  return found == names.end() ? -1 : found - names.begin();
+  const auto found = places.find(name);
+  return found == places.end() ? -1 : static_cast<std::ptrdiff_t>(found->second);
+}
+
+Points StudyModel::shape(std::size_t k) const {
+  const Eigen::VectorXd both = components->mean + components->centred.col(static_cast<Eigen::Index>(k));
+  return points_of(both);
 }
 
 std::vector<std::string> StudyModel::comparable_groups() const {

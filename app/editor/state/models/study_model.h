@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -20,9 +21,9 @@ namespace homolog {
 
 /// The shapes of a study, aligned, and the model of them; never changed once made.
 struct StudyModel {
-  std::vector<std::string> names, groups;             ///< of the cases whose shapes are in it, in the study's order
-  std::shared_ptr<const Topology> topology;           ///< null where all are points alone
-  std::vector<std::shared_ptr<const Points>> shapes;  ///< aligned, mm
+  std::vector<std::string> names, groups;               ///< of the cases whose shapes are in it, in the study's order
+  std::unordered_map<std::string, std::size_t> places;  ///< of the names among them
+  std::shared_ptr<const Topology> topology;             ///< null where all are points alone
   Alignment alignment = Alignment::none;
   std::vector<double> sizes_mm;  ///< centroid size of each shape before it was aligned
   std::shared_ptr<const PrincipalComponents> components;
@@ -33,18 +34,25 @@ struct StudyModel {
   Vec3 centre_mm = Vec3::Zero();                   ///< of all shapes; the origin where they were aligned
   double radius_mm = 1;                            ///< of what all shapes reach around it
 
-  std::vector<std::string> doubts;                 ///< of each shape: why a person has to look at it; empty: no reason
+  std::vector<std::string> doubts;                 ///< what the study says of each shape's fit; empty: no doubt
   std::vector<SuspiciousShape> suspicious_shapes;  ///< those beyond the fences
-  std::vector<SuspiciousVertex> suspicious_vertices;
-  std::vector<SuspiciousTriangle> suspicious_triangles;
 
   Eigen::Index vertices() const { return mean.points.rows(); }
+  /// A shape as it was aligned, mm. Made of the mean and what is left after it: all of them would take much memory.
+  Points shape(std::size_t k) const;
   /// −1 where the case has no shape in the model.
   std::ptrdiff_t index_of(const std::string& name) const;
   /// Groups that at least two shapes belong to, in the order of their first.
   std::vector<std::string> comparable_groups() const;
   /// The shapes of a group.
   std::vector<Eigen::Index> of_group(const std::string& group) const;
+};
+
+/// What is suspicious within the shapes of a model: it takes longer than the model, and is found after it.
+struct Suspicions {
+  std::vector<std::string> doubts;  ///< of each shape: what is known against it [doubt_of_shape]; empty: nothing
+  std::vector<SuspiciousVertex> vertices;
+  std::vector<SuspiciousTriangle> triangles;
 };
 
 /// The shapes of a study by the names of their cases, and the model of them.
@@ -65,7 +73,6 @@ VertexScalars difference_of_groups_mm(const StudyModel& model, const std::string
 struct ReadFile {
   std::filesystem::file_time_type written;
   ShapesOfFile shapes;
-  std::map<std::shared_ptr<const MeshFile>, std::string> doubts;  ///< of those that were asked for [doubt_of_shape]
 };
 using ReadFiles = std::map<std::filesystem::path, ReadFile>;
 

@@ -72,7 +72,7 @@ using AskToDiscard = DialogSetting<"ask to discard", "journal", &RecoverDialog::
 
 /// The mesh whose faces stand for those of shapes that are points alone.
 using SetStudyTemplate = Call<"set study template", "path", set_study_template, &EditorState::models>;
-using SelectCase = Setting<"select case", "name", &EditorState::models, &ModelsState::selected>;
+using SelectCase = Call<"select case", "name", select_case, &EditorState::models>;
 /// The next one that is not done.
 using SelectNextCase = PlainCall<"select next case", select_next_case, &EditorState::models>;
 using RemoveCase = Call<"remove case", "name", remove_case, &EditorState::models>;
@@ -94,6 +94,8 @@ using ShowDistance = Setting<"show distance", "pair", &EditorState::models, &Mod
 using LookFromSideInGallery =
     Call<"look from side in gallery", "side", look_from, &EditorState::models, &ModelsState::camera>;
 using ShowAllShapes = PlainCall<"fit gallery", show_all_shapes, &EditorState::models>;
+/// From 0.
+using ShowGalleryPage = Call<"show gallery page", "page", show_gallery_page, &EditorState::models>;
 using ZoomGallery = Call<"zoom gallery", "steps", zoom_gallery, &EditorState::models>;
 /// What the pointer is over.
 using PointAtVertex = SettingLogged<Logged::never, "point at vertex", "", &EditorState::models, &ModelsState::hover>;

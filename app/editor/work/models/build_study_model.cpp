@@ -1,11 +1,16 @@
 #include "app/editor/work/models/build_study_model.h"
 
 #include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <utility>
 
+#include "core/base/parallel.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
-#include "core/model/groups.h"
+#include "core/model/doubtful_shapes.h"
 
 namespace homolog {
 
@@ -19,7 +24,6 @@ constexpr double share_held = 0.95;
 struct Gathered {
   std::vector<const StudyCase*> cases;
   std::vector<std::shared_ptr<const MeshFile>> meshes;
-  std::vector<std::string> doubts;  ///< why a person has to look at each; empty: no reason
 };
 
 /// The open case's shapes; one that did not change is the one that was known.
@@ -38,16 +42,36 @@ ReadFile open_file(const StudyModelRequest& request) {
   return open;
 }
 
-/// What a file holds, read where that is not known. Errors: it cannot be read.
-Result<ReadFile> read_file(const fs::path& file, const StudyModelRequest& request) {
+/// What a file holds, read where that is not known. Errors: it cannot be read. `one_image`: see read_shapes_of.
+Result<ReadFile> read_file(const fs::path& file, const StudyModelRequest& request, std::mutex& one_image) {
   if (request.open_document && file == request.open_file) return open_file(request);
   std::error_code ignored;
   const auto written = fs::last_write_time(file, ignored);
   const auto known = request.known.find(file);
   if (known != request.known.end() && known->second.written == written) return known->second;
-  auto read = read_shapes_of(file);
+  auto read = read_shapes_of(file, one_image);
   if (!read) return fail(read.error());
   return ReadFile{written, std::move(*read)};
+}
+
+/// Every file of the study once, several at a time; those that are not there are left out. No result depends on how
+/// many are read at a time.
+std::map<fs::path, Result<ReadFile>> read_files(const StudyModelRequest& request, Progress& progress) {
+  std::map<fs::path, Result<ReadFile>> files;
+  std::error_code ignored;
+  for (const StudyCase& one : request.cases)
+    if (!files.contains(one.file) && fs::exists(one.file, ignored)) files.emplace(one.file, fail("", "was not read"));
+  std::vector<std::pair<const fs::path, Result<ReadFile>>*> places;
+  for (auto& place : files) places.push_back(&place);
+  std::mutex one_image;
+  std::atomic<std::size_t> done = 0;
+  for_each_in_parallel(places.size(), [&](std::size_t k) {
+    if (progress.cancelled()) return;
+    auto& [path, read] = *places[k];
+    read = read_file(path, request, one_image);
+    progress.report(static_cast<double>(++done) / static_cast<double>(places.size()));
+  });
+  return files;
 }
 
 Result<std::shared_ptr<const MeshFile>> shape_of(const StudyCase& one, const ReadFile& file) {
@@ -56,36 +80,23 @@ Result<std::shared_ptr<const MeshFile>> shape_of(const StudyCase& one, const Rea
   return std::make_shared<const MeshFile>(mirrored(**mesh));
 }
 
-/// What the study says of the case, or the mesh of itself.
-std::string doubt_of(const StudyCase& one, ReadFile& file) {
-  if (!one.doubt.empty()) return one.doubt;
-  const auto own = file.shapes.shape({one.structure, one.frame}, one.name);
-  if (!own) return {};
-  const auto [known, is_new] = file.doubts.try_emplace(*own);
-  if (is_new) known->second = doubt_of_shape(**own);
-  return known->second;
-}
-
 Gathered gather(const StudyModelRequest& request, StudyModelBuilt& built, Progress& progress) {
   Gathered gathered;
-  double done = 0;
+  auto files = read_files(request, progress);
+  if (progress.cancelled()) return gathered;
   for (const StudyCase& one : request.cases) {
-    progress.report(done++ / static_cast<double>(request.cases.size()));
-    if (progress.cancelled()) break;
     const auto refuse = [&](const Error& error) { built.refusals.push_back(error.sentence() + " (left out)"); };
-    auto file = built.known.find(one.file);
-    std::error_code ignored;
-    if (file == built.known.end() && !fs::exists(one.file, ignored)) {
+    const auto read = files.find(one.file);
+    if (read == files.end()) {
       built.refusals.push_back(missing_case(one));
       continue;
     }
-    if (file == built.known.end()) {
-      auto read = read_file(one.file, request);
-      if (!read) {
-        refuse(read.error());
-        continue;
-      }
-      file = built.known.emplace(one.file, std::move(*read)).first;
+    if (!read->second) {
+      refuse(read->second.error());
+      continue;
+    }
+    const auto [file, is_new] = built.known.try_emplace(one.file, *read->second);
+    if (is_new) {
       const auto& remarks = file->second.shapes.warnings;
       built.warnings.insert(built.warnings.end(), remarks.begin(), remarks.end());
     }
@@ -97,15 +108,22 @@ Gathered gather(const StudyModelRequest& request, StudyModelBuilt& built, Progre
     built.shapes[one.name] = *mesh;
     gathered.cases.push_back(&one);
     gathered.meshes.push_back(*mesh);
-    gathered.doubts.push_back(doubt_of(one, file->second));
   }
   return gathered;
 }
 
 void measure(const Gathered& gathered, StudyModelBuilt& built) {
-  std::shared_ptr<const Topology> faces;
-  for (std::size_t k = 0; k < gathered.cases.size(); ++k)
-    if (auto sizes = sizes_of(*gathered.meshes[k], faces)) built.sizes[gathered.cases[k]->name] = std::move(*sizes);
+  if (gathered.meshes.empty()) return;
+  std::shared_ptr<const Topology> first;
+  (void)sizes_of(*gathered.meshes.front(), first);
+  std::vector<std::optional<ShapeSizes>> sizes(gathered.cases.size());
+  in_parallel(sizes.size(), [&](std::size_t from, std::size_t to) {
+    std::shared_ptr<const Topology> faces = first;
+    for (std::size_t k = from; k < to; ++k)
+      if (auto measured = sizes_of(*gathered.meshes[k], faces)) sizes[k] = std::move(*measured);
+  });
+  for (std::size_t k = 0; k < sizes.size(); ++k)
+    if (sizes[k]) built.sizes[gathered.cases[k]->name] = std::move(*sizes[k]);
 }
 
 /// The largest training set that is in correspondence.
@@ -120,7 +138,6 @@ Result<TrainingSetRead> training_set(Gathered& gathered, StudyModelBuilt& built)
     if (offender == gathered.cases.end()) return read;
     built.refusals.push_back(read.error().sentence() + " (left out)");
     gathered.meshes.erase(gathered.meshes.begin() + (offender - gathered.cases.begin()));
-    gathered.doubts.erase(gathered.doubts.begin() + (offender - gathered.cases.begin()));
     gathered.cases.erase(offender);
   }
 }
@@ -148,17 +165,13 @@ std::vector<float> hues_of(const StudyModel& model) {
   return hues;
 }
 
-void find_doubts(StudyModel& model) {
-  const PrincipalComponents& components = *model.components;
+/// How far shapes lie from the mean, and which of them too far.
+void find_distances(StudyModel& model) {
   model.distances_mm.resize(model.names.size());
-  for (const SuspiciousShape& shape : shapes_by_distance(components)) {
+  for (const SuspiciousShape& shape : shapes_by_distance(*model.components)) {
     model.distances_mm[static_cast<std::size_t>(shape.shape)] = shape.distance_mm;
     if (shape.suspicion != Suspicion::none) model.suspicious_shapes.push_back(shape);
   }
-  if (components.shapes() < 4) return;  // fewer have no fences
-  const Eigen::Index modes = std::clamp<Eigen::Index>(model.model.modes(), 1, components.shapes() - 2);
-  model.suspicious_vertices = suspicious_vertices(components, model.topology, modes);
-  if (model.topology) model.suspicious_triangles = suspicious_triangles(components, *model.topology);
 }
 
 }  // namespace
@@ -179,12 +192,15 @@ StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& pr
   }
   built.warnings.insert(built.warnings.end(), read->warnings.begin(), read->warnings.end());
   built.mirrored = std::move(read->mirrored);
-  std::vector<std::string> groups;
-  for (const StudyCase* one : gathered.cases) groups.push_back(one->group);
+  std::vector<std::string> groups, doubts;
+  for (const StudyCase* one : gathered.cases) {
+    groups.push_back(one->group);
+    doubts.push_back(one->doubt);
+  }
   if (!read->set.topology)
     read->set.topology = template_faces(request.template_file, read->set.shapes.rows() / 3, built);
-  auto model = make_study_model(std::move(read->set), std::move(groups), request.alignment, progress,
-                                std::move(gathered.doubts));
+  auto model =
+      make_study_model(std::move(read->set), std::move(groups), request.alignment, progress, std::move(doubts));
   if (model)
     built.model = std::move(*model);
   else
@@ -197,6 +213,7 @@ Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std:
                                                            std::vector<std::string> doubts) {
   auto model = std::make_shared<StudyModel>();
   model->names = std::move(set.names);
+  for (std::size_t k = 0; k < model->names.size(); ++k) model->places.emplace(model->names[k], k);
   model->groups = std::move(groups);
   model->doubts = std::move(doubts);
   model->doubts.resize(model->names.size());
@@ -206,11 +223,10 @@ Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std:
     model->sizes_mm.push_back(centroid_size_mm(points_of(set.shapes, k)));
   align(set.shapes, alignment);
   model->centre_mm = points_of(Eigen::VectorXd(set.shapes.rowwise().mean())).colwise().mean();
-  for (Eigen::Index k = 0; k < set.shapes.cols(); ++k) {
-    model->shapes.push_back(std::make_shared<const Points>(points_of(set.shapes, k)));
-    model->radius_mm = std::max(
-        model->radius_mm, (model->shapes.back()->rowwise() - model->centre_mm.transpose()).rowwise().norm().maxCoeff());
-  }
+  for (Eigen::Index k = 0; k < set.shapes.cols(); ++k)
+    model->radius_mm =
+        std::max(model->radius_mm,
+                 (points_of(set.shapes, k).rowwise() - model->centre_mm.transpose()).rowwise().norm().maxCoeff());
   auto components = principal_components(std::move(set.shapes));
   if (components.scatter.size() == 0)
     return fail(model->names.front(),
@@ -220,8 +236,32 @@ Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std:
   model->components = std::make_shared<const PrincipalComponents>(std::move(components));
   model->hues = std::make_shared<const std::vector<float>>(hues_of(*model));
   if (progress.cancelled()) return fail("", "was stopped");
-  find_doubts(*model);
+  find_distances(*model);
   return model;
+}
+
+Result<Suspicions> find_suspicions(const StudyModel& model, const std::vector<std::shared_ptr<const MeshFile>>& meshes,
+                                   KnownDoubts& known, Progress& progress) {
+  Suspicions found;
+  found.doubts.resize(meshes.size());
+  std::atomic<std::size_t> done = 0;
+  for_each_in_parallel(meshes.size(), [&](std::size_t k) {
+    if (progress.cancelled() || !meshes[k]) return;
+    const auto before = known.find(meshes[k]);
+    found.doubts[k] = before != known.end() ? before->second : doubt_of_shape(*meshes[k]);
+    progress.report(0.8 * static_cast<double>(++done) / static_cast<double>(meshes.size()));
+  });
+  if (progress.cancelled()) return fail("", "was stopped");
+  known.clear();
+  for (std::size_t k = 0; k < meshes.size(); ++k)
+    if (meshes[k]) known.emplace(meshes[k], found.doubts[k]);
+  const PrincipalComponents& components = *model.components;
+  if (components.shapes() < 4) return found;  // fewer have no fences
+  const Eigen::Index modes = std::clamp<Eigen::Index>(model.model.modes(), 1, components.shapes() - 2);
+  found.vertices = suspicious_vertices(components, model.topology, modes);
+  if (progress.cancelled()) return fail("", "was stopped");
+  if (model.topology) found.triangles = suspicious_triangles(components, *model.topology);
+  return found;
 }
 
 }  // namespace homolog

@@ -37,10 +37,17 @@ struct StudyModelBuilt {
 /// correspondence with the rest is left out and said so.
 StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& progress);
 
-/// The model of shapes in correspondence, each of one of `groups`; `doubts`: of each, or none. Errors: they differ by
-/// pose alone; cancelled.
+/// The model of shapes in correspondence, each of one of `groups`; `doubts`: what the study says of each, or none.
+/// Errors: they differ by pose alone; cancelled.
 Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std::vector<std::string> groups,
                                                            Alignment alignment, const Progress& progress,
                                                            std::vector<std::string> doubts = {});
+
+/// Why a person has to look at meshes, of those that were asked for before [doubt_of_shape].
+using KnownDoubts = std::map<std::shared_ptr<const MeshFile>, std::string>;
+/// What is suspicious in a model whose shapes were read as `meshes`, one for each; null where it is not known. `known`
+/// becomes what is known of these. Errors: cancelled.
+Result<Suspicions> find_suspicions(const StudyModel& model, const std::vector<std::shared_ptr<const MeshFile>>& meshes,
+                                   KnownDoubts& known, Progress& progress);
 
 }  // namespace homolog

@@ -16,13 +16,13 @@ constexpr double share_kept = 0.99;
 }  // namespace
 
 Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_out) {
-  const Eigen::Index count = std::ssize(study.shapes) - (left_out < 0 ? 0 : 1);
+  const Eigen::Index count = std::ssize(study.names) - (left_out < 0 ? 0 : 1);
   if (count < 2) return fail("", "The model needs at least two other cases of this template.");
   ShapeMatrix shapes(3 * study.vertices(), count);
   Eigen::Index column = 0;
-  for (std::ptrdiff_t k = 0; k < std::ssize(study.shapes); ++k) {
+  for (std::ptrdiff_t k = 0; k < std::ssize(study.names); ++k) {
     if (k == left_out) continue;
-    const Points& points = *study.shapes[index(k)];
+    const Points points = study.shape(index(k));
     const double size_mm = centroid_size_mm(points);
     const double own_size = size_mm > 0 ? study.sizes_mm[index(k)] / size_mm : 1;
     shapes.col(column++) = own_size * Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());

@@ -237,8 +237,8 @@ std::optional<LabelColour> colour_of_row(const TableColumns& columns, const std:
   return colour_in(channels);
 }
 
-std::string in_line(std::size_t number, const std::string& what) {
-  return "in line " + std::to_string(number) + " " + what;
+std::string about_line(std::size_t number, const std::string& what) {
+  return "line " + std::to_string(number) + " " + what;
 }
 
 /// What an attribute of an XML element says, without entities.
@@ -330,9 +330,9 @@ Result<Segmentation> labels_of_lines(std::string_view text) {
     if (!label) continue;
     ++named;
     if (auto added = add_name(label->value, label->name, label->colour, labels); !added)
-      return fail("", in_line(number, added.error().what));
+      return fail("", about_line(number, added.error().what));
   }
-  if (named > 0 && wrong > 0) return fail("", in_line(wrong, "has no number and name of a label"));
+  if (named > 0 && wrong > 0) return fail("", about_line(wrong, "has no number and name of a label"));
   return labels;
 }
 
@@ -357,9 +357,9 @@ Result<Segmentation> labels_of_table(std::string_view text) {
     }
     const bool whole = cells.size() == width;
     const auto value = whole ? label_in(cells[*columns->value]) : std::nullopt;
-    if (!value) return fail("", in_line(number, "has no number and name of a label"));
+    if (!value) return fail("", about_line(number, "has no number and name of a label"));
     if (auto added = add_name(*value, cells[*columns->name], colour_of_row(*columns, cells), labels); !added)
-      return fail("", in_line(number, added.error().what));
+      return fail("", about_line(number, added.error().what));
   }
   return labels;
 }

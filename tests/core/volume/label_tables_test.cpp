@@ -101,8 +101,8 @@ TEST_CASE("names of labels are read from the tables of ITK-SNAP and FreeSurfer a
                                  "1 left kidney 185 102 83 255\n")) == "1=left kidney#b96653");
   CHECK(names_in(labels_of_lines("1 spleen\n2 vertebrae L5\n")) == "1=spleen 2=vertebrae L5");
   CHECK(names_in(labels_of_lines("Scanned on 3 May.\nLeft knee.\n")).empty());
-  CHECK(says(labels_of_lines("1 spleen\nliver\n"), "in line 2 has no number and name"));
-  CHECK(says(labels_of_lines("1 spleen\n1 liver\n"), "in line 2 gives label 1 two names"));
+  CHECK(says(labels_of_lines("1 spleen\nliver\n"), "line 2 has no number and name"));
+  CHECK(says(labels_of_lines("1 spleen\n1 liver\n"), "line 2 gives label 1 two names"));
 }
 
 TEST_CASE("names of labels are read from tables by the names of their columns") {
@@ -113,7 +113,7 @@ TEST_CASE("names of labels are read from tables by the names of their columns") 
   CHECK(names_in(labels_of_table("1,spleen\n2,liver\n")) == "1=spleen 2=liver");
   CHECK(names_in(labels_of_table("spleen,1\nliver,2\n")) == "1=spleen 2=liver");
   CHECK(names_in(labels_of_table("subject,age\na,40\n")).empty());
-  CHECK(says(labels_of_table("name,value\nspleen,x\n"), "in line 2"));
+  CHECK(says(labels_of_table("name,value\nspleen,x\n"), "line 2"));
 }
 
 TEST_CASE("names stand in the extension of a NIfTI header as TotalSegmentator writes them") {

@@ -12,6 +12,7 @@
 #include "app/lab/bench_case.h"
 #include "app/lab/bench_model.h"
 #include "app/lab/bench_pictures.h"
+#include "app/lab/bench_study.h"
 #include "app/lab/bench_templates.h"
 #include "app/lab/experiment.h"
 #include "app/lab/median.h"
@@ -147,7 +148,8 @@ struct BenchOptions {
   std::vector<std::filesystem::path> masks;
   std::filesystem::path mesh;
   int vertices = 2500;
-  bool editor = false;
+  bool editor = false, study = false;
+  int shapes = 1000;
 };
 
 Result<Json> editor_figures() {
@@ -185,6 +187,12 @@ Result<Report> run_bench(const BenchOptions& options, Progress& progress) {
     report.values["templates"] = template_figures(options.masks, options.vertices, progress);
     return report;
   }
+  if (options.study) {
+    auto figures = study_figures(options.shapes, progress);
+    if (!figures) return fail(figures.error());
+    report.values["study"] = std::move(*figures);
+    return report;
+  }
   if (!options.editor) {
     report.values["cores"] = std::thread::hardware_concurrency();
     report.values["memory_gb_per_s"] = memory_gb_per_s();
@@ -219,9 +227,18 @@ void add_lab_bench(CLI::App& app, CommandLine& asked) {
       ->needs(masks)
       ->capture_default_str();
   auto* one_mesh = verb->add_option("--mesh", options->mesh, "Times the solver on this mesh too")->excludes(masks);
-  verb->add_flag("--editor", options->editor, "Instead: only the editor's frames while a person drags and paints")
-      ->excludes(masks)
-      ->excludes(one_mesh);
+  auto* editor =
+      verb->add_flag("--editor", options->editor, "Instead: only the editor's frames while a person drags and paints")
+          ->excludes(masks)
+          ->excludes(one_mesh);
+  auto* study = verb->add_flag("--study", options->study, "Instead: opens a large study of phantoms in the Models mode")
+                    ->excludes(masks)
+                    ->excludes(one_mesh)
+                    ->excludes(editor);
+  verb->add_option("--shapes", options->shapes, "Shapes of that study")
+      ->check(CLI::Range(2, 100000))
+      ->needs(study)
+      ->capture_default_str();
   verb->callback(
       [options, &asked] { asked.run = [options](Progress& progress) { return run_bench(*options, progress); }; });
 }

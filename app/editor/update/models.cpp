@@ -295,7 +295,8 @@ void Models::check(const ModelsState& models) {
     const auto shape = models.model->index_of(one.name);
     const auto file = models.files.find(one.file);
     if (shape < 0 || file == models.files.end()) continue;
-    if (auto mesh = file->second.shapes.shape({one.structure, one.frame}, one.name)) meshes[index(shape)] = std::move(*mesh);
+    if (auto mesh = file->second.shapes.shape({one.structure, one.frame}, one.name))
+      meshes[index(shape)] = std::move(*mesh);
   }
   const auto look = [model = models.model, meshes = std::move(meshes),
                      known = known_doubts_](Progress& progress) mutable -> Result<Checked> {

@@ -1,7 +1,5 @@
 #include "app/editor/window/editor_frames.h"
 
-#include <imgui.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +10,7 @@
 
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/imgui_context.h"
-#include "app/editor/window/input_router.h"
+#include "app/editor/window/bench_hand.h"
 #include "app/editor/work/opening/demo.h"
 #include "core/base/process.h"
 #include "core/base/statistics.h"
@@ -25,43 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int width_px = 1280, height_px = 800;
-constexpr double frame_seconds = 1.0 / 60;
-
-/// The editor with a hand on the mouse. `framebuffer` is null where nothing is drawn.
-class Hand {
- public:
-  Hand(EditorApp& app, Framebuffer* framebuffer) : app_(app), input_(app), framebuffer_(framebuffer) {}
-
-  void frame() {
-    seconds_ += frame_seconds;
-    app_.update(seconds_);
-    ImGuiIO& io = ImGui::GetIO();
-    io.DisplaySize = {width_px, height_px};
-    io.DeltaTime = static_cast<float>(frame_seconds);
-    input_.feed(io, {}, seconds_);
-    if (framebuffer_ != nullptr) framebuffer_->bind();
-    app_.draw(width_px, height_px, 0);
-  }
-  void rest() {
-    do {
-      frame();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    } while (!app_.at_rest() || input_.busy());
-  }
-  void move(const Eigen::Vector2d& to) { input_.move(to.x(), to.y(), {}, seconds_); }
-  void button(bool down) { input_.button(MouseButton::left, down, {}, seconds_); }
-  void key(int code) { input_.press({code}, seconds_); }
-
- private:
-  EditorApp& app_;
-  InputRouter input_;
-  Framebuffer* framebuffer_;
-  double seconds_ = 0;
-};
-
 /// px of the outline's leftmost point in the axial view.
-Eigen::Vector2d on_outline(EditorApp& app, Hand& hand) {
+Eigen::Vector2d on_outline(EditorApp& app, BenchHand& hand) {
   const Points& points = *app.snapshot().document->view()->shape.points;
   Eigen::Index vertex = 0;
   points.col(0).maxCoeff(&vertex);
@@ -72,7 +35,7 @@ Eigen::Vector2d on_outline(EditorApp& app, Hand& hand) {
 }
 
 /// The cost of each frame of one drag on a circle about the outline's point.
-std::vector<double> drag_ms(EditorApp& app, Hand& hand, int tool, int frames) {
+std::vector<double> drag_ms(EditorApp& app, BenchHand& hand, int tool, int frames) {
   hand.key(tool);
   const Eigen::Vector2d start = on_outline(app, hand);
   hand.move(start);
@@ -114,7 +77,7 @@ Result<EditSession> demo_session(const fs::path& file) {
 
 /// Every tool's frames, in the order of `tools`.
 std::vector<std::vector<double>> all_drags(EditorApp& app, Framebuffer* framebuffer, int frames) {
-  Hand hand(app, framebuffer);
+  BenchHand hand(app, framebuffer);
   hand.rest();
   std::vector<std::vector<double>> times;
   for (const Tool& tool : tools) times.push_back(drag_ms(app, hand, tool.key, frames));
@@ -144,7 +107,7 @@ Result<std::vector<FrameCost>> frame_costs() {
   if (!session) return fail(session.error());
   const ImGuiOnOpenGl imgui;
   EditorApp app([] {});
-  const auto framebuffer = Framebuffer::make(width_px, height_px, 1);
+  const auto framebuffer = Framebuffer::make(BenchHand::width_px, BenchHand::height_px, 1);
   if (!framebuffer || !app.start_drawing(1)) return costs;
   app.start_session(std::move(*session));
   constexpr int frames = 8;

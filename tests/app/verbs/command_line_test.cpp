@@ -342,6 +342,23 @@ TEST_CASE("the bench times the editor's frames with every tool of a stroke") {
   }
 }
 
+TEST_CASE("the bench opens a study of meshes and of cases and turns its pages") {
+  const TemporaryFolder folder;
+  const Ran ran = run(folder, "bench --study --shapes 24 --json");
+  if (cannot_draw(ran)) return;
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json study = ran.json()["study"];
+  CHECK(study["shapes"] == 24);
+  for (const char* from : {"from_meshes", "from_cases"}) {
+    CHECK(study[from]["open_ms"].get<double>() > 1);
+    CHECK(study[from]["at_rest_ms"].get<double>() >= study[from]["open_ms"].get<double>());
+    CHECK(study[from]["turned_frame_ms"].get<double>() > 0.1);
+    CHECK(study[from]["next_page_frame_ms"].get<double>() > 0.1);
+  }
+  CHECK(run(folder, "bench --study --editor").status == 2);
+  CHECK(run(folder, "bench --shapes 24").status == 2);
+}
+
 TEST_CASE("the demo plays the whole job without a display") {
   const TemporaryFolder folder;
   const Ran ran = run(folder, "demo --headless -o out --json");

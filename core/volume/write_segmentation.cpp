@@ -57,7 +57,8 @@ std::map<int, std::string> extents_of(const Volume& layer) {
             for (int i = 0; i < dims[0]; ++i, ++at) {
               if (voxels[at] == 0) continue;
               const std::array<int, 3> here{i, j, k};
-              Extent& extent = extents.try_emplace(static_cast<int>(std::lround(voxels[at])), here, here).first->second;
+              Extent& extent =
+                  extents.try_emplace(static_cast<int>(std::lround(voxels[at])), Extent{here, here}).first->second;
               for (std::size_t a = 0; a < 3; ++a) {
                 extent.low[a] = std::min(extent.low[a], here[a]);
                 extent.high[a] = std::max(extent.high[a], here[a]);

@@ -252,6 +252,7 @@ TEST_CASE("a template is made of the label that the mesh lies in or else the cro
   CHECK(driver.control("Template/label").value == "Label 1");
   driver.click("Template/Make the template");
   driver.wait_until("it is made", [&] { return driver.has("Save and use…"); });
+  driver.settle();
   CHECK((driver.state().look.crosshair_mm - Vec3(38, 0, 0)).norm() < 2);  // the views look at what is made
 }
 

@@ -69,7 +69,8 @@ struct MadeStructure {
   std::vector<std::string> warnings;
 };
 
-MadeStructure make_structure(const SetJob& job, const Segment& segment, Progress& progress) {
+/// Errors: the disk; that no template can be made of it is none.
+Result<MadeStructure> make_structure(const SetJob& job, const Segment& segment, Progress& progress) {
   TemplateJob making;
   making.in = job.map;
   making.label = segment.name.empty() ? std::to_string(segment.value) : segment.name;
@@ -87,11 +88,7 @@ MadeStructure make_structure(const SetJob& job, const Segment& segment, Progress
     done.warnings.push_back(name + ": has no template in the set (" + why + ")");
     return done;
   }
-  if (auto written = write_mesh_file(made->file, making.out); !written) {
-    done.row["warning"] = written.error().sentence();
-    done.warnings.push_back(written.error().sentence());
-    return done;
-  }
+  if (auto written = write_mesh_file(made->file, making.out); !written) return fail(written.error());
   done.row["vertices"] = made->file.points.rows();
   done.row["genus"] = (*topology)->genus();
   if (!made->warnings.empty()) done.row["warning"] = made->warnings.back();
@@ -120,11 +117,15 @@ Result<Report> make_set(const SetJob& job, Progress& progress) {
   if (!folder) return fail(folder.error());
   std::vector<MadeStructure> made(segments->size());
   const auto work = [&](std::size_t k, Progress& part) -> Result<Report> {
-    made[k] = make_structure(job, (*segments)[k], part);
+    auto one = make_structure(job, (*segments)[k], part);
+    if (!one) return fail(one.error());
+    made[k] = std::move(*one);
     return Report{};
   };
-  (void)run_cases(segments->size(), work, progress);
+  const auto done = run_cases(segments->size(), work, progress);
   if (progress.cancelled()) return fail("", "was stopped; the templates made so far are kept");
+  for (const auto& one : done)
+    if (!one) return fail(one.error());
   TemplateSet set;
   std::vector<Mesh> meshes;
   Report report;

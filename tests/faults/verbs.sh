@@ -30,6 +30,7 @@ quick=(
   "study make|mask.nii.gz --template a.ply -o old.study.json"
 )
 slow=(
+  "set make|mask.nii.gz --all --vertices 300 -o old.set.json"
   "template|mask.nii.gz -o old.ply --vertices 300" "study user|built-in:kidney --mask mask.nii.gz --pulls 2 -o old.homolog"
   "fit|built-in:kidney --mask kidney-1-labels.nii.gz kidney-2-labels.nii.gz -o fitted"
   "demo|--headless -o demo" "picture correspondence|a.ply b.ply -o old.png" "picture modes|m.h5 -o old.png"
@@ -38,4 +39,4 @@ slow=(
   "model|a.ply b.ply c.ply --optimise -o old.h5.json"
 )
 # What cannot work on these inputs, or writes nothing: said here, so that a new verb is not forgotten.
-elsewhere=(info compare bench edit "study bias" "study experts")
+elsewhere=(info "set info" compare bench edit "study bias" "study experts")

@@ -11,6 +11,7 @@
 #include "app/verbs/describe.h"
 #include "app/verbs/fit_case.h"
 #include "app/verbs/fit_parts.h"
+#include "app/verbs/fit_sets.h"
 #include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
@@ -34,6 +35,7 @@
 #include "core/model/statismo.h"
 #include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
+#include "core/structures/template_set.h"
 #include "core/template/template_warnings.h"
 
 // The verb `fit`: a template to one label map or surface, or to many, or to the boundary that an image shows.
@@ -232,6 +234,7 @@ Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progr
 }
 
 Result<Report> fit(const FitJob& options, Progress& progress) {
+  if (is_template_set(options.template_source)) return fit_sets(options, progress);
   const auto shared = shared_of_fits(options);
   if (!shared) return fail(shared.error());
   auto report = !options.image.empty() ? fit_image(options, *shared, progress)
@@ -258,6 +261,16 @@ void check_effect(const FitJob& options, const CLI::App& verb) {
   if (options.to_meshes()) refuse_without_effect(verb, "--frame", "images and label maps");
   if (!options.placement.empty() && !options.partial)
     refuse_without_effect(verb, "--orientation", "a fit without --placement");
+}
+
+/// A set goes to label maps, into a folder, and takes few options.
+void check_set(const FitJob& options, const CLI::App& verb) {
+  for (const char* name : {"--mesh", "--image", "--label", "--closing-mm", "--parts", "--placement", "--landmarks",
+                           "--orientation", "--model", "--beyond", "--partial", "--mirror", "--by-others"})
+    refuse_without_effect(verb, name, "a single template, not for a set");
+  if (options.masks.empty()) throw CLI::RequiredError("--mask with the label maps to fit the set to");
+  if (is_mesh_name(options.out))
+    throw CLI::ValidationError("--output", "must be a folder, since a set gives a mesh for each structure");
 }
 
 void check(const FitJob& options) {
@@ -327,14 +340,23 @@ void add_fit(CLI::App& app, CommandLine& asked) {
                    "doubt; each takes as long as the fit")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
+  verb->add_option("--gap-mm", options->gap_mm, "Of a set: how far neighbours are kept apart (mm); 0: they may touch")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->callback([options, verb, &asked] {
     if (verb->count("--frame") > 0) options->frame = options->snap.frame;
     bool masks = false, meshes = false;
-    options->masks = with_folders_opened(options->masks, volumes_in, masks);
+    const bool to_set = is_template_set(options->template_source);
+    if (!to_set) options->masks = with_folders_opened(options->masks, volumes_in, masks);
     options->meshes = with_folders_opened(options->meshes, surfaces_in, meshes);
     options->of_folder = masks || meshes;
-    check(*options);
+    if (to_set) {
+      check_set(*options, *verb);
+    } else {
+      refuse_without_effect(*verb, "--gap-mm", "a set");
+      check(*options);
+    }
     check_effect(*options, *verb);
     asked.run = [options](Progress& progress) { return fit(*options, progress); };
   });

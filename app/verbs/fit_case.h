@@ -28,6 +28,7 @@ struct FitJob {
   bool of_folder = false;  ///< cases were named by their folder
 
   int by_others = 0;  ///< third subjects
+  double gap_mm = 0;  ///< of a set: between neighbours
 
   bool to_meshes() const { return !meshes.empty(); }
   const std::vector<std::filesystem::path>& cases() const { return to_meshes() ? meshes : masks; }

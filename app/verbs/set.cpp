@@ -53,12 +53,9 @@ Result<std::vector<Segment>> structures_of(const SetJob& job, Progress& progress
   return segments;
 }
 
-/// A name for its template's file: what no file can be called becomes '_'.
-std::string file_name_of(const Segment& segment) {
-  std::string name = segment.name.empty() ? "label-" + std::to_string(segment.value) : segment.name;
-  for (char& c : name)
-    if (c == '/' || c == '\\' || c == ':') c = '_';
-  return name;
+/// What a segment is called in the set.
+std::string name_of(const Segment& segment) {
+  return segment.name.empty() ? "label " + std::to_string(segment.value) : segment.name;
 }
 
 /// What became of one structure.
@@ -75,8 +72,8 @@ Result<MadeStructure> make_structure(const SetJob& job, const Segment& segment, 
   making.in = job.map;
   making.label = segment.name.empty() ? std::to_string(segment.value) : segment.name;
   making.vertices = job.vertices;
-  making.out = job.folder() / (file_name_of(segment) + ".ply");
-  const std::string name = segment.name.empty() ? "label " + std::to_string(segment.value) : segment.name;
+  const std::string name = name_of(segment);
+  making.out = job.folder() / (file_name_of_structure(name) + ".ply");
   MadeStructure done;
   done.row = {{"name", name}, {"value", segment.value}, {"vertices", 0}, {"genus", nullptr}, {"warning", nullptr}};
   auto made = make_template_of_one(making, true, progress);
@@ -110,7 +107,7 @@ Result<Report> make_set(const SetJob& job, Progress& progress) {
   if (!segments) return fail(segments.error());
   std::set<std::string> names;
   for (const Segment& segment : *segments)
-    if (!names.insert(file_name_of(segment)).second)
+    if (!names.insert(file_name_of_structure(name_of(segment))).second)
       return fail(job.map.string(),
                   "has two structures named \"" + segment.name + "\"; name them apart, or take some by --labels");
   const auto folder = ResultFolder::make(job.folder());

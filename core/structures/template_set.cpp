@@ -138,6 +138,13 @@ bool is_template_set(const fs::path& file) {
   return lower_case(file.string()).ends_with(".set.json");
 }
 
+std::string file_name_of_structure(const std::string& name) {
+  std::string file = name;
+  for (char& c : file)
+    if (c == '/' || c == '\\' || c == ':') c = '_';
+  return file;
+}
+
 Result<TemplateSet> read_template_set(const fs::path& path) {
   const auto bytes = read_whole_file(path);
   if (!bytes) return fail(bytes.error());

@@ -42,6 +42,9 @@ struct TemplateSet {
 /// Whether a file is named as a template set.
 bool is_template_set(const std::filesystem::path& file);
 
+/// What the files of a structure are called: its name, but '_' for what no file can be called.
+std::string file_name_of_structure(const std::string& name);
+
 /// Errors: absent, not JSON, no set, a newer version, a structure without a name or template, two of one name.
 Result<TemplateSet> read_template_set(const std::filesystem::path& path);
 /// Whole or not at all; paths of templates relative to its folder.

@@ -13,6 +13,7 @@
 #include "core/base/colour.h"
 #include "core/base/file_stem.h"
 #include "core/base/files.h"
+#include "core/volume/label_boxes.h"
 #include "core/volume/label_likeness.h"
 #include "core/volume/label_tables.h"
 #include "core/volume/readers.h"
@@ -44,32 +45,10 @@ Segmentation complete_segments(const VolumeRead& map) {
 
 /// The box of each label's voxels.
 std::map<int, std::string> extents_of(const Volume& layer) {
-  struct Extent {
-    std::array<int, 3> low, high;
-  };
-  const auto& dims = layer.geometry.dims;
-  std::map<int, Extent> extents;
-  std::visit(
-      [&](const auto& voxels) {
-        std::size_t at = 0;
-        for (int k = 0; k < dims[2]; ++k)
-          for (int j = 0; j < dims[1]; ++j)
-            for (int i = 0; i < dims[0]; ++i, ++at) {
-              if (voxels[at] == 0) continue;
-              const std::array<int, 3> here{i, j, k};
-              Extent& extent =
-                  extents.try_emplace(static_cast<int>(std::lround(voxels[at])), Extent{here, here}).first->second;
-              for (std::size_t a = 0; a < 3; ++a) {
-                extent.low[a] = std::min(extent.low[a], here[a]);
-                extent.high[a] = std::max(extent.high[a], here[a]);
-              }
-            }
-      },
-      layer.data);
   std::map<int, std::string> words;
-  for (const auto& [value, extent] : extents)
+  for (const auto& [value, box] : label_boxes(layer))
     for (std::size_t a = 0; a < 3; ++a)
-      words[value] += (a > 0 ? " " : "") + std::to_string(extent.low[a]) + " " + std::to_string(extent.high[a]);
+      words[value] += (a > 0 ? " " : "") + std::to_string(box.first[a]) + " " + std::to_string(box.last[a]);
   return words;
 }
 

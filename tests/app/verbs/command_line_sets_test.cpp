@@ -79,4 +79,106 @@ TEST_CASE("a set is the same whatever the threads and holds only what was asked 
   CHECK(run(folder, "set info body.nrrd").status == 1);
 }
 
+TEST_CASE("fit takes a set: a mesh for each structure and one label map") {
+  const BodyFolder folder;
+  REQUIRE(
+      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
+      0);
+  const Ran fitted = run(folder, "fit body.set.json --mask body.seg.nrrd -o fits --json");
+  REQUIRE(fitted.status == 0);
+  CHECK(fitted.errors.find("speck") != std::string::npos);  // for which the set has no template
+  const Json report = fitted.json();
+  REQUIRE(report["cases"].size() == 1);
+  const Json& one = report["cases"][0];
+  CHECK(one["name"] == "body");
+  CHECK(one["overlap_voxels"] == 0);
+  REQUIRE(one["structures"].size() == 2);
+  for (const Json& structure : one["structures"]) {
+    CHECK(structure["dice"].get<double>() > 0.97);
+    CHECK(structure["assd_mm"].get<double>() < 0.6);
+    CHECK(structure["confidence"].get<double>() > 0.5);
+    CHECK(structure["doubtful"] == false);
+    CHECK(structure["missing"] == false);
+  }
+  CHECK(fs::exists(folder.path / "fits" / "body" / "kidney_left.ply"));
+  const Ran told = run(folder, "info fits/body.seg.nrrd --json");
+  REQUIRE(told.status == 0);
+  const Json labels = told.json()["labels"];
+  REQUIRE(labels.size() == 2);
+  CHECK(labels[0]["name"] == "kidney_left");
+  CHECK(labels[0]["value"] == 3);
+  CHECK(labels[1]["value"] == 5);
+  // The balls of 20 mm hold 33.5 ml each.
+  CHECK(labels[1]["volume_ml"].get<double>() == doctest::Approx(33.5).epsilon(0.03));
+}
+
+TEST_CASE("a fit of a set has the same bytes whatever the threads, and a case that fails leaves the others") {
+  const BodyFolder folder;
+  REQUIRE(
+      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
+      0);
+  fs::copy(folder.path / "body.seg.nrrd", folder.path / "other.seg.nrrd");
+  REQUIRE(write_whole_file(folder.path / "torn.nii.gz", "no volume"));
+  const Ran many =
+      run(folder, "fit body.set.json --mask torn.nii.gz body.seg.nrrd other.seg.nrrd -o many --json --jobs 2");
+  REQUIRE(many.status == 0);
+  const Json report = many.json();
+  CHECK(report["fitted"] == 2);
+  CHECK(report["failed"] == 1);
+  CHECK(report["cases"][0]["error"].get<std::string>().find("torn.nii.gz") != std::string::npos);
+  REQUIRE(run(folder, "fit body.set.json --mask other.seg.nrrd -o one --jobs 1").status == 0);
+  for (const char* name : {"other/kidney_left.ply", "other/kidney_right.ply", "other.seg.nrrd"})
+    CHECK(read_whole_file(folder.path / "many" / name).value() == read_whole_file(folder.path / "one" / name).value());
+}
+
+TEST_CASE("a fit of a set refuses what it cannot use, in a sentence") {
+  const BodyFolder folder;
+  REQUIRE(
+      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
+      0);
+  CHECK(run(folder, "fit body.set.json --mask body.seg.nrrd -o fits --partial").status == 2);
+  CHECK(run(folder, "fit body.set.json --mask body.seg.nrrd -o fits.ply").status == 2);
+  CHECK(run(folder, "fit body.set.json -o fits").status == 2);
+  // One template is gone: the other is fitted.
+  fs::remove(folder.path / "body" / "kidney_left.ply");
+  const Ran one = run(folder, "fit body.set.json --mask body.seg.nrrd -o fits --json");
+  CHECK(one.status == 0);
+  CHECK(one.errors.find("kidney_left.ply") != std::string::npos);
+  CHECK(one.json()["cases"][0]["structures"][1]["dice"].get<double>() > 0.97);
+  // Both are gone.
+  fs::remove(folder.path / "body" / "kidney_right.ply");
+  const Ran none = run(folder, "fit body.set.json --mask body.seg.nrrd -o fits");
+  CHECK(none.status == 1);
+  CHECK(none.errors.find("no template that can be read") != std::string::npos);
+}
+
+TEST_CASE("a folder of single masks, each on a grid of its own, is one case of a set") {
+  const BodyFolder folder;
+  REQUIRE(
+      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
+      0);
+  fs::create_directories(folder.path / "subject");
+  for (const double x_mm : {0.0, 44.0}) {
+    Mesh ball = icosphere(4, 20);
+    ball.points.col(0).array() += x_mm;
+    VolumeGeometry grid;
+    grid.dims = {26, 26, 26};
+    grid.spacing_mm.setConstant(2);
+    grid.origin_mm = Vec3(x_mm - 25, -25, -25);
+    REQUIRE(write_volume(label_map(ball, grid),
+                         folder.path / "subject" / (x_mm == 0 ? "kidney_left.nii.gz" : "kidney_right.nii.gz")));
+  }
+  const Ran fitted = run(folder, "fit body.set.json --mask subject -o fits --json");
+  REQUIRE(fitted.status == 0);
+  const Json report = fitted.json();
+  REQUIRE(report["cases"].size() == 1);
+  CHECK(report["cases"][0]["name"] == "subject");
+  for (const Json& structure : report["cases"][0]["structures"]) CHECK(structure["dice"].get<double>() > 0.97);
+  // The map that is written holds both, though no file's grid does.
+  const Ran told = run(folder, "info fits/subject.seg.nrrd --json");
+  const Json labels = told.json()["labels"];
+  REQUIRE(labels.size() == 2);
+  for (const Json& label : labels) CHECK(label["volume_ml"].get<double>() == doctest::Approx(33.5).epsilon(0.03));
+}
+
 }  // namespace homolog

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "app/verbs/fit_case.h"
+
+namespace homolog {
+
+/// `fit` with a template set: all its structures to each label map. Writes FOLDER/CASE/STRUCTURE.ply and
+/// FOLDER/CASE.seg.nrrd. Errors: the set; the folder; no case could be fitted; cancelled.
+Result<Report> fit_sets(const FitJob& options, Progress& progress);
+
+}  // namespace homolog

@@ -1,0 +1,183 @@
+#include "core/structures/fit_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "core/adapt/choose_closing.h"
+#include "core/base/parallel.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/placement/similarity_fit.h"
+#include "core/structures/keep_apart.h"
+#include "core/structures/structure_confidence.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double much_off_place = 0.25;  ///< of the size: then its neighbours have a say in where it starts
+
+/// One structure's fit, and the boundary that it went to.
+struct Try {
+  Boundary boundary;
+  FitResult fit;
+  FitJudgement judgement;
+  double closing_mm = 0;
+};
+
+Result<Try> try_fit(const Template& the_template, const StructureInMap& there, const FitOptions& options) {
+  const Volume& mask = *there.mask;
+  const int value = there.segment.value;
+  const double closing_mm = usual_closing_mm(mask, value, 0);
+  const LabelParts parts = options.partial ? LabelParts{true} : parts_for(*the_template.topology);
+  auto boundary = label_boundary(mask, value, 0, closing_mm, the_template.points.rows(), parts);
+  if (!boundary) return fail(boundary.error());
+  auto fit = fit_to_boundary(the_template, *boundary, options);
+  if (!fit) return fail(fit.error());
+  FitJudgement judgement = judge_fit(the_template, *boundary, options, *fit);
+  OtherClosing first{closing_mm, std::move(*boundary), std::move(*fit), std::move(judgement)};
+  if (!parts.all && first.boundary.parts_alike < 2) {
+    MoreClosing more = try_more_closing(the_template, mask, value, 0, options, first);
+    if (more.better) first = std::move(*more.better);
+  }
+  return Try{std::move(first.boundary), std::move(first.fit), std::move(first.judgement), first.closing_mm};
+}
+
+Points middle_of(const Points& points) {
+  return points.colwise().mean();
+}
+
+/// Where a structure's neighbours say that it is: the similarity that carries the nearest of those that are sound, as
+/// they lie in the set, to where they were fitted. None where there is no such neighbour.
+std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                             std::size_t of) {
+  constexpr std::size_t most = 4;
+  std::vector<std::pair<double, std::size_t>> near;
+  for (std::size_t k = 0; k < fitted.size(); ++k) {
+    if (k == of || set.templates[of] == nullptr || !fitted[k].fit || fitted[k].judgement.doubtful) continue;
+    near.emplace_back((middle_of(set.templates[k]->points) - middle_of(set.templates[of]->points)).norm(), k);
+  }
+  if (near.empty()) return std::nullopt;
+  std::ranges::sort(near);
+  near.resize(std::min(most, near.size()));
+  Eigen::Index rows = 0;
+  for (const auto& [mm, k] : near) rows += set.templates[k]->points.rows();
+  Points from(rows, 3), to(rows, 3);
+  rows = 0;
+  for (const auto& [mm, k] : near) {
+    const Points& own = set.templates[k]->points;
+    from.middleRows(rows, own.rows()) = own;
+    to.middleRows(rows, own.rows()) = fitted[k].fit->mesh.points;
+    rows += own.rows();
+  }
+  return nearest_similarity(from, to, {});
+}
+
+/// How far two placements of a template lie apart, by its size.
+double apart(const Template& the_template, const Similarity& a, const Similarity& b) {
+  const Points there = a.apply(the_template.points);
+  const Points difference = there - b.apply(the_template.points);
+  return std::sqrt(difference.rowwise().squaredNorm().mean()) / bounds_of(there).diagonal().norm();
+}
+
+void take(Try&& found, FittedStructure& into) {
+  into.fit = std::move(found.fit);
+  into.judgement = std::move(found.judgement);
+  into.closing_mm = found.closing_mm;
+}
+
+/// Whether a fit is better than another of the same structure.
+bool better(const FitJudgement& a, const FitJudgement& b) {
+  if (a.doubtful != b.doubtful) return !a.doubtful;
+  return a.inside_scan.dice > b.inside_scan.dice;
+}
+
+/// From where its neighbours say: as a whole, and where that is doubtful as one that may lack parts.
+Result<void> fit_by_neighbours(const Template& the_template, const StructureInMap& there, const Similarity& place,
+                               FitOptions options, FittedStructure& fitted) {
+  options.placement = place;
+  auto whole = try_fit(the_template, there, options);
+  if (whole && (!fitted.fit || better(whole->judgement, fitted.judgement))) {
+    take(std::move(*whole), fitted);
+    fitted.by_neighbours = true;
+  }
+  return {};
+}
+
+/// The pairs that have to be kept apart: all whose labels do not overlap.
+std::vector<MeshPair> pairs_to_keep_apart(const SetInMap& subject, const std::vector<std::size_t>& fitted) {
+  std::vector<MeshPair> pairs;
+  for (std::size_t a = 0; a < fitted.size(); ++a)
+    for (std::size_t b = a + 1; b < fitted.size(); ++b)
+      if (subject.structures[fitted[a]].segment.layer == subject.structures[fitted[b]].segment.layer)
+        pairs.push_back({a, b});
+  return pairs;
+}
+
+}  // namespace
+
+Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, const FitSetOptions& options) {
+  const std::size_t count = set.templates.size();
+  FittedSet result;
+  result.structures.resize(count);
+  Progress unseen;
+  Progress& progress = options.progress != nullptr ? *options.progress : unseen;
+  const auto fit_some = [&](const std::vector<std::size_t>& which, double share, const auto& work) {
+    for_each_in_parallel(which.size(), [&](std::size_t k) {
+      Progress own(progress, share / static_cast<double>(which.size()));
+      FitOptions fitting;
+      fitting.progress = &own;
+      if (!own.cancelled()) work(which[k], fitting);
+      own.part(0, 1);
+      own.report(1);
+    });
+  };
+  std::vector<std::size_t> there;
+  for (std::size_t k = 0; k < count; ++k)
+    if (subject.structures[k].is_there() && set.templates[k] != nullptr) there.push_back(k);
+  fit_some(there, 0.7, [&](std::size_t k, const FitOptions& fitting) {
+    auto found = try_fit(*set.templates[k], subject.structures[k], fitting);
+    if (found)
+      take(std::move(*found), result.structures[k]);
+    else
+      result.structures[k].why_not = found.error().what;
+  });
+  std::vector<std::size_t> again;
+  std::vector<std::optional<Similarity>> said(count);
+  for (const std::size_t k : there) {
+    FittedStructure& one = result.structures[k];
+    said[k] = said_by_neighbours(set, result.structures, k);
+    if (!said[k]) continue;
+    if (one.fit) one.off_place = apart(*set.templates[k], *said[k], one.fit->placement);
+    if (!one.fit || one.judgement.doubtful || one.off_place > much_off_place) again.push_back(k);
+  }
+  fit_some(again, 0.3, [&](std::size_t k, const FitOptions& fitting) {
+    if (auto done =
+            fit_by_neighbours(*set.templates[k], subject.structures[k], *said[k], fitting, result.structures[k]);
+        !done)
+      result.structures[k].why_not = done.error().what;
+  });
+  if (progress.cancelled()) return fail("", "the fit was cancelled");
+  std::vector<std::size_t> fitted;
+  std::vector<Mesh> meshes;
+  std::vector<char> doubtful;
+  for (const std::size_t k : there) {
+    FittedStructure& one = result.structures[k];
+    if (!one.fit) continue;
+    if (said[k]) one.off_place = apart(*set.templates[k], *said[k], one.fit->placement);
+    one.confidence = structure_confidence(one);
+    fitted.push_back(k);
+    meshes.push_back(one.fit->mesh);
+    doubtful.push_back(one.judgement.doubtful ? 1 : 0);
+  }
+  result.depth_mm = keep_apart(meshes, pairs_to_keep_apart(subject, fitted), options.gap_mm, doubtful);
+  for (std::size_t k = 0; k < fitted.size(); ++k) {
+    FitResult& fit = *result.structures[fitted[k]].fit;
+    fit.mesh = std::move(meshes[k]);
+    fit.landmarks = carried_landmarks(*set.templates[fitted[k]], fit.mesh.points);
+  }
+  return result;
+}
+
+}  // namespace homolog

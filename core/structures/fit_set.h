@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/adapt/fit.h"
+#include "core/adapt/judge_fit.h"
+#include "core/structures/structures_in_map.h"
+
+namespace homolog {
+
+struct FitSetOptions {
+  double gap_mm = 0;  ///< that is left between neighbours
+  Progress* progress = nullptr;
+};
+
+/// What became of one structure of a set.
+struct FittedStructure {
+  std::optional<FitResult> fit;  ///< none: it is missing, or could not be fitted
+  FitJudgement judgement;
+  double closing_mm = 0;
+  /// How far it lies from where its neighbours say, by its size: the root mean square over the template's vertices,
+  /// placed both ways. Below 0: no neighbour says.
+  double off_place = -1;
+  bool by_neighbours = false;  ///< fitted from where its neighbours say
+  double confidence = 0;       ///< 0…1: that the structure is right [structure_confidence]
+  std::string why_not;         ///< why it has no mesh; empty for one that is missing
+};
+
+struct FittedSet {
+  std::vector<FittedStructure> structures;  ///< in the set's order
+  double depth_mm = 0;                      ///< the largest by which two that are kept apart lie within each other
+};
+
+/// Fits the templates of a set to one subject: each by itself, then once more those that are doubtful or lie where
+/// their neighbours do not say, from there. At the end neighbours are kept apart, but for those whose labels overlap.
+/// What is missing is left out. The bytes do not depend on the number of threads. Errors: cancelled.
+Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, const FitSetOptions& options = {});
+
+}  // namespace homolog

@@ -1,0 +1,209 @@
+#include "core/structures/keep_apart.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "core/base/index.h"
+#include "core/base/parallel.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/mesh/surface_search.h"
+
+namespace homolog {
+
+namespace {
+
+/// A place of a mesh as the mean of some of its vertices.
+struct Sample {
+  std::array<std::int32_t, 3> vertices{};
+  int count = 0;
+
+  Vec3 at(const Points& points) const {
+    Vec3 sum = Vec3::Zero();
+    for (int k = 0; k < count; ++k) sum += points.row(vertices[index(k)]).transpose();
+    return sum / count;
+  }
+};
+
+std::vector<Sample> samples_of(const Topology& topology) {
+  std::vector<Sample> samples;
+  for (std::int32_t v = 0; v < topology.vertices(); ++v) samples.push_back({{v, v, v}, 1});
+  for (const auto& [a, b] : topology.edges()) samples.push_back({{a, b, b}, 2});
+  for (Eigen::Index f = 0; f < topology.triangles().rows(); ++f) {
+    const auto t = topology.triangles().row(f);
+    samples.push_back({{t[0], t[1], t[2]}, 3});
+  }
+  return samples;
+}
+
+Box grown(Box box, double by_mm) {
+  box.min().array() -= by_mm;
+  box.max().array() += by_mm;
+  return box;
+}
+
+/// How far places lie within a closed mesh.
+class Depths {
+ public:
+  explicit Depths(const Mesh& mesh) : search_(mesh), normals_(mesh.topology->triangles().rows(), 3) {
+    for (Eigen::Index f = 0; f < normals_.rows(); ++f) normals_.row(f) = area_normal(mesh, f).normalized();
+  }
+
+  /// Above 0 within; and the way out, of length 1.
+  struct Depth {
+    double mm;
+    Vec3 out;
+  };
+  Depth at(const Vec3& p) const {
+    const auto nearest = search_.nearest(p);
+    const Vec3 normal = normal_at(nearest.at);
+    const Vec3 away = p - nearest.position;
+    const bool within = away.dot(normal) < 0;
+    const Vec3 out = nearest.distance_mm > 1e-9 ? Vec3(within ? -away.normalized() : away.normalized()) : normal;
+    return {within ? nearest.distance_mm : -nearest.distance_mm, out};
+  }
+
+ private:
+  /// On an edge or at a corner the mean of the faces there, by their angles [Bærentzen & Aanæs 2005].
+  Vec3 normal_at(const SurfacePoint& at) const {
+    constexpr double nothing = 1e-9;
+    const Topology& topology = *search_.mesh().topology;
+    const auto t = topology.triangles().row(at.face);
+    const Vec3 own = normals_.row(at.face);
+    int corners = 0, corner = 0, apart = 0;
+    for (int c = 0; c < 3; ++c) {
+      if (at.weights[c] > nothing)
+        ++corners, corner = c;
+      else
+        apart = c;
+    }
+    if (corners == 3) return own;
+    if (corners == 2) {
+      const std::int32_t across = topology.neighbours(at.face)[index((apart + 1) % 3)];
+      return across < 0 ? own : Vec3(own + normals_.row(across).transpose());
+    }
+    const Points& points = search_.mesh().points;
+    const std::int32_t v = t[corner];
+    Vec3 sum = Vec3::Zero();
+    for (const std::int32_t f : topology.faces_of(v)) {
+      const auto face = topology.triangles().row(f);
+      const int k = face[0] == v ? 0 : face[1] == v ? 1 : 2;
+      const Vec3 a = points.row(face[(k + 1) % 3]) - points.row(v), b = points.row(face[(k + 2) % 3]) - points.row(v);
+      sum += std::atan2(a.cross(b).norm(), a.dot(b)) * normals_.row(f).transpose();
+    }
+    return sum;
+  }
+
+  SurfaceSearch search_;
+  Points normals_;
+};
+
+/// How the vertices of a mesh have to move, and which have to.
+struct Push {
+  Points by;
+  VertexScalars mm;  ///< the largest that any sample asks for; 0: none does
+  double deepest_mm = 0;
+};
+
+/// `share`: of the way that it goes.
+Push push_out(const Mesh& mesh, const std::vector<Sample>& samples, const Depths& other, const Box& reach,
+              double gap_mm, double share) {
+  constexpr double slack_mm = 0.01;
+  Push push{Points::Zero(mesh.points.rows(), 3), VertexScalars::Zero(mesh.points.rows())};
+  for (const Sample& sample : samples) {
+    const Vec3 p = sample.at(mesh.points);
+    if (!reach.contains(p)) continue;
+    const Depths::Depth depth = other.at(p);
+    const double excess_mm = depth.mm + gap_mm;
+    push.deepest_mm = std::max(push.deepest_mm, excess_mm);
+    if (excess_mm <= 0 || share <= 0) continue;
+    const double way_mm = share * (excess_mm + slack_mm);
+    for (int k = 0; k < sample.count; ++k) {
+      const std::int32_t v = sample.vertices[index(k)];
+      if (way_mm <= push.mm[v]) continue;
+      push.mm[v] = way_mm;
+      push.by.row(v) = way_mm * depth.out;
+    }
+  }
+  return push;
+}
+
+/// Spreads a movement to the vertices around those that have to move, less with every ring.
+void spread(const Topology& topology, const VertexScalars& mm, Points& by) {
+  constexpr int rings = 4;
+  for (int ring = 0; ring < rings; ++ring) {
+    Points next = by;
+    for (Eigen::Index v = 0; v < by.rows(); ++v) {
+      if (mm[v] > 0) continue;
+      Vec3 sum = Vec3::Zero();
+      for (const std::int32_t n : topology.one_ring(v)) sum += by.row(n).transpose();
+      next.row(v) = sum / static_cast<double>(topology.one_ring(v).size());
+    }
+    by = std::move(next);
+  }
+}
+
+}  // namespace
+
+double depth_mm(const Mesh& mesh, const Mesh& other, double near_mm) {
+  const Depths depths(other);
+  const Box reach = grown(bounds_of(other.points), near_mm);
+  double deepest = -near_mm;
+  for (const Sample& sample : samples_of(*mesh.topology))
+    if (const Vec3 p = sample.at(mesh.points); reach.contains(p)) deepest = std::max(deepest, depths.at(p).mm);
+  return deepest;
+}
+
+double keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, double gap_mm,
+                  const std::vector<char>& yields) {
+  constexpr int most_rounds = 40;
+  constexpr double at_rest_mm = 0.02;
+  std::vector<std::vector<Sample>> samples(meshes.size());
+  for (const MeshPair& pair : pairs)
+    for (const std::size_t k : pair)
+      if (samples[k].empty()) samples[k] = samples_of(*meshes[k].topology);
+  const auto share_of = [&](std::size_t own, std::size_t other) {
+    if (yields.empty() || yields[own] == yields[other]) return 0.5;
+    return yields[own] != 0 ? 1.0 : 0.0;
+  };
+  double deepest_mm = 0;
+  for (int round = 0; round < most_rounds; ++round) {
+    std::vector<std::unique_ptr<Depths>> depths(meshes.size());
+    for_each_in_parallel(meshes.size(), [&](std::size_t k) {
+      if (!samples[k].empty()) depths[k] = std::make_unique<Depths>(meshes[k]);
+    });
+    std::vector<Push> pushes(2 * pairs.size());
+    for_each_in_parallel(pushes.size(), [&](std::size_t p) {
+      const std::size_t own = pairs[p / 2][p % 2], other = pairs[p / 2][1 - p % 2];
+      const Box reach = grown(bounds_of(meshes[other].points), gap_mm);
+      if (reach.intersects(bounds_of(meshes[own].points)))
+        pushes[p] = push_out(meshes[own], samples[own], *depths[other], reach, gap_mm, share_of(own, other));
+    });
+    deepest_mm = 0;
+    std::vector<Push> moves(meshes.size());
+    for (std::size_t p = 0; p < pushes.size(); ++p) {
+      const Push& push = pushes[p];
+      deepest_mm = std::max(deepest_mm, push.deepest_mm);
+      if (push.deepest_mm <= 0) continue;
+      Push& move = moves[pairs[p / 2][p % 2]];
+      if (move.by.rows() == 0) {
+        move = push;
+        continue;
+      }
+      for (Eigen::Index v = 0; v < move.mm.size(); ++v)
+        if (push.mm[v] > 0) {
+          move.by.row(v) += push.by.row(v);
+          move.mm[v] = std::max(move.mm[v], push.mm[v]);
+        }
+    }
+    if (deepest_mm <= at_rest_mm) break;
+    for (std::size_t k = 0; k < meshes.size(); ++k) {
+      if (moves[k].by.rows() == 0) continue;
+      spread(*meshes[k].topology, moves[k].mm, moves[k].by);
+      meshes[k].points += moves[k].by;
+    }
+  }
+  return deepest_mm;
+}
+
+}  // namespace homolog

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+/// Two of several meshes.
+using MeshPair = std::array<std::size_t, 2>;
+
+/// How far a mesh lies within another, at its vertices and the middles of its edges and faces: the largest depth in mm,
+/// or, where they do not meet, minus the smallest distance of what lies within `near_mm`; −near_mm where nothing does.
+double depth_mm(const Mesh& mesh, const Mesh& other, double near_mm);
+
+/// Moves closed meshes apart where two of a pair lie within each other, smoothly, until they are `gap_mm` apart (0:
+/// until they touch). Both go the same way; where only one of them `yields`, it goes all of it (0 or 1 a mesh; empty:
+/// all are alike). No vertex moves that is not near such a place. Returns the largest depth that is left, beyond the
+/// gap, in mm.
+double keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, double gap_mm = 0,
+                  const std::vector<char>& yields = {});
+
+}  // namespace homolog

@@ -1,0 +1,88 @@
+#include "core/structures/structures_in_map.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "core/base/text.h"
+#include "core/catalogue/catalogue.h"
+#include "core/volume/label_boxes.h"
+
+namespace homolog {
+
+namespace {
+
+/// Around a label, so that a fit sees that it ends there.
+constexpr int margin_voxels = 3;
+
+/// The layer of a map, and which of its frames is meant: layers have one each.
+std::pair<const Volume*, int> layer_of(const VolumeRead& map, std::size_t layer, int frame) {
+  if (map.other_layers.empty() || layer == 0) return {&map.volume, map.other_layers.empty() ? frame : 0};
+  return {&map.other_layers[layer - 1], 0};
+}
+
+bool same_name(const std::string& a, const std::string& b) {
+  return lower_case(a) == lower_case(b);
+}
+
+}  // namespace
+
+Result<SetOfTemplates> load_template_set(const std::filesystem::path& path) {
+  auto set = read_template_set(path);
+  if (!set) return fail(set.error());
+  SetOfTemplates all{std::move(*set), {}, {}};
+  bool any = false;
+  for (const TemplateOfSet& one : all.set.structures) {
+    auto read = load_template(one.file.string());
+    if (!read) all.warnings.push_back(read.error().sentence());
+    any = any || read;
+    all.templates.push_back(read ? *read : nullptr);
+  }
+  if (!any) return fail(path.string(), "has no template that can be read; the first reason: " + all.warnings.front());
+  return all;
+}
+
+SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
+  std::vector<Segment> segments = map.segmentation.segments;
+  const std::size_t layers = map.other_layers.size() + 1;
+  std::vector<std::map<int, VoxelBox>> boxes(layers);
+  for (std::size_t layer = 0; layer < layers; ++layer) {
+    const auto [volume, of_layer] = layer_of(map, layer, frame);
+    boxes[layer] = label_boxes(*volume, of_layer);
+    for (const auto& [value, box] : boxes[layer]) {
+      const Segment* known =
+          map.other_layers.empty() ? map.segmentation.find(value) : map.segmentation.find(value, layer);
+      if (known == nullptr) segments.push_back({.name = {}, .value = value, .layer = layer});
+    }
+  }
+  if (layers == 1)
+    for (Segment& segment : segments) segment.layer = 0;  // layers that were united
+  SetInMap found;
+  std::set<const Segment*> taken;
+  for (const TemplateOfSet& one : set.structures) {
+    auto it = std::ranges::find_if(segments, [&](const Segment& s) { return same_name(s.name, one.name); });
+    // A value alone says something only where the map gives it no other name.
+    if (it == segments.end())
+      it = std::ranges::find_if(
+          segments, [&](const Segment& s) { return s.name.empty() && s.value == one.value && !taken.contains(&s); });
+    StructureInMap there;
+    there.segment = it != segments.end() ? *it : Segment{one.name, one.value, 0, one.colour, {}};
+    if (it != segments.end()) {
+      taken.insert(&*it);
+      if (const auto box = boxes[it->layer].find(it->value); box != boxes[it->layer].end()) {
+        const auto [volume, of_layer] = layer_of(map, it->layer, frame);
+        there.mask = cropped(*volume, box->second, margin_voxels, of_layer);
+      }
+    }
+    there.segment.name = one.name;
+    if (!there.segment.colour) there.segment.colour = one.colour;
+    found.structures.push_back(std::move(there));
+  }
+  for (const Segment& segment : segments)
+    if (!taken.contains(&segment) && boxes[segment.layer].contains(segment.value))
+      found.without_template.push_back(segment.name.empty() ? "label " + std::to_string(segment.value) : segment.name);
+  return found;
+}
+
+}  // namespace homolog

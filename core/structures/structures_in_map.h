@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/structures/template_set.h"
+#include "core/template/template.h"
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+/// A set with its templates, in the order of its structures.
+struct SetOfTemplates {
+  TemplateSet set;
+  std::vector<std::shared_ptr<const Template>> templates;  ///< null: it could not be read
+  std::vector<std::string> warnings;                       ///< why, each a sentence
+};
+
+/// Reads a set and all its templates. Errors: those of read_template_set; no template can be read.
+Result<SetOfTemplates> load_template_set(const std::filesystem::path& path);
+
+/// Where a label map has a structure of a set.
+struct StructureInMap {
+  Segment segment;             ///< by its name, else by its value
+  std::optional<Volume> mask;  ///< the part of the map around it; none: the map has no voxel of it
+
+  bool is_there() const { return mask.has_value(); }
+};
+
+/// What a label map has of a set.
+struct SetInMap {
+  std::vector<StructureInMap> structures;     ///< in the set's order
+  std::vector<std::string> without_template;  ///< names of the map's labels that the set lacks
+};
+
+/// Finds the structures of a set in a frame of a label map: each by its name where the map gives names, else by its
+/// value.
+SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame = 0);
+
+}  // namespace homolog

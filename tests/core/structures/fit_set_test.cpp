@@ -1,0 +1,128 @@
+#include "core/structures/fit_set.h"
+
+#include <doctest/doctest.h>
+
+#include "core/mesh/icosphere.h"
+#include "core/mesh/label_map.h"
+#include "core/structures/set_map.h"
+#include "tests/must.h"
+
+namespace homolog {
+
+namespace {
+
+/// A ball, longer along x, so that it has a direction.
+Mesh egg_at(double x_mm, double radius_mm) {
+  Mesh egg = icosphere(3, radius_mm);
+  egg.points.col(0) *= 1.3;
+  egg.points.col(2) *= 0.8;
+  egg.points.col(0).array() += x_mm;
+  return egg;
+}
+
+const std::vector<double> radii{20, 15, 10};
+const std::vector<double> places{-60, 0, 50};
+
+/// Three eggs in a row, "a", "b", "c", with the labels 1, 2 and 3.
+SetOfTemplates eggs() {
+  SetOfTemplates set;
+  for (std::size_t k = 0; k < 3; ++k) {
+    TemplateOfSet one;
+    one.name = std::string(1, static_cast<char>('a' + k));
+    one.value = static_cast<int>(k) + 1;
+    set.set.structures.push_back(one);
+    const Mesh egg = egg_at(places[k], radii[k]);
+    MeshFile file;
+    file.points = egg.points;
+    file.triangles = egg.topology->triangles();
+    set.templates.push_back(test::must(make_template(file, one.name)));
+  }
+  return set;
+}
+
+/// A map of the same eggs, each a tenth larger, moved by 7 mm along y.
+VolumeRead map_of_eggs() {
+  VolumeGeometry grid;
+  grid.dims = {200, 80, 70};
+  grid.origin_mm = Vec3(-100, -33, -35);
+  std::vector<MeshOfSegment> meshes;
+  for (std::size_t k = 0; k < 3; ++k) {
+    Mesh egg = egg_at(places[k], 1.1 * radii[k]);
+    egg.points.col(1).array() += 7;
+    meshes.push_back({{std::string(1, static_cast<char>('a' + k)), static_cast<int>(k) + 1, 0, {}, {}}, egg});
+  }
+  MapOfMeshes made = map_of_meshes(meshes, grid);
+  CHECK(made.contested_voxels == 0);
+  return std::move(made.map);
+}
+
+}  // namespace
+
+TEST_CASE("all structures of a set come to their labels") {
+  const SetOfTemplates set = eggs();
+  const SetInMap subject = find_in_map(set.set, map_of_eggs());
+  CHECK(subject.without_template.empty());
+  const FittedSet fitted = test::must(fit_set(set, subject));
+  CHECK(fitted.depth_mm <= 0.1);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const FittedStructure& one = fitted.structures[k];
+    CAPTURE(k);
+    REQUIRE(one.fit);
+    CHECK(one.judgement.inside_scan.dice > 0.97);
+    CHECK_FALSE(one.judgement.doubtful);
+    CHECK(one.off_place >= 0);
+    CHECK(one.off_place < 0.1);
+    CHECK(one.confidence > 0.5);
+    const Vec3 middle = one.fit->mesh.points.colwise().mean();
+    CHECK((middle - Vec3(places[k], 7, 0)).norm() < 1);
+  }
+}
+
+TEST_CASE("a structure that the map lacks is missing, and one without template is named") {
+  const SetOfTemplates set = eggs();
+  VolumeRead map = map_of_eggs();
+  for (auto& voxel : std::get<std::vector<std::uint8_t>>(map.volume.data))
+    if (voxel == 2) voxel = 9;
+  const SetInMap subject = find_in_map(set.set, map);
+  CHECK(subject.without_template == std::vector<std::string>{"label 9"});
+  CHECK_FALSE(subject.structures[1].is_there());
+  const FittedSet fitted = test::must(fit_set(set, subject));
+  CHECK(fitted.structures[0].fit);
+  CHECK_FALSE(fitted.structures[1].fit);
+  CHECK(fitted.structures[1].confidence == 0);
+  CHECK(fitted.structures[2].fit);
+}
+
+TEST_CASE("a value counts only where the map gives it no other name") {
+  const SetOfTemplates set = eggs();
+  VolumeRead map = map_of_eggs();
+  map.segmentation.segments[0].name = "C";
+  map.segmentation.segments[1].name = "";
+  map.segmentation.segments[2].name = "A";
+  const SetInMap subject = find_in_map(set.set, map);
+  CHECK(subject.structures[0].segment.value == 3);
+  CHECK(subject.structures[1].segment.value == 2);
+  CHECK(subject.structures[2].segment.value == 1);
+}
+
+TEST_CASE("in a map of meshes a voxel belongs to one structure of a layer") {
+  VolumeGeometry grid;
+  grid.dims = {80, 50, 50};
+  grid.origin_mm = Vec3(-25, -25, -25);
+  const Mesh first = icosphere(4, 20);
+  Mesh second = first;
+  second.points.col(0).array() += 30;
+  const Segment a{"a", 1, 0, {}, {}}, b{"b", 300, 0, {}, {}}, c{"c", 300, 7, {}, {}};
+  const MapOfMeshes one = map_of_meshes({{a, first}, {b, second}}, grid);
+  CHECK(one.map.other_layers.empty());
+  CHECK(one.contested_voxels > 2000);
+  const auto held = labels_of(one.map.volume);
+  CHECK(held.at(1) > held.at(300));
+  const MapOfMeshes two = map_of_meshes({{a, first}, {c, second}}, grid);
+  CHECK(two.contested_voxels == 0);
+  REQUIRE(two.map.other_layers.size() == 1);
+  CHECK(labels_of(two.map.volume).at(1) == labels_of(two.map.other_layers[0]).at(300));
+  CHECK(two.map.segmentation.segments[1].layer == 1);
+}
+
+}  // namespace homolog

@@ -1,0 +1,70 @@
+#include "core/structures/keep_apart.h"
+
+#include <doctest/doctest.h>
+
+#include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+Mesh large_ball_at(double x_mm, double radius_mm = 20) {
+  Mesh ball = icosphere(4, radius_mm);
+  ball.points.col(0).array() += x_mm;
+  return ball;
+}
+
+constexpr MeshPair both{0, 1};
+
+}  // namespace
+
+TEST_CASE("a depth is how far a mesh lies within another, and a distance where it does not") {
+  CHECK(depth_mm(large_ball_at(0), large_ball_at(37), 10) == doctest::Approx(3).epsilon(0.02));
+  CHECK(depth_mm(large_ball_at(0), large_ball_at(44), 10) == doctest::Approx(-4).epsilon(0.02));
+  CHECK(depth_mm(large_ball_at(0), large_ball_at(80), 10) == -10);
+}
+
+TEST_CASE("two that lie within each other meet halfway, and what is far from there stays") {
+  std::vector<Mesh> balls{large_ball_at(0), large_ball_at(37)};
+  const std::vector<Mesh> before = balls;
+  const double left_mm = keep_apart(balls, {&both, 1});
+  CHECK(left_mm <= 0.1);
+  CHECK(depth_mm(balls[0], balls[1], 1) <= 0.1);
+  CHECK(depth_mm(balls[1], balls[0], 1) <= 0.1);
+  // They met 3 mm deep at x = 18.5 mm.
+  CHECK(balls[0].points.col(0).maxCoeff() == doctest::Approx(18.5).epsilon(0.02));
+  CHECK(balls[1].points.col(0).minCoeff() == doctest::Approx(18.5).epsilon(0.02));
+  for (Eigen::Index v = 0; v < balls[0].points.rows(); ++v)
+    if (before[0].points(v, 0) < 0) CHECK(balls[0].points.row(v) == before[0].points.row(v));
+  for (const Mesh& ball : balls) CHECK(self_intersections(ball).empty());
+}
+
+TEST_CASE("a gap is left where one is asked for") {
+  std::vector<Mesh> balls{large_ball_at(0), large_ball_at(40.5)};
+  CHECK(keep_apart(balls, {&both, 1}, 2) <= 0.1);
+  CHECK(depth_mm(balls[0], balls[1], 10) <= -1.9);
+}
+
+TEST_CASE("one that yields goes all the way") {
+  std::vector<Mesh> balls{large_ball_at(0), large_ball_at(37)};
+  const Mesh first = balls[0], ball_at_37 = balls[1];
+  CHECK(keep_apart(balls, {&both, 1}, 0, {0, 1}) <= 0.1);
+  CHECK(balls[0].points == first.points);
+  CHECK(depth_mm(balls[1], balls[0], 1) <= 0.1);
+  // On the axis the second ball ended at x = 17 mm and the first one ends at 20 mm.
+  Eigen::Index on_axis = 0;
+  ball_at_37.points.rowwise().norm().minCoeff(&on_axis);
+  CHECK(balls[1].points(on_axis, 0) == doctest::Approx(20).epsilon(0.01));
+}
+
+TEST_CASE("three in a row come apart, and those that touch nobody stay") {
+  std::vector<Mesh> balls{large_ball_at(0), large_ball_at(38), large_ball_at(76), large_ball_at(200)};
+  const std::vector<MeshPair> pairs{{0, 1}, {0, 2}, {1, 2}, {2, 3}};
+  CHECK(keep_apart(balls, pairs) <= 0.1);
+  CHECK(depth_mm(balls[0], balls[1], 1) <= 0.1);
+  CHECK(depth_mm(balls[2], balls[1], 1) <= 0.1);
+  CHECK(balls[3].points == large_ball_at(200).points);
+}
+
+}  // namespace homolog

@@ -30,6 +30,7 @@ Result<ExperimentSubject> mask_subject(const std::filesystem::path& path, const 
 Json json_of(const SchemeRun& run);
 
 void add_lab_bench(CLI::App& app, CommandLine& asked);
+void add_lab_corrupt(CLI::App& app, CommandLine& asked);
 void add_study_user(CLI::App& study, CommandLine& asked);
 void add_study_schemes(CLI::App& study, CommandLine& asked);
 void add_study_bias(CLI::App& study, CommandLine& asked);

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <set>
 
 #include "app/verbs/case_of_fit.h"
-#include "app/verbs/case_pool.h"
-#include "app/verbs/input_folders.h"
-#include "core/base/file_stem.h"
+#include "app/verbs/set_cases.h"
 #include "core/base/files.h"
 #include "core/base/statistics.h"
 #include "core/mesh/mesh_frame.h"
@@ -15,7 +12,6 @@
 #include "core/structures/fit_set.h"
 #include "core/structures/set_map.h"
 #include "core/volume/label_boxes.h"
-#include "core/volume/read_labels.h"
 #include "core/volume/write_segmentation.h"
 
 // `fit` with a template set: all structures of a scan at once.
@@ -26,27 +22,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A label map of a case, and which of its frames is meant.
-struct SubjectMap {
-  VolumeRead read;
-  int frame = 0;
-};
-
-Result<SubjectMap> read_subject(const fs::path& path, const std::optional<int>& frame, Progress& progress) {
-  VolumeReadOptions reading;
-  reading.progress = &progress;
-  auto read = read_labels(path, reading);
-  if (!read) return fail(read.error());
-  const int frames = read->volume.frames;
-  if (frame && *frame >= frames)
-    return fail(path.string(),
-                "has no frame " + std::to_string(*frame) + "; its last one is " + std::to_string(frames - 1));
-  if (!frame && frames > 1)
-    read->warnings.push_back(path.string() + ": has " + std::to_string(frames) +
-                             " frames, of which the first is taken; choose another by --frame");
-  return SubjectMap{std::move(*read), frame.value_or(0)};
-}
-
 /// The grid to write on: that of the map's first layer, and further where another one reaches beyond it.
 VolumeGeometry grid_of_all(const VolumeRead& map) {
   VolumeGeometry grid = map.volume.geometry;
@@ -55,23 +30,7 @@ VolumeGeometry grid_of_all(const VolumeRead& map) {
   return grid;
 }
 
-/// Folders opened: one that has a file of a structure's name is one map of single masks, else it holds maps.
-std::vector<fs::path> maps_of(const std::vector<fs::path>& paths, const TemplateSet& set) {
-  std::vector<fs::path> maps;
-  for (const fs::path& path : paths) {
-    std::error_code error;
-    const auto files = fs::is_directory(path, error) ? volumes_in(path) : std::vector<fs::path>();
-    const bool is_one =
-        std::ranges::any_of(files, [&](const fs::path& file) { return set.find(file_stem(file)) != nullptr; });
-    if (files.empty() || is_one)
-      maps.push_back(path);
-    else
-      maps.insert(maps.end(), files.begin(), files.end());
-  }
-  return maps;
-}
-
-Json row_of(const TemplateOfSet& structure, const StructureInMap& there, const FittedStructure& one) {
+Json row_of_fit(const TemplateOfSet& structure, const StructureInMap& there, const FittedStructure& one) {
   Json row{{"name", structure.name},
            {"value", there.segment.value},
            {"dice", nullptr},
@@ -92,15 +51,6 @@ Json row_of(const TemplateOfSet& structure, const StructureInMap& there, const F
   return row;
 }
 
-std::string names_in(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 6;
-  const std::vector<std::string> first(
-      names.begin(), names.begin() + std::ssize(names) - std::max<std::ptrdiff_t>(0, std::ssize(names) - most));
-  std::string text;
-  for (const std::string& name : first) text += (text.empty() ? "" : ", ") + name;
-  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
-}
-
 /// What a person has to know of a case, each a sentence.
 std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted) {
   std::vector<std::string> words, missing, failed;
@@ -113,9 +63,9 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
     words.push_back(name + " is doubtful: " + reason_of_doubt(one.judgement.warnings));
   }
   if (!missing.empty())
-    words.push_back("has no voxel of " + names_in(missing) + ", which the set has; they are left out");
+    words.push_back("has no voxel of " + some_of(missing) + ", which the set has; they are left out");
   if (!subject.without_template.empty())
-    words.push_back("has " + names_in(subject.without_template) + ", for which the set has no template; left out");
+    words.push_back("has " + some_of(subject.without_template) + ", for which the set has no template; left out");
   return words;
 }
 
@@ -148,7 +98,7 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   const auto started = Clock::now();
   const SetInMap subject = find_in_map(set.set, map->read, map->frame);
   if (std::ranges::none_of(subject.structures, &StructureInMap::is_there))
-    return fail(path.string(), "holds no structure of the set; its labels: " + names_in(subject.without_template) +
+    return fail(path.string(), "holds no structure of the set; its labels: " + some_of(subject.without_template) +
                                    "; give the map names, or the set other values");
   auto fitted = fit_set(set, subject, {options.gap_mm, &progress});
   if (!fitted) return fail(path.string(), fitted.error().what);
@@ -158,7 +108,7 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   Report report;
   Json rows = Json::array();
   for (std::size_t k = 0; k < fitted->structures.size(); ++k)
-    rows.push_back(row_of(set.set.structures[k], subject.structures[k], fitted->structures[k]));
+    rows.push_back(row_of_fit(set.set.structures[k], subject.structures[k], fitted->structures[k]));
   report.values = {{"name", name},
                    {"case", path.string()},
                    {"overlap_voxels", *contested},
@@ -175,38 +125,9 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
 Result<Report> fit_sets(const FitJob& options, Progress& progress) {
   const auto set = load_template_set(options.template_source);
   if (!set) return fail(set.error());
-  const auto paths = maps_of(options.masks, set->set);
-  std::set<std::string> names;
-  for (const fs::path& path : paths)
-    if (!names.insert(case_name_of(path)).second)
-      return fail(path.string(),
-                  "has the name of another case, so that both would be written to one folder; rename one");
-  const auto folder = ResultFolder::make(options.out);
-  if (!folder) return fail(folder.error());
-  Report report;
-  report.warnings = set->warnings;
-  Json cases = Json::array();
-  std::size_t failed = 0;
-  std::string first_error;
-  // One case after the other: each is fitted in parallel, and a large scan need not be in memory twice.
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    set_case_in_work(case_name_of(paths[i]));
-    Progress own(progress, 1 / static_cast<double>(paths.size()));
-    auto one = fit_subject(options, *set, paths[i], own);
-    if (progress.cancelled()) return fail("", "the fit was cancelled; the cases finished so far are kept");
-    if (!one) {
-      if (failed++ == 0) first_error = one.error().sentence();
-      report.warnings.push_back(one.error().sentence());
-      cases.push_back(
-          {{"name", case_name_of(paths[i])}, {"case", paths[i].string()}, {"error", one.error().sentence()}});
-      continue;
-    }
-    report.warnings.insert(report.warnings.end(), one->warnings.begin(), one->warnings.end());
-    cases.push_back(std::move(one->values));
-  }
-  if (failed == paths.size()) return fail(options.out.string(), "no case could be fitted; the first: " + first_error);
-  report.values = {{"fitted", paths.size() - failed}, {"failed", failed}, {"cases", std::move(cases)}};
-  return report;
+  return run_set_cases(
+      *set, maps_of(options.masks, set->set), options.out, "fitted",
+      [&](const fs::path& path, Progress& own) { return fit_subject(options, *set, path, own); }, progress);
 }
 
 }  // namespace homolog

@@ -48,6 +48,7 @@ const std::map<std::string_view, Examples> examples{
      {"picture study kidneys.study.json -o study.png",
       "picture study kidneys.study.json --only gallery -o gallery.png"}},
     {"convert", {"convert dicom/ ct.nii.gz", "convert fits/case_1.ply case_1.vtp"}},
+    {"repair", {"repair ct-labels.nii.gz --templates trunk.set.json -o mended"}},
     {"repair-mesh", {"repair-mesh scan.stl -o scan.ply", "repair-mesh scan.stl --holes all --genus 0 -o scan.ply"}},
     {"template",
      {"template labels/case_1.nii.gz --label 1 -o kidney.ply", "template --consensus labels/ --label 1 -o kidney.ply"}},

@@ -8,8 +8,8 @@
 #include "core/adapt/choose_closing.h"
 #include "core/base/parallel.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/placement/similarity_fit.h"
 #include "core/structures/keep_apart.h"
+#include "core/structures/neighbours_say.h"
 #include "core/structures/structure_confidence.h"
 
 namespace homolog {
@@ -42,36 +42,6 @@ Result<Try> try_fit(const Template& the_template, const StructureInMap& there, c
     if (more.better) first = std::move(*more.better);
   }
   return Try{std::move(first.boundary), std::move(first.fit), std::move(first.judgement), first.closing_mm};
-}
-
-Points middle_of(const Points& points) {
-  return points.colwise().mean();
-}
-
-/// Where a structure's neighbours say that it is: the similarity that carries the nearest of those that are sound, as
-/// they lie in the set, to where they were fitted. None where there is no such neighbour.
-std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
-                                             std::size_t of) {
-  constexpr std::size_t most = 4;
-  std::vector<std::pair<double, std::size_t>> near;
-  for (std::size_t k = 0; k < fitted.size(); ++k) {
-    if (k == of || set.templates[of] == nullptr || !fitted[k].fit || fitted[k].judgement.doubtful) continue;
-    near.emplace_back((middle_of(set.templates[k]->points) - middle_of(set.templates[of]->points)).norm(), k);
-  }
-  if (near.empty()) return std::nullopt;
-  std::ranges::sort(near);
-  near.resize(std::min(most, near.size()));
-  Eigen::Index rows = 0;
-  for (const auto& [mm, k] : near) rows += set.templates[k]->points.rows();
-  Points from(rows, 3), to(rows, 3);
-  rows = 0;
-  for (const auto& [mm, k] : near) {
-    const Points& own = set.templates[k]->points;
-    from.middleRows(rows, own.rows()) = own;
-    to.middleRows(rows, own.rows()) = fitted[k].fit->mesh.points;
-    rows += own.rows();
-  }
-  return nearest_similarity(from, to, {});
 }
 
 /// How far two placements of a template lie apart, by its size.

@@ -14,4 +14,15 @@ double structure_confidence(const FittedStructure& one) {
   return 1 / (1 + std::exp(-x));
 }
 
+double structure_confidence(const FittedStructure& one, const StructureSigns& signs, const RepairedStructure& found) {
+  if (!one.fit) return 0;
+  double confidence = structure_confidence(one) * found.p_named;
+  for (const Defect& defect : found.defects) {
+    const bool is_large = defect.kind != DefectKind::island && defect.kind != DefectKind::hole &&
+                          defect.kind != DefectKind::bridge && defect.kind != DefectKind::cut_by_scan;
+    confidence *= is_large ? 0.2 : 0.9;
+  }
+  return confidence * std::clamp(1 - signs.lacking, 0.0, 1.0);
+}
+
 }  // namespace homolog

@@ -16,12 +16,6 @@ namespace {
 /// Around a label, so that a fit sees that it ends there.
 constexpr int margin_voxels = 3;
 
-/// The layer of a map, and which of its frames is meant: layers have one each.
-std::pair<const Volume*, int> layer_of(const VolumeRead& map, std::size_t layer, int frame) {
-  if (map.other_layers.empty() || layer == 0) return {&map.volume, map.other_layers.empty() ? frame : 0};
-  return {&map.other_layers[layer - 1], 0};
-}
-
 bool same_name(const std::string& a, const std::string& b) {
   return lower_case(a) == lower_case(b);
 }
@@ -41,6 +35,11 @@ Result<SetOfTemplates> load_template_set(const std::filesystem::path& path) {
   }
   if (!any) return fail(path.string(), "has no template that can be read; the first reason: " + all.warnings.front());
   return all;
+}
+
+std::pair<const Volume*, int> layer_of(const VolumeRead& map, std::size_t layer, int frame) {
+  if (map.other_layers.empty() || layer == 0) return {&map.volume, map.other_layers.empty() ? frame : 0};
+  return {&map.other_layers[layer - 1], 0};
 }
 
 SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {

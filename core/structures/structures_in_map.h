@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/structures/template_set.h"
@@ -35,6 +36,9 @@ struct SetInMap {
   std::vector<StructureInMap> structures;     ///< in the set's order
   std::vector<std::string> without_template;  ///< names of the map's labels that the set lacks
 };
+
+/// The volume that holds a layer of a map, and which of its frames is meant: layers have one each.
+std::pair<const Volume*, int> layer_of(const VolumeRead& map, std::size_t layer, int frame);
 
 /// Finds the structures of a set in a frame of a label map: each by its name where the map gives names, else by its
 /// value.

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/verbs/verb.h"
+#include "core/structures/structures_in_map.h"
+
+namespace homolog {
+
+// What the verbs share that go through label maps with a template set.
+
+/// A label map of a case, and which of its frames is meant.
+struct SubjectMap {
+  VolumeRead read;
+  int frame = 0;
+};
+
+/// Errors: the reader's; no such frame. Warns where the first of several frames is taken.
+Result<SubjectMap> read_subject(const std::filesystem::path& path, const std::optional<int>& frame, Progress& progress);
+
+/// Folders opened: one that has a file of a structure's name is one map of single masks, else it holds maps.
+std::vector<std::filesystem::path> maps_of(const std::vector<std::filesystem::path>& paths, const TemplateSet& set);
+
+/// The first names with commas between them, and how many more there are.
+std::string some_of(const std::vector<std::string>& names);
+
+/// Does `work` on one case after the other: each uses all threads, and a large scan need not be in memory twice. The
+/// report: `done`, `failed`, `cases`; a case that fails has an `error` and is a warning. Errors: two cases of one name;
+/// the folder; all fail; cancelled.
+Result<Report> run_set_cases(const SetOfTemplates& set, const std::vector<std::filesystem::path>& paths,
+                             const std::filesystem::path& out, const char* done,
+                             const std::function<Result<Report>(const std::filesystem::path&, Progress&)>& work,
+                             Progress& progress);
+
+}  // namespace homolog

@@ -1,0 +1,63 @@
+#include "core/structures/neighbours_say.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/statistics.h"
+#include "core/placement/similarity_fit.h"
+
+namespace homolog {
+
+namespace {
+
+Points middle_of(const Points& points) {
+  return points.colwise().mean();
+}
+
+/// The similarity of several templates to their fits.
+Similarity similarity_of(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                         const std::vector<std::size_t>& which) {
+  Eigen::Index rows = 0;
+  for (const std::size_t k : which) rows += set.templates[k]->points.rows();
+  Points from(rows, 3), to(rows, 3);
+  rows = 0;
+  for (const std::size_t k : which) {
+    const Points& own = set.templates[k]->points;
+    from.middleRows(rows, own.rows()) = own;
+    to.middleRows(rows, own.rows()) = fitted[k].fit->mesh.points;
+    rows += own.rows();
+  }
+  return nearest_similarity(from, to, {});
+}
+
+}  // namespace
+
+std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                             std::size_t of) {
+  constexpr std::size_t most = 4, enough = 3;
+  constexpr double far_off = 2;  // times the middle distance of all
+  std::vector<std::pair<double, std::size_t>> near;
+  for (std::size_t k = 0; k < fitted.size(); ++k) {
+    if (k == of || set.templates[of] == nullptr || !fitted[k].fit || fitted[k].judgement.doubtful) continue;
+    near.emplace_back((middle_of(set.templates[k]->points) - middle_of(set.templates[of]->points)).norm(), k);
+  }
+  if (near.empty()) return std::nullopt;
+  std::ranges::sort(near);
+  std::vector<std::size_t> which;
+  for (std::size_t k = 0; k < std::min(most, near.size()); ++k) which.push_back(near[k].second);
+  for (;;) {
+    const Similarity said = similarity_of(set, fitted, which);
+    if (which.size() < enough) return said;
+    std::vector<double> off_mm;
+    for (const std::size_t k : which) {
+      const Points there = said.apply(set.templates[k]->points);
+      off_mm.push_back(std::sqrt((there - fitted[k].fit->mesh.points).rowwise().squaredNorm().mean()));
+    }
+    const auto worst = std::ranges::max_element(off_mm);
+    if (*worst <= far_off * median_of(off_mm)) return said;
+    which.erase(which.begin() + (worst - off_mm.begin()));
+  }
+}
+
+}  // namespace homolog

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/structures/fit_set.h"
+
+namespace homolog {
+
+/// Where a structure's neighbours say that it is: the similarity that carries the nearest four that are not doubtful,
+/// as they lie in the set, to where they were fitted. One of them that lies far from what the others say has no say.
+/// None where there is no such neighbour.
+std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                             std::size_t of);
+
+}  // namespace homolog

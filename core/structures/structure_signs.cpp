@@ -1,0 +1,274 @@
+#include "core/structures/structure_signs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/index.h"
+#include "core/base/parallel.h"
+#include "core/base/statistics.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/mesh/voxelise.h"
+#include "core/structures/neighbours_say.h"
+#include "core/template_making/distance_map.h"
+#include "core/template_making/voxel_components.h"
+#include "core/volume/label_boxes.h"
+
+namespace homolog {
+
+namespace {
+
+/// Distances that count as far, as shares of an organ's size (the cube root of its volume).
+constexpr double far_from_expected = 0.1, deep_in_fit = 0.05, far_from_fit = 0.1;
+
+/// A set of voxels of a grid with the distances to it and to the others.
+struct Body {
+  std::vector<std::uint8_t> inside;
+  std::vector<float> to, depth;  ///< mm: outside to it, inside to what is outside
+  std::size_t voxels = 0;
+
+  Body(std::vector<std::uint8_t> set, const VolumeGeometry& grid) : inside(std::move(set)) {
+    voxels = static_cast<std::size_t>(std::ranges::count(inside, std::uint8_t{1}));
+    constexpr float nowhere = 1e6F;
+    to = voxels > 0 ? distance_to(inside, grid) : std::vector<float>(inside.size(), nowhere);
+    std::vector<std::uint8_t> outside(inside.size());
+    for (std::size_t v = 0; v < inside.size(); ++v) outside[v] = inside[v] != 0 ? 0 : 1;
+    depth = voxels < inside.size() ? distance_to(outside, grid) : std::vector<float>(inside.size(), nowhere);
+  }
+  /// Below 0 inside.
+  double signed_mm(std::size_t v) const { return inside[v] != 0 ? -depth[v] : to[v]; }
+};
+
+/// The map around one structure.
+struct Neighbourhood {
+  VoxelBox box;
+  VolumeGeometry grid;
+  std::vector<int> labels;
+
+  /// In the whole frame.
+  std::size_t voxel_of_map(std::size_t v, const VolumeGeometry& map) const {
+    const std::size_t row = index(grid.dims[0]), plane = row * index(grid.dims[1]);
+    const std::size_t i = v % row + index(box.first[0]), j = v % plane / row + index(box.first[1]),
+                      k = v / plane + index(box.first[2]);
+    return (k * index(map.dims[1]) + j) * index(map.dims[0]) + i;
+  }
+};
+
+Neighbourhood around(const Box& reach, const Volume& layer, int frame, int margin) {
+  Neighbourhood there;
+  there.box = voxels_around(reach, layer.geometry, margin);
+  const Volume part = cropped(layer, there.box, 0, frame);
+  there.grid = part.geometry;
+  std::visit(
+      [&](const auto& voxels) {
+        for (const auto voxel : voxels) there.labels.push_back(static_cast<int>(std::lround(voxel)));
+      },
+      part.data);
+  return there;
+}
+
+std::vector<std::uint8_t> voxels_with(const std::vector<int>& labels, int value) {
+  std::vector<std::uint8_t> set(labels.size());
+  for (std::size_t v = 0; v < labels.size(); ++v) set[v] = labels[v] == value ? 1 : 0;
+  return set;
+}
+
+/// Parts of a set of voxels that have at least so many voxels; others are emptied.
+std::vector<std::uint8_t> large_parts(std::vector<std::uint8_t> set, const VolumeGeometry& grid, double least) {
+  const auto parts = connected_components(set, grid.dims, Touching::faces);
+  for (std::size_t v = 0; v < set.size(); ++v)
+    if (set[v] != 0 && static_cast<double>(parts.sizes[index(parts.part[v])]) < least) set[v] = 0;
+  return set;
+}
+
+double volume_mm3(const Mesh& mesh) {
+  return 1000 * std::abs(enclosed_volume_ml(mesh));
+}
+
+/// The work on one structure.
+class Signs {
+ public:
+  Signs(const SetInMap& subject, const std::vector<std::optional<Mesh>>& expected, std::size_t of, const Mesh& fit,
+        const Volume& layer, int frame)
+      : subject_(subject),
+        expected_(expected),
+        of_(of),
+        value_(subject.structures[of].segment.value),
+        map_(layer.geometry),
+        there_(around(reach(fit), layer, frame, margin(fit, layer.geometry))),
+        own_(voxels_with(there_.labels, value_), there_.grid),
+        fit_(voxelise(fit, there_.grid), there_.grid),
+        size_mm_(std::cbrt(static_cast<double>(own_.voxels) * there_.grid.voxel_volume_mm3())) {}
+
+  StructureSigns find() {
+    if (own_.voxels == 0) return {};
+    find_islands();
+    find_holes_and_bridges();
+    for (std::size_t a = 0; a < 3; ++a) {
+      const VoxelBox& box = own_box_;
+      signs_.at_border = signs_.at_border || box.first[a] == 0 || box.last[a] == map_.dims[a] - 1;
+    }
+    if (expected_[of_]) compare_with_expected();
+    return std::move(signs_);
+  }
+
+ private:
+  Box reach(const Mesh& fit) const {
+    Box box = bounds_of(fit.points);
+    if (expected_[of_]) box.extend(bounds_of(expected_[of_]->points));
+    const Volume& mask = *subject_.structures[of_].mask;
+    box.extend(mask.geometry.bounds_mm());
+    return box;
+  }
+  static int margin(const Mesh& fit, const VolumeGeometry& grid) {
+    const double most_mm = 0.2 * std::cbrt(volume_mm3(fit));
+    return 1 + static_cast<int>(std::ceil(most_mm / grid.spacing_mm.maxCoeff()));
+  }
+  double share(std::size_t voxels) const { return static_cast<double>(voxels) / static_cast<double>(own_.voxels); }
+  double coarse_mm() const { return there_.grid.spacing_mm.maxCoeff(); }
+  void change(std::size_t v, int value, std::vector<VoxelChange>& changes) const {
+    changes.push_back({there_.voxel_of_map(v, map_), value});
+  }
+
+  void find_islands() {
+    const auto parts = connected_components(own_.inside, there_.grid.dims, Touching::faces_and_edges);
+    const auto main = static_cast<std::int32_t>(std::ranges::max_element(parts.sizes) - parts.sizes.begin());
+    main_ = std::vector<std::uint8_t>(own_.inside.size(), 0);
+    own_box_.first = {std::numeric_limits<int>::max(), std::numeric_limits<int>::max(),
+                      std::numeric_limits<int>::max()};
+    const std::size_t row = index(there_.grid.dims[0]), plane = row * index(there_.grid.dims[1]);
+    for (std::size_t v = 0; v < main_.size(); ++v) {
+      if (parts.part[v] < 0) continue;
+      const std::array<int, 3> here{static_cast<int>(v % row), static_cast<int>(v % plane / row),
+                                    static_cast<int>(v / plane)};
+      for (std::size_t a = 0; a < 3; ++a) {
+        own_box_.first[a] = std::min(own_box_.first[a], here[a] + there_.box.first[a]);
+        own_box_.last[a] = std::max(own_box_.last[a], here[a] + there_.box.first[a]);
+      }
+      if (parts.part[v] == main) {
+        main_[v] = 1;
+        continue;
+      }
+      // A part that the fit holds is one of its own, which a gap of a voxel parts from it.
+      if (fit_.inside[v] != 0) continue;
+      signs_.islands += share(1);
+      change(v, 0, signs_.without_islands);
+    }
+  }
+
+  void find_holes_and_bridges() {
+    const double deep_mm = std::max(deep_in_fit * size_mm_, coarse_mm());
+    const double far_mm = std::max(far_from_fit * size_mm_, coarse_mm());
+    std::vector<std::uint8_t> hole(main_.size(), 0), bridge(main_.size(), 0);
+    for (std::size_t v = 0; v < main_.size(); ++v) {
+      if (there_.labels[v] == 0 && fit_.inside[v] != 0 && fit_.depth[v] > deep_mm) hole[v] = 1;
+      if (main_[v] != 0 && fit_.inside[v] == 0 && fit_.to[v] > far_mm) bridge[v] = 1;
+    }
+    constexpr double least_share = 0.0005;
+    const double least = std::max(2.0, least_share * static_cast<double>(own_.voxels));
+    hole = large_parts(std::move(hole), there_.grid, least);
+    bridge = large_parts(std::move(bridge), there_.grid, least);
+    const auto count = [](const auto& set) {
+      return static_cast<std::size_t>(std::ranges::count(set, std::uint8_t{1}));
+    };
+    signs_.holes = share(count(hole));
+    signs_.bridges = share(count(bridge));
+    if (signs_.holes > 0) {
+      // The rest of each hole reaches up to the surface of the fit.
+      const Body core(std::move(hole), there_.grid);
+      for (std::size_t v = 0; v < main_.size(); ++v)
+        if (there_.labels[v] == 0 && fit_.inside[v] != 0 && core.to[v] <= 1.5 * deep_mm)
+          change(v, value_, signs_.without_holes);
+    }
+    if (signs_.bridges > 0) {
+      const Body core(std::move(bridge), there_.grid);
+      for (std::size_t v = 0; v < main_.size(); ++v)
+        if (own_.inside[v] != 0 && fit_.inside[v] == 0 && core.to[v] <= 1.5 * far_mm)
+          change(v, 0, signs_.without_bridges);
+    }
+  }
+
+  void compare_with_expected() {
+    const Mesh& mesh = *expected_[of_];
+    const Body expected(voxelise(mesh, there_.grid), there_.grid);
+    const double all = volume_mm3(mesh) / there_.grid.voxel_volume_mm3();
+    signs_.beyond = std::max(0.0, 1 - static_cast<double>(expected.voxels) / all);
+    signs_.volume = std::log(static_cast<double>(own_.voxels) / std::max(1.0, all));
+    const double far_mm = std::max(far_from_expected * size_mm_, coarse_mm());
+    std::map<int, std::size_t> foreign;
+    std::size_t lacking = 0;
+    for (std::size_t v = 0; v < main_.size(); ++v) {
+      if (expected.inside[v] == 0) continue;
+      const int label = there_.labels[v];
+      if (label == 0 && own_.to[v] > far_mm) ++lacking;
+      if (label != 0 && label != value_) ++foreign[label];
+    }
+    const double whole = std::max(1.0, static_cast<double>(expected.voxels));
+    signs_.lacking = static_cast<double>(lacking) / whole;
+    for (std::size_t n = 0; n < subject_.structures.size(); ++n) {
+      const StructureInMap& other = subject_.structures[n];
+      if (n == of_ || !other.is_there() || other.segment.layer != subject_.structures[of_].segment.layer) continue;
+      constexpr double least_share = 0.02;
+      const auto held = foreign.find(other.segment.value);
+      if (held == foreign.end() || static_cast<double>(held->second) < least_share * whole || !expected_[n]) continue;
+      const Body theirs(voxelise(*expected_[n], there_.grid), there_.grid);
+      const double clear_mm = 0.5 * far_mm;
+      std::size_t lost = 0;
+      auto& back = signs_.taken_back[n];
+      for (std::size_t v = 0; v < main_.size(); ++v) {
+        if (there_.labels[v] != other.segment.value) continue;
+        const double nearer_mm = theirs.signed_mm(v) - expected.signed_mm(v);
+        if (expected.inside[v] != 0 && nearer_mm > clear_mm) ++lost;
+        if (nearer_mm > 0 && expected.to[v] <= far_mm) change(v, value_, back);
+      }
+      signs_.lost_to[n] = static_cast<double>(lost) / whole;
+    }
+  }
+
+  const SetInMap& subject_;
+  const std::vector<std::optional<Mesh>>& expected_;
+  std::size_t of_;
+  int value_;
+  const VolumeGeometry& map_;
+  Neighbourhood there_;
+  Body own_, fit_;
+  double size_mm_;
+  std::vector<std::uint8_t> main_;  ///< its largest part
+  VoxelBox own_box_;                ///< in the map
+  StructureSigns signs_;
+};
+
+}  // namespace
+
+std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const FittedSet& fitted) {
+  std::vector<std::optional<Mesh>> expected(set.templates.size());
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    if (set.templates[k] == nullptr) continue;
+    const auto said = said_by_neighbours(set, fitted.structures, k);
+    if (said) expected[k] = Mesh{set.templates[k]->topology, said->apply(set.templates[k]->points)};
+  }
+  return expected;
+}
+
+std::vector<StructureSigns> structure_signs(const SetOfTemplates& set, const VolumeRead& map, int frame,
+                                            const SetInMap& subject, const FittedSet& fitted,
+                                            const std::vector<std::optional<Mesh>>& expected) {
+  std::vector<StructureSigns> signs(set.templates.size());
+  for_each_in_parallel(signs.size(), [&](std::size_t k) {
+    const auto& fit = fitted.structures[k].fit;
+    if (!fit) return;
+    const auto [layer, of_layer] = layer_of(map, subject.structures[k].segment.layer, frame);
+    signs[k] = Signs(subject, expected, k, fit->mesh, *layer, of_layer).find();
+  });
+  std::vector<double> volumes;
+  for (std::size_t k = 0; k < signs.size(); ++k)
+    if (fitted.structures[k].fit && expected[k]) volumes.push_back(signs[k].volume);
+  if (volumes.empty()) return signs;
+  const double usual = median_of(volumes);
+  for (std::size_t k = 0; k < signs.size(); ++k)
+    if (fitted.structures[k].fit && expected[k]) signs[k].volume -= usual;
+  return signs;
+}
+
+}  // namespace homolog

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "core/structures/fit_set.h"
+
+namespace homolog {
+
+/// Voxels of one layer of a label map, as they would be changed.
+struct VoxelChange {
+  std::size_t voxel = 0;  ///< in the frame, i fastest
+  int value = 0;
+};
+
+/// What tells of a structure of a label map whether it is right, against its fit and against the shape that its
+/// neighbours expect of it. All are shares of its voxels or of the expected ones, unless something else is said.
+struct StructureSigns {
+  double islands = 0;      ///< apart from the largest part
+  double holes = 0;        ///< deep within the fit, without a label
+  double bridges = 0;      ///< far outside of the fit, but joined to the structure
+  double volume = 0;       ///< logarithm of the volume against the expected one, less the median of that of all
+  double lacking = 0;      ///< of the expected shape: without a label, far from the structure
+  double beyond = 0;       ///< of the expected shape: outside of the map
+  bool at_border = false;  ///< it touches the border of the map
+  std::map<std::size_t, double> lost_to;  ///< by another structure's place in the set: voxels with its label that are
+                                          ///< deeper in this one's expected shape than in its own
+  /// How the signs would be mended.
+  std::vector<VoxelChange> without_islands, without_holes, without_bridges;
+  std::map<std::size_t, std::vector<VoxelChange>> taken_back;
+};
+
+/// The shape that neighbours expect of a structure: its template, placed; none where no neighbour says.
+std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const FittedSet& fitted);
+
+/// Of each structure of a set that has a fit; of the others the values above.
+std::vector<StructureSigns> structure_signs(const SetOfTemplates& set, const VolumeRead& map, int frame,
+                                            const SetInMap& subject, const FittedSet& fitted,
+                                            const std::vector<std::optional<Mesh>>& expected);
+
+}  // namespace homolog

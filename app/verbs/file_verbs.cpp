@@ -327,18 +327,22 @@ void add_phantom(CLI::App& app, CommandLine& asked) {
     fs::path folder;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, "phantom", "A phantom subject: volume, label map, true landmarks");
+  CLI::App* verb = add_verb(app, "phantom", "A phantom subject: volume, label map, true meshes and landmarks");
   verb->add_option("ORGAN", options->organ, "Which organ")
       ->required()
-      ->check(CLI::IsMember({"kidney", "vertebra", "ventricle"}));
+      ->check(CLI::IsMember({"kidney", "vertebra", "ventricle", "spine"}));
   verb->add_option("--subject", options->subject, "Number of the subject; 0 is the mean shape")
       ->required()
       ->check(CLI::NonNegativeNumber);
   verb->add_option("-o,--output", options->folder, "Folder for the files")->required();
   const auto make = [options](Progress&) -> Result<Report> {
-    const auto organ = organ_from_name(options->organ);
-    if (!organ) return fail(organ.error());
-    auto paths = write_phantom(*organ, options->subject, options->folder);
+    const auto write = [&]() -> Result<std::vector<fs::path>> {
+      if (options->organ == "spine") return write_spine_phantom(options->subject, options->folder);
+      const auto organ = organ_from_name(options->organ);
+      if (!organ) return fail(organ.error());
+      return write_phantom(*organ, options->subject, options->folder);
+    };
+    const auto paths = write();
     if (!paths) return fail(paths.error());
     Json written = Json::array();
     for (const auto& path : *paths) written.push_back(path.string());

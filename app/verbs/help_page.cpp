@@ -31,7 +31,7 @@ const std::map<std::string_view, Examples> examples{
     {"model", {"model fits/ -o kidney.h5.json", "model kidneys.study.json --without-doubtful --optimise -o kidney.h5"}},
     {"evaluate", {"evaluate fits/", "evaluate kidneys.study.json --modes 1,3,8 --csv measures.csv"}},
     {"mirror", {"mirror left.ply -o right.ply", "mirror upper.ply --plane axial -o lower.ply"}},
-    {"phantom", {"phantom kidney --subject 1 -o phantom/", "phantom vertebra --subject 4 -o phantom/"}},
+    {"phantom", {"phantom kidney --subject 1 -o phantom/", "phantom spine --subject 4 -o phantom/"}},
     {"picture", {"picture correspondence fits/ -o shapes.png", "picture modes kidney.h5.json -o modes.png"}},
     {"picture correspondence",
      {"picture correspondence fits/ -o shapes.png",

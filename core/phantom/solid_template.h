@@ -26,6 +26,9 @@ struct SolidTemplate {
 /// Meshes the surface of `solid`, which lies inside `box`, with `vertices` vertices. `places` must not be empty.
 SolidTemplate template_of(Solid solid, const Box& box, int vertices, const std::vector<NamedPlace>& places);
 
+/// The vertebra of spine.h, meshed.
+const SolidTemplate& mean_vertebra();
+
 /// The mean shape and its landmarks carried to a subject.
 MeshFile deformed(const MeshFile& mean, const Deformation& deformation);
 

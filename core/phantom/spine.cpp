@@ -3,8 +3,6 @@
 namespace homolog::phantom {
 namespace {
 
-constexpr double body_half_height_mm = 13.5;
-
 /// The body's cross-section: an ellipse, narrower at half height.
 double body_outline(const Vec3& p) {
   const double level = std::clamp(p.z() / body_half_height_mm, -1.2, 1.2);
@@ -13,8 +11,7 @@ double body_outline(const Vec3& p) {
 }
 
 double body(const Vec3& p) {
-  const double hollow_mm = 1.3 * std::max(0.0, 1 - (p.x() * p.x() + p.y() * p.y()) / (14.0 * 14.0));
-  return smooth_max(body_outline(p), std::abs(p.z()) - body_half_height_mm + hollow_mm, 4);
+  return smooth_max(body_outline(p), std::abs(p.z()) - body_half_height_mm + endplate_hollow_mm(p.x(), p.y()), 4);
 }
 
 double canal(const Vec3& p) {
@@ -37,6 +34,10 @@ double arch(const Vec3& p) {
 }
 
 }  // namespace
+
+double endplate_hollow_mm(double x, double y) {
+  return 1.3 * std::max(0.0, 1 - (x * x + y * y) / (14.0 * 14.0));
+}
 
 double vertebra_solid(const Vec3& p) {
   // A slight difference between the sides, as in every patient; it also leaves no ties to the mesher.

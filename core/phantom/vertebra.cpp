@@ -12,24 +12,6 @@ namespace {
 
 constexpr std::uint64_t vertebra_seed = 0x7665727465627261;  // "vertebra"
 
-const SolidTemplate& mean_vertebra() {
-  static const SolidTemplate vertebra = template_of(vertebra_solid, Box(Vec3(-52, -24, -32), Vec3(52, 72, 30)), 2500,
-                                                    {{"body anterior superior", {0, -16, 13}},
-                                                     {"body anterior inferior", {0, -16, -13}},
-                                                     {"body posterior superior", {0, 14, 13}},
-                                                     {"body posterior inferior", {0, 14, -13}},
-                                                     {"body left lateral", {21, 0, 0}},
-                                                     {"body right lateral", {-21, 0, 0}},
-                                                     {"spinous process tip", {0, 64, -8}},
-                                                     {"left transverse process tip", {45, 33, 5}},
-                                                     {"right transverse process tip", {-45, 33, 5}},
-                                                     {"left superior articular process tip", {19, 29, 21}},
-                                                     {"right superior articular process tip", {-19, 29, 21}},
-                                                     {"left inferior articular process tip", {11.5, 39, -24}},
-                                                     {"right inferior articular process tip", {-11.5, 39, -24}}});
-  return vertebra;
-}
-
 /// The neighbourhood of the mean vertebra; a subject's voxels look their tissue up here through the deformation.
 class LumbarSpine {
  public:
@@ -78,6 +60,24 @@ Deformation vertebra_deformation(int number) {
 }
 
 }  // namespace
+
+const SolidTemplate& mean_vertebra() {
+  static const SolidTemplate vertebra = template_of(vertebra_solid, Box(Vec3(-52, -24, -32), Vec3(52, 72, 30)), 2500,
+                                                    {{"body anterior superior", {0, -16, 13}},
+                                                     {"body anterior inferior", {0, -16, -13}},
+                                                     {"body posterior superior", {0, 14, 13}},
+                                                     {"body posterior inferior", {0, 14, -13}},
+                                                     {"body left lateral", {21, 0, 0}},
+                                                     {"body right lateral", {-21, 0, 0}},
+                                                     {"spinous process tip", {0, 64, -8}},
+                                                     {"left transverse process tip", {45, 33, 5}},
+                                                     {"right transverse process tip", {-45, 33, 5}},
+                                                     {"left superior articular process tip", {19, 29, 21}},
+                                                     {"right superior articular process tip", {-19, 29, 21}},
+                                                     {"left inferior articular process tip", {11.5, 39, -24}},
+                                                     {"right inferior articular process tip", {-11.5, 39, -24}}});
+  return vertebra;
+}
 
 MeshFile vertebra_template() {
   return mean_vertebra().mesh;

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/mesh/mesh_io.h"
+#include "core/volume/segmentation.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+/// One structure of a phantom that shows several.
+struct SceneStructure {
+  std::string name;  ///< as TotalSegmentator calls it where it knows it: "vertebrae_L3", "disc_L3_L4", "sacrum"
+  int value = 0;     ///< in the label map
+  MeshFile truth;    ///< its true surface with its landmarks, LPS mm
+};
+
+/// A made-up subject with several structures. Structures of one name share one triangulation in all subjects, and
+/// vertex i is the same anatomical place in each; so do all vertebrae, and all discs, among each other.
+struct PhantomScene {
+  Volume image;      ///< CT-like
+  Volume label_map;  ///< on the image's grid
+  Segmentation segmentation;
+  std::vector<SceneStructure> structures;
+};
+
+/// A lumbar spine: the last thoracic vertebra, the lumbar ones, the discs between them, the sacrum. Most subjects have
+/// five lumbar vertebrae, some four or six; the number fixes it. Subject 0 is the mean. The same number gives the same
+/// voxels on every machine. `spacing_mm` ≤ 0 takes 1 mm.
+PhantomScene make_spine_phantom(int subject, double spacing_mm = 0);
+
+/// The structures of make_spine_phantom alone, without the cost of the images.
+std::vector<SceneStructure> spine_phantom_truth(int subject);
+
+}  // namespace homolog

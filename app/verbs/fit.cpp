@@ -35,7 +35,7 @@
 #include "core/model/statismo.h"
 #include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
-#include "core/structures/template_set.h"
+#include "core/structures/built_in_set.h"
 #include "core/template/template_warnings.h"
 
 // The verb `fit`: a template to one label map or surface, or to many, or to the boundary that an image shows.
@@ -234,7 +234,7 @@ Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progr
 }
 
 Result<Report> fit(const FitJob& options, Progress& progress) {
-  if (is_template_set(options.template_source)) return fit_sets(options, progress);
+  if (names_set(options.template_source)) return fit_sets(options, progress);
   const auto shared = shared_of_fits(options);
   if (!shared) return fail(shared.error());
   auto report = !options.image.empty() ? fit_image(options, *shared, progress)
@@ -347,7 +347,7 @@ void add_fit(CLI::App& app, CommandLine& asked) {
   verb->callback([options, verb, &asked] {
     if (verb->count("--frame") > 0) options->frame = options->snap.frame;
     bool masks = false, meshes = false;
-    const bool to_set = is_template_set(options->template_source);
+    const bool to_set = names_set(options->template_source);
     if (!to_set) options->masks = with_folders_opened(options->masks, volumes_in, masks);
     options->meshes = with_folders_opened(options->meshes, surfaces_in, meshes);
     options->of_folder = masks || meshes;

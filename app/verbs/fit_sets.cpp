@@ -123,7 +123,7 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
 }  // namespace
 
 Result<Report> fit_sets(const FitJob& options, Progress& progress) {
-  const auto set = load_template_set(options.template_source);
+  const auto set = load_set_of_templates(options.template_source);
   if (!set) return fail(set.error());
   return run_set_cases(
       *set, maps_of(options.masks, set->set), options.out, "fitted",

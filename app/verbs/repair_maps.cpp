@@ -16,7 +16,8 @@ namespace {
 
 struct MapRepairJob {
   std::vector<fs::path> maps;
-  fs::path set, out;
+  std::string set;
+  fs::path out;
   std::optional<int> frame;
 };
 
@@ -66,7 +67,7 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
 }
 
 Result<Report> repair_maps(const MapRepairJob& job, Progress& progress) {
-  const auto set = load_template_set(job.set);
+  const auto set = load_set_of_templates(job.set);
   if (!set) return fail(set.error());
   return run_set_cases(
       *set, maps_of(job.maps, set->set), job.out, "repaired",

@@ -10,8 +10,9 @@
 #include "core/base/files.h"
 #include "core/base/listed.h"
 #include "core/base/paths.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/isosurface.h"
-#include "core/structures/template_set.h"
+#include "core/structures/built_in_set.h"
 #include "core/template/template.h"
 #include "core/volume/read_labels.h"
 #include "core/volume/segmentation.h"
@@ -143,15 +144,22 @@ Result<Report> make_set(const SetJob& job, Progress& progress) {
   return report;
 }
 
-Result<Report> set_info(const fs::path& path) {
-  const auto set = read_template_set(path);
+Result<Mesh> mesh_of(const TemplateOfSet& one) {
+  if (names_file(one.file.string())) return read_mesh(one.file);
+  const auto built_in = load_template(one.file.string());
+  if (!built_in) return fail(built_in.error());
+  return Mesh{(*built_in)->topology, (*built_in)->points};
+}
+
+Result<Report> set_info(const std::string& source) {
+  const auto set = load_template_set(source);
   if (!set) return fail(set.error());
   Report report;
   Json rows = Json::array();
   for (const TemplateOfSet& one : set->structures) {
     Json row{{"name", one.name}, {"value", one.value}, {"vertices", 0}, {"genus", nullptr}, {"warning", nullptr}};
     if (const auto warning = one.other.find("warning"); warning != one.other.end()) row["warning"] = *warning;
-    const auto mesh = read_mesh(one.file);
+    const auto mesh = mesh_of(one);
     if (mesh) {
       row["vertices"] = mesh->points.rows();
       row["genus"] = mesh->topology->genus();
@@ -164,7 +172,7 @@ Result<Report> set_info(const fs::path& path) {
     row["neighbours"] = one.neighbours;
     rows.push_back(std::move(row));
   }
-  report.values = {{"set", path.string()}, {"structures", std::move(rows)}};
+  report.values = {{"set", source}, {"structures", std::move(rows)}};
   return report;
 }
 
@@ -189,10 +197,10 @@ void add_set_make(CLI::App& set, CommandLine& asked) {
 }
 
 void add_set_info(CLI::App& set, CommandLine& asked) {
-  auto path = std::make_shared<fs::path>();
+  auto source = std::make_shared<std::string>();
   CLI::App* verb = add_verb(set, "info", "The structures of a template set");
-  verb->add_option("SET", *path, "A template set, NAME.set.json")->required();
-  verb->callback([path, &asked] { asked.run = [path](Progress&) { return set_info(*path); }; });
+  verb->add_option("SET", *source, "A template set, NAME.set.json, or " + built_in_set_source())->required();
+  verb->callback([source, &asked] { asked.run = [source](Progress&) { return set_info(*source); }; });
 }
 
 }  // namespace

@@ -2,9 +2,11 @@
 
 #include <charconv>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 #include "core/base/text.h"
+#include "core/phantom/phantom_scene.h"
 
 namespace homolog {
 
@@ -12,6 +14,23 @@ namespace {
 
 constexpr std::string_view built_in_prefix = "built-in:";
 constexpr std::string_view phantom_prefix = "phantom:";
+constexpr std::string_view spine = "spine";
+
+/// The structure that a source names of the built-in set; empty: the set. None: the source is of another kind.
+std::optional<std::string> structure_of_set(const std::string& source) {
+  const std::string set = built_in_set_source();
+  if (source == set) return std::string();
+  if (!source.starts_with(set + ":")) return std::nullopt;
+  return source.substr(set.size() + 1);
+}
+
+Result<MeshFile> built_in_of_set(const std::string& source, const std::string& structure) {
+  if (structure.empty())
+    return fail(source, "is a set of templates; name one of them, such as " + built_in_set_source("vertebrae_L3"));
+  for (SceneStructure& one : spine_phantom_truth(0))
+    if (one.name == structure) return std::move(one.truth);
+  return fail(source, "is no template of the built-in set; homolog set info " + built_in_set_source() + " lists them");
+}
 
 }  // namespace
 
@@ -21,6 +40,10 @@ std::string built_in_source(Organ organ) {
 
 std::string phantom_source(Organ organ, int subject) {
   return std::string(phantom_prefix) + organ_name(organ) + ":" + std::to_string(subject);
+}
+
+std::string built_in_set_source(const std::string& structure) {
+  return std::string(built_in_prefix) + std::string(spine) + (structure.empty() ? "" : ":" + structure);
 }
 
 bool is_built_in(const std::string& source) {
@@ -60,6 +83,11 @@ std::string template_sources() {
 }
 
 Result<std::shared_ptr<const Template>> load_template(const std::string& source) {
+  if (const auto structure = structure_of_set(source)) {
+    auto of_set = built_in_of_set(source, *structure);
+    if (!of_set) return fail(of_set.error());
+    return make_template(std::move(*of_set), source);
+  }
   if (is_built_in(source)) {
     const auto organ = built_in_organ(source);
     if (!organ) return fail(organ.error());
@@ -74,8 +102,9 @@ Result<VolumeRead> load_volume(const std::string& source, const VolumeReadOption
   if (!is_phantom(source)) return read_volume(source, options);
   const std::string rest = source.substr(phantom_prefix.size());
   const std::size_t colon = rest.find(':');
-  const auto organ = organ_from_name(rest.substr(0, colon));
-  if (!organ) return fail(organ.error());
+  const std::string name = rest.substr(0, colon);
+  const auto organ = organ_from_name(name);
+  if (!organ && name != spine) return fail(organ.error());
   int number = 0;
   const char* end = rest.data() + rest.size();
   const auto numbered = [&] {
@@ -84,9 +113,9 @@ Result<VolumeRead> load_volume(const std::string& source, const VolumeReadOption
   };
   if (colon == std::string::npos || !numbered())
     return fail(excerpt(source), "needs a subject number from 0 to " + std::to_string(std::numeric_limits<int>::max()) +
-                                     ", for instance " + phantom_source(*organ, 1));
+                                     ", for instance " + std::string(phantom_prefix) + name + ":1");
   VolumeRead read;
-  read.volume = make_phantom(*organ, number).image;
+  read.volume = organ ? make_phantom(*organ, number).image : make_spine_phantom(number).image;
   return read;
 }
 

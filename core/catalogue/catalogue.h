@@ -18,6 +18,10 @@ std::string built_in_source(Organ organ);
 /// "phantom:kidney:1": the image of a phantom.
 std::string phantom_source(Organ organ, int subject);
 
+/// "built-in:spine": the built-in template set [core/structures/built_in_set.h]; "built-in:spine:vertebrae_L3": the
+/// template of one of its structures, which lies where the set has it.
+std::string built_in_set_source(const std::string& structure = {});
+
 bool is_built_in(const std::string& source);
 bool is_phantom(const std::string& source);
 /// Whether a source is the path of a file: neither empty nor one of the names above.

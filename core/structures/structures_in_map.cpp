@@ -7,6 +7,7 @@
 
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
+#include "core/structures/built_in_set.h"
 #include "core/volume/label_boxes.h"
 
 namespace homolog {
@@ -22,8 +23,8 @@ bool same_name(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-Result<SetOfTemplates> load_template_set(const std::filesystem::path& path) {
-  auto set = read_template_set(path);
+Result<SetOfTemplates> load_set_of_templates(const std::string& source) {
+  auto set = load_template_set(source);
   if (!set) return fail(set.error());
   SetOfTemplates all{std::move(*set), {}, {}};
   bool any = false;
@@ -33,7 +34,7 @@ Result<SetOfTemplates> load_template_set(const std::filesystem::path& path) {
     any = any || read;
     all.templates.push_back(read ? *read : nullptr);
   }
-  if (!any) return fail(path.string(), "has no template that can be read; the first reason: " + all.warnings.front());
+  if (!any) return fail(source, "has no template that can be read; the first reason: " + all.warnings.front());
   return all;
 }
 

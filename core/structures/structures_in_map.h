@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,8 +19,9 @@ struct SetOfTemplates {
   std::vector<std::string> warnings;                       ///< why, each a sentence
 };
 
-/// Reads a set and all its templates. Errors: those of read_template_set; no template can be read.
-Result<SetOfTemplates> load_template_set(const std::filesystem::path& path);
+/// Reads a set, of a file or built in, and all its templates. Errors: those of load_template_set; no template can be
+/// read.
+Result<SetOfTemplates> load_set_of_templates(const std::string& source);
 
 /// Where a label map has a structure of a set.
 struct StructureInMap {

@@ -181,4 +181,30 @@ TEST_CASE("a folder of single masks, each on a grid of its own, is one case of a
   for (const Json& label : labels) CHECK(label["volume_ml"].get<double>() == doctest::Approx(33.5).epsilon(0.03));
 }
 
+TEST_CASE("the built-in set is told without a file and its templates are taken by their names") {
+  const TemporaryFolder folder;
+  const Ran told = run(folder, "set info built-in:spine --json");
+  REQUIRE_MESSAGE(told.status == 0, told.errors);
+  const Json structures = told.json()["structures"];
+  REQUIRE(structures.size() == 13);
+  CHECK(structures[0]["name"] == "vertebrae_T12");
+  CHECK(structures[12]["name"] == "sacrum");
+  for (const Json& one : structures) {
+    CAPTURE(one["name"]);
+    CHECK(one["warning"].is_null());
+    CHECK(one["vertices"].get<int>() > 900);
+    CHECK(one["neighbours"].size() >= 2);
+  }
+  CHECK(run(folder, "set info built-in:liver").errors.find("choose built-in:spine") != std::string::npos);
+  REQUIRE(run(folder, "phantom spine --subject 1 -o .").status == 0);
+  const Ran fitted = run(folder,
+                         "fit built-in:spine:vertebrae_L3 --mask spine-1-labels.nii.gz --label vertebrae_L3 "
+                         "-o l3.ply --json");
+  REQUIRE_MESSAGE(fitted.status == 0, fitted.errors);
+  const Ran compared = run(folder, "compare l3.ply --mesh spine-1-truth/vertebrae_L3.ply --json");
+  REQUIRE(compared.status == 0);
+  CHECK(compared.json()["dice"].get<double>() > 0.9);
+  CHECK(compared.json()["vertex_distance_mm"]["mean"].get<double>() < 3);
+}
+
 }  // namespace homolog

@@ -26,6 +26,20 @@ TEST_CASE("a phantom is the same under its name and its number") {
   CHECK(named.data == make_phantom(Organ::kidney, 2).image.data);
 }
 
+TEST_CASE("the templates of the built-in set are known by their names") {
+  CHECK(built_in_set_source() == "built-in:spine");
+  const std::string one = built_in_set_source("vertebrae_L3");
+  CHECK((is_built_in(one) && !names_file(one) && !built_in_organ(one)));
+  const auto third = test::must(load_template(one));
+  CHECK(third->source == one);
+  const auto below = test::must(load_template(built_in_set_source("vertebrae_L4")));
+  CHECK(third->topology->triangles() == below->topology->triangles());
+  CHECK(third->points.col(2).mean() > below->points.col(2).mean() + 25);
+  CHECK(says(load_template("built-in:spine"), "name one of them, such as built-in:spine:vertebrae_L3"));
+  CHECK(says(load_template("built-in:spine:L3"), "homolog set info built-in:spine lists them"));
+  CHECK(says(load_volume("phantom:spine"), "for instance phantom:spine:1"));
+}
+
 TEST_CASE("a name of no organ and a phantom without a number are refused") {
   CHECK(says(load_template("built-in:liver"), "choose kidney, vertebra or ventricle"));
   CHECK(says(load_volume("phantom:liver:1"), "choose kidney, vertebra or ventricle"));

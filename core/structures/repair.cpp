@@ -8,6 +8,7 @@
 #include "core/base/index.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxelise.h"
+#include "core/structures/name_levels.h"
 #include "core/structures/structure_confidence.h"
 #include "core/volume/label_boxes.h"
 
@@ -17,13 +18,17 @@ namespace {
 
 /// From which share of the voxels something counts; sound structures stay below [docs/measurements/repair.md].
 constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.004, much_lost = 0.05, much_lacking = 0.2,
-                 much_beyond = 0.02, much_smaller = 0.2;
+                 much_beyond = 0.02, much_smaller = 0.2, usual_dice = 0.98;
 
 /// The work on one map.
 class Repair {
  public:
   Repair(const SetOfTemplates& set, VolumeRead& map, int frame, RepairedMap& result)
-      : set_(set), map_(map), frame_(frame), result_(result), expected_(expected_shapes(set, result.fitted)) {
+      : set_(set),
+        map_(map),
+        frame_(frame),
+        result_(result),
+        expected_(expected_shapes(set, result.subject, result.fitted)) {
     result.signs = structure_signs(set, map, frame, result.subject, result.fitted, expected_);
     result.structures.resize(set.templates.size());
     for (std::size_t k = 0; k < result.structures.size(); ++k)
@@ -32,6 +37,7 @@ class Repair {
 
   void find() {
     find_exchanged_sides();
+    find_shifted_levels();
     for (std::size_t k = 0; k < result_.structures.size(); ++k) {
       if (set_.templates[k] == nullptr) continue;
       if (result_.subject.structures[k].is_there())
@@ -56,6 +62,7 @@ class Repair {
 
   void change(std::size_t k, const std::vector<VoxelChange>& changes);
   void find_exchanged_sides();
+  void find_shifted_levels();
   void find_in(std::size_t k);
   void find_missing(std::size_t k);
   /// Fills voxels without a label in a mesh.
@@ -104,12 +111,28 @@ void Repair::find_exchanged_sides() {
   }
 }
 
+void Repair::find_shifted_levels() {
+  constexpr double likely = 0.5;
+  const auto evidence = level_evidence(set_, result_.subject, result_.fitted);
+  if (!evidence) return;
+  for (std::size_t k = 0; k < set_.set.structures.size(); ++k) {
+    const auto level = level_of_name(name(k));
+    if (!level || !result_.subject.structures[k].is_there()) continue;
+    result_.structures[k].p_named = std::min(result_.structures[k].p_named, evidence->p_as_named);
+    if (evidence->p_as_named > likely) continue;
+    const std::string other = name_at_level(name(k), *level + evidence->shift);
+    add(k, DefectKind::level_shifted, other);
+    result_.structures[k].proposed_name = other;
+  }
+}
+
 void Repair::find_in(std::size_t k) {
   StructureSigns& signs = result_.signs[k];
   if (signs.islands >= some_islands) {
     add(k, DefectKind::island);
     change(k, signs.without_islands);
   }
+  if (!expected_[k] && result_.fitted.structures[k].judgement.doubtful) return;  // with what to compare it?
   if (signs.holes >= some_holes) {
     add(k, DefectKind::hole);
     change(k, signs.without_holes);
@@ -128,7 +151,9 @@ void Repair::find_in(std::size_t k) {
     add(k, DefectKind::half_missing);
     if (expected_[k]) fill(k, *expected_[k]);
   }
-  if (signs.bridges >= some_bridges) {
+  // A fit that does not reach everything leaves more outside.
+  const double misfit = std::max(0.0, usual_dice - result_.fitted.structures[k].judgement.inside_scan.dice);
+  if (signs.bridges >= some_bridges + misfit / 2) {
     add(k, DefectKind::bridge);
     change(k, signs.without_bridges);
   }

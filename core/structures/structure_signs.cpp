@@ -5,6 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "core/adapt/boundary/find_placement.h"
+#include "core/adapt/choose_closing.h"
+#include "core/adapt/cut_template.h"
 #include "core/base/index.h"
 #include "core/base/parallel.h"
 #include "core/base/statistics.h"
@@ -241,13 +244,23 @@ class Signs {
 
 }  // namespace
 
-std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const FittedSet& fitted) {
+std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
+                                                 const FittedSet& fitted) {
   std::vector<std::optional<Mesh>> expected(set.templates.size());
-  for (std::size_t k = 0; k < expected.size(); ++k) {
-    if (set.templates[k] == nullptr) continue;
-    const auto said = said_by_neighbours(set, fitted.structures, k);
-    if (said) expected[k] = Mesh{set.templates[k]->topology, said->apply(set.templates[k]->points)};
-  }
+  for_each_in_parallel(expected.size(), [&](std::size_t k) {
+    if (set.templates[k] == nullptr) return;
+    const Template& own = *set.templates[k];
+    if (!cut_borders(own, own.points).empty()) return;
+    auto said = said_by_neighbours(set, fitted.structures, k);
+    if (!said) return;
+    if (const StructureInMap& there = subject.structures[k]; there.is_there()) {
+      const int value = there.segment.value;
+      const auto boundary = label_boundary(*there.mask, value, 0, usual_closing_mm(*there.mask, value, 0),
+                                           own.points.rows(), {.all = true});
+      if (boundary) said = find_placement(own, *boundary, {.start = said, .partial = true}).placement;
+    }
+    expected[k] = Mesh{own.topology, said->apply(own.points)};
+  });
   return expected;
 }
 

@@ -32,8 +32,11 @@ struct StructureSigns {
   std::map<std::size_t, std::vector<VoxelChange>> taken_back;
 };
 
-/// The shape that neighbours expect of a structure: its template, placed; none where no neighbour says.
-std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const FittedSet& fitted);
+/// The shape that is expected of each structure: its template where its neighbours say, then moved onto what the map has
+/// of it, as one that may lack parts or have too much. None where no neighbour says, or where the template itself is cut
+/// off.
+std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
+                                                 const FittedSet& fitted);
 
 /// Of each structure of a set that has a fit; of the others the values above.
 std::vector<StructureSigns> structure_signs(const SetOfTemplates& set, const VolumeRead& map, int frame,

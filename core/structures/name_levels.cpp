@@ -33,7 +33,7 @@ double cost_of(const Template& the_template, const Boundary& boundary) {
 }  // namespace
 
 std::optional<LevelEvidence> level_evidence(const SetOfTemplates& set, const SetInMap& subject,
-                                            const FittedSet& fitted) {
+                                            const std::vector<char>& sound) {
   std::map<int, std::size_t> levels;
   for (std::size_t k = 0; k < set.templates.size(); ++k)
     if (const auto level = level_of_name(set.set.structures[k].name); level && set.templates[k] != nullptr)
@@ -43,8 +43,7 @@ std::optional<LevelEvidence> level_evidence(const SetOfTemplates& set, const Set
   for_each_in_parallel(chain.size(), [&](std::size_t c) {
     const auto [level, k] = chain[c];
     const StructureInMap& there = subject.structures[k];
-    // One that the scan cuts tells nothing.
-    if (!fitted.structures[k].fit || fitted.structures[k].judgement.beyond_share > 0.02) return;
+    if (sound[k] == 0) return;
     const auto boundary =
         label_boundary(*there.mask, there.segment.value, 0, usual_closing_mm(*there.mask, there.segment.value, 0),
                        set.templates[k]->points.rows());

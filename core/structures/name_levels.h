@@ -15,8 +15,9 @@ struct LevelEvidence {
 };
 
 /// Compares each vertebra with the templates of its level and of those above and below: the wrong ones lie farther
-/// from it, most of all where several say the same. None where fewer than three vertebrae have fits and neighbours.
+/// from it, most of all where several say the same. `sound`: 1 for each structure whose form tells something. None
+/// where fewer than three vertebrae do.
 std::optional<LevelEvidence> level_evidence(const SetOfTemplates& set, const SetInMap& subject,
-                                            const FittedSet& fitted);
+                                            const std::vector<char>& sound);
 
 }  // namespace homolog

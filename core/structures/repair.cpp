@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <functional>
+#include <map>
 #include <utility>
 
+#include "core/adapt/choose_closing.h"
 #include "core/base/index.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxelise.h"
+#include "core/placement/similarity_fit.h"
 #include "core/structures/name_levels.h"
 #include "core/structures/structure_confidence.h"
+#include "core/structures/voxel_body.h"
 #include "core/volume/label_boxes.h"
 
 namespace homolog {
@@ -18,7 +22,7 @@ namespace {
 
 /// From which share of the voxels something counts; sound structures stay below [docs/measurements/repair.md].
 constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.004, much_lost = 0.05, much_lacking = 0.2,
-                 much_beyond = 0.02, much_smaller = 0.2, usual_dice = 0.98;
+                 much_beyond = 0.05, some_at_border = 0.002, much_smaller = 0.2, usual_dice = 0.98;
 
 /// The work on one map.
 class Repair {
@@ -28,7 +32,8 @@ class Repair {
         map_(map),
         frame_(frame),
         result_(result),
-        expected_(expected_shapes(set, result.subject, result.fitted)) {
+        expected_(expected_shapes(set, result.subject, result.fitted)),
+        shapes_(expected_.size()) {
     result.signs = structure_signs(set, map, frame, result.subject, result.fitted, expected_);
     result.structures.resize(set.templates.size());
     for (std::size_t k = 0; k < result.structures.size(); ++k)
@@ -37,14 +42,16 @@ class Repair {
 
   void find() {
     find_exchanged_sides();
-    find_shifted_levels();
     for (std::size_t k = 0; k < result_.structures.size(); ++k) {
       if (set_.templates[k] == nullptr) continue;
-      if (result_.subject.structures[k].is_there())
-        find_in(k);
-      else
+      if (!result_.subject.structures[k].is_there())
         find_missing(k);
+      else if (result_.fitted.structures[k].fit)
+        find_in(k);
     }
+    for (std::size_t k = 0; k < result_.structures.size(); ++k)
+      if (result_.fitted.structures[k].fit && expected_[k]) find_lost(k);
+    find_shifted_levels();
     for (std::size_t k = 0; k < result_.structures.size(); ++k)
       result_.structures[k].confidence =
           structure_confidence(result_.fitted.structures[k], result_.signs[k], result_.structures[k]);
@@ -64,15 +71,22 @@ class Repair {
   void find_exchanged_sides();
   void find_shifted_levels();
   void find_in(std::size_t k);
+  /// What a structure has lost, to a neighbour or to nobody.
+  void find_lost(std::size_t k);
   void find_missing(std::size_t k);
-  /// Fills voxels without a label in a mesh.
-  void fill(std::size_t k, const Mesh& mesh);
+  /// How a structure should be: its template fitted to what there is of it. Null: nobody knows.
+  const Mesh* shape(std::size_t k);
+  /// Gives voxels without a label that of a structure.
+  void fill(std::size_t k, const Neighbourhood& there, const std::function<bool(std::size_t)>& is_its);
+  void fill_up(std::size_t k);
+  /// Gives a structure what another one has of it.
+  void take_back(std::size_t k, std::size_t other);
 
   const SetOfTemplates& set_;
   VolumeRead& map_;
   int frame_;
   RepairedMap& result_;
-  std::vector<std::optional<Mesh>> expected_;
+  std::vector<std::optional<Mesh>> expected_, shapes_;
 };
 
 void Repair::change(std::size_t k, const std::vector<VoxelChange>& changes) {
@@ -112,8 +126,14 @@ void Repair::find_exchanged_sides() {
 }
 
 void Repair::find_shifted_levels() {
-  constexpr double likely = 0.5;
-  const auto evidence = level_evidence(set_, result_.subject, result_.fitted);
+  constexpr double likely = 0.2;
+  std::vector<char> sound(result_.structures.size());
+  for (std::size_t k = 0; k < sound.size(); ++k)
+    sound[k] = result_.fitted.structures[k].fit && !result_.fitted.structures[k].judgement.doubtful &&
+                       result_.structures[k].defects.empty()
+                   ? 1
+                   : 0;
+  const auto evidence = level_evidence(set_, result_.subject, sound);
   if (!evidence) return;
   for (std::size_t k = 0; k < set_.set.structures.size(); ++k) {
     const auto level = level_of_name(name(k));
@@ -132,24 +152,11 @@ void Repair::find_in(std::size_t k) {
     add(k, DefectKind::island);
     change(k, signs.without_islands);
   }
+  if (signs.at_border > some_at_border) add(k, DefectKind::cut_by_scan);
   if (!expected_[k] && result_.fitted.structures[k].judgement.doubtful) return;  // with what to compare it?
   if (signs.holes >= some_holes) {
     add(k, DefectKind::hole);
     change(k, signs.without_holes);
-  }
-  bool lost = false;
-  for (const auto& [other, share] : signs.lost_to) {
-    if (share < much_lost) continue;
-    lost = true;
-    add(k, DefectKind::given_to_neighbour, name(other));
-    add(other, DefectKind::taken_from_neighbour, name(k));
-    change(k, signs.taken_back[other]);
-  }
-  if (signs.at_border && signs.beyond > much_beyond) {
-    add(k, DefectKind::cut_by_scan);
-  } else if (!lost && signs.lacking > much_lacking && signs.volume < -much_smaller) {
-    add(k, DefectKind::half_missing);
-    if (expected_[k]) fill(k, *expected_[k]);
   }
   // A fit that does not reach everything leaves more outside.
   const double misfit = std::max(0.0, usual_dice - result_.fitted.structures[k].judgement.inside_scan.dice);
@@ -159,35 +166,112 @@ void Repair::find_in(std::size_t k) {
   }
 }
 
-void Repair::find_missing(std::size_t k) {
-  constexpr double whole = 0.6;
-  if (!expected_[k]) return;
-  const Volume& volume = map_.volume;
-  const VoxelBox box = voxels_around(bounds_of(expected_[k]->points), volume.geometry, 1);
-  const VolumeGeometry grid = part_of_grid(volume.geometry, box);
-  const auto inside = voxelise(*expected_[k], grid);
-  const auto voxels = static_cast<double>(std::ranges::count(inside, std::uint8_t{1}));
-  const double all = 1000 * std::abs(enclosed_volume_ml(*expected_[k])) / grid.voxel_volume_mm3();
-  if (voxels < whole * all) return;
-  add(k, DefectKind::missing);
-  fill(k, *expected_[k]);
+void Repair::find_lost(std::size_t k) {
+  const StructureSigns& signs = result_.signs[k];
+  bool lost = false;
+  for (const auto& [other, share] : signs.lost_to) {
+    if (share < much_lost) continue;
+    lost = true;
+    add(k, DefectKind::given_to_neighbour, name(other));
+    add(other, DefectKind::taken_from_neighbour, name(k));
+    take_back(k, other);
+  }
+  if (lost || signs.beyond > much_beyond || signs.lacking < much_lacking || signs.volume > -much_smaller) return;
+  add(k, DefectKind::half_missing);
+  fill_up(k);
 }
 
-void Repair::fill(std::size_t k, const Mesh& mesh) {
-  const std::size_t layer = result_.subject.structures[k].segment.layer;
-  const auto [volume, of_layer] = layer_of(map_, layer, frame_);
-  const VoxelBox box = voxels_around(bounds_of(mesh.points), volume->geometry, 1);
-  const Volume part = cropped(*volume, box, 0, of_layer);
-  const auto inside = voxelise(mesh, part.geometry);
-  const auto& dims = volume->geometry.dims;
+void Repair::find_missing(std::size_t k) {
+  constexpr double whole = 0.6, most_of_it = 0.4;
+  if (!expected_[k]) return;
+  const auto [layer, of_layer] = layer_of(map_, result_.subject.structures[k].segment.layer, frame_);
+  const Neighbourhood there = around(bounds_of(expected_[k]->points), *layer, of_layer, 1);
+  const auto inside = voxelise(*expected_[k], there.grid);
+  const double all = 1000 * std::abs(enclosed_volume_ml(*expected_[k])) / there.grid.voxel_volume_mm3();
+  std::map<int, double> held;
+  double voxels = 0;
+  for (std::size_t v = 0; v < inside.size(); ++v)
+    if (inside[v] != 0) held[there.labels[v]] += 1 / all, voxels += 1;
+  if (voxels < whole * all) return;  // it would lie outside of the scan
+  add(k, DefectKind::missing);
+  for (std::size_t other = 0; other < result_.structures.size(); ++other) {
+    const StructureInMap& theirs = result_.subject.structures[other];
+    if (!theirs.is_there() || held[theirs.segment.value] < most_of_it) continue;
+    add(other, DefectKind::doubled, name(k));
+    take_back(k, other);
+    return;
+  }
+  shapes_[k] = expected_[k];
+  fill(k, there, [&](std::size_t v) { return inside[v] != 0; });
+}
+
+const Mesh* Repair::shape(std::size_t k) {
+  if (shapes_[k]) return &*shapes_[k];
+  const StructureInMap& there = result_.subject.structures[k];
+  if (!expected_[k] || !there.is_there()) return expected_[k] ? &*expected_[k] : nullptr;
+  const Template& own = *set_.templates[k];
+  const int value = there.segment.value;
+  const auto boundary =
+      label_boundary(*there.mask, value, 0, usual_closing_mm(*there.mask, value, 0), own.points.rows(), {.all = true});
+  shapes_[k] = expected_[k];
+  if (!boundary) return &*shapes_[k];
+  FitOptions options;
+  options.partial = true;
+  options.placement = nearest_similarity(own.points, expected_[k]->points, {});
+  if (auto fit = fit_to_boundary(own, *boundary, options)) shapes_[k] = std::move(fit->mesh);
+  return &*shapes_[k];
+}
+
+void Repair::fill(std::size_t k, const Neighbourhood& there, const std::function<bool(std::size_t)>& is_its) {
+  const StructureInMap& own = result_.subject.structures[k];
+  const auto [layer, of_layer] = layer_of(map_, own.segment.layer, frame_);
   std::vector<VoxelChange> changes;
-  std::size_t at = 0;
-  for (int z = box.first[2]; z <= box.last[2]; ++z)
-    for (int y = box.first[1]; y <= box.last[1]; ++y)
-      for (int x = box.first[0]; x <= box.last[0]; ++x, ++at)
-        if (inside[at] != 0 && part.at(x - box.first[0], y - box.first[1], z - box.first[2]) == 0)
-          changes.push_back({(index(z) * index(dims[1]) + index(y)) * index(dims[0]) + index(x),
-                             result_.subject.structures[k].segment.value});
+  for (std::size_t v = 0; v < there.labels.size(); ++v)
+    if (there.labels[v] == 0 && is_its(v))
+      changes.push_back({there.voxel_of_map(v, layer->geometry), own.segment.value});
+  change(k, changes);
+}
+
+void Repair::fill_up(std::size_t k) {
+  constexpr double least_share = 0.01;
+  const Mesh* mesh = shape(k);
+  if (mesh == nullptr) return;
+  const auto [layer, of_layer] = layer_of(map_, result_.subject.structures[k].segment.layer, frame_);
+  const Neighbourhood there = around(bounds_of(mesh->points), *layer, of_layer, 3);
+  const auto inside = voxelise(*mesh, there.grid);
+  const Body own(voxels_with(there.labels, result_.subject.structures[k].segment.value), there.grid);
+  // What is missing is thick; a layer of a voxel around what is there is only how the mesh lies.
+  const double thick_mm = 1.5 * there.grid.spacing_mm.maxCoeff();
+  std::vector<std::uint8_t> core(inside.size());
+  for (std::size_t v = 0; v < inside.size(); ++v)
+    core[v] = inside[v] != 0 && there.labels[v] == 0 && own.to[v] > thick_mm ? 1 : 0;
+  core = large_parts(std::move(core), there.grid, least_share * static_cast<double>(own.voxels));
+  const Body missing(std::move(core), there.grid);
+  fill(k, there, [&](std::size_t v) { return inside[v] != 0 && missing.to[v] <= 1.5 * thick_mm; });
+}
+
+void Repair::take_back(std::size_t k, std::size_t other) {
+  constexpr double least_share = 0.01;
+  const Mesh *mesh = shape(k), *theirs = shape(other);
+  if (mesh == nullptr) return;
+  const StructureInMap& own = result_.subject.structures[k];
+  const auto [layer, of_layer] = layer_of(map_, own.segment.layer, frame_);
+  const Neighbourhood there = around(bounds_of(mesh->points), *layer, of_layer, 3);
+  const Body body(voxelise(*mesh, there.grid), there.grid);
+  const std::optional<Body> rest =
+      theirs != nullptr ? std::optional<Body>(std::in_place, voxelise(*theirs, there.grid), there.grid) : std::nullopt;
+  const int label = result_.subject.structures[other].segment.value;
+  const double near_mm = 1.5 * there.grid.spacing_mm.maxCoeff();
+  std::vector<std::uint8_t> back(there.labels.size());
+  for (std::size_t v = 0; v < back.size(); ++v)
+    back[v] =
+        there.labels[v] == label && body.signed_mm(v) < near_mm && body.signed_mm(v) < (rest ? rest->signed_mm(v) : 0)
+            ? 1
+            : 0;
+  back = large_parts(std::move(back), there.grid, least_share * static_cast<double>(body.voxels));
+  std::vector<VoxelChange> changes;
+  for (std::size_t v = 0; v < back.size(); ++v)
+    if (back[v] != 0) changes.push_back({there.voxel_of_map(v, layer->geometry), own.segment.value});
   change(k, changes);
 }
 

@@ -14,7 +14,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxelise.h"
 #include "core/structures/neighbours_say.h"
-#include "core/template_making/distance_map.h"
+#include "core/structures/voxel_body.h"
 #include "core/template_making/voxel_components.h"
 #include "core/volume/label_boxes.h"
 
@@ -24,66 +24,6 @@ namespace {
 
 /// Distances that count as far, as shares of an organ's size (the cube root of its volume).
 constexpr double far_from_expected = 0.1, deep_in_fit = 0.05, far_from_fit = 0.1;
-
-/// A set of voxels of a grid with the distances to it and to the others.
-struct Body {
-  std::vector<std::uint8_t> inside;
-  std::vector<float> to, depth;  ///< mm: outside to it, inside to what is outside
-  std::size_t voxels = 0;
-
-  Body(std::vector<std::uint8_t> set, const VolumeGeometry& grid) : inside(std::move(set)) {
-    voxels = static_cast<std::size_t>(std::ranges::count(inside, std::uint8_t{1}));
-    constexpr float nowhere = 1e6F;
-    to = voxels > 0 ? distance_to(inside, grid) : std::vector<float>(inside.size(), nowhere);
-    std::vector<std::uint8_t> outside(inside.size());
-    for (std::size_t v = 0; v < inside.size(); ++v) outside[v] = inside[v] != 0 ? 0 : 1;
-    depth = voxels < inside.size() ? distance_to(outside, grid) : std::vector<float>(inside.size(), nowhere);
-  }
-  /// Below 0 inside.
-  double signed_mm(std::size_t v) const { return inside[v] != 0 ? -depth[v] : to[v]; }
-};
-
-/// The map around one structure.
-struct Neighbourhood {
-  VoxelBox box;
-  VolumeGeometry grid;
-  std::vector<int> labels;
-
-  /// In the whole frame.
-  std::size_t voxel_of_map(std::size_t v, const VolumeGeometry& map) const {
-    const std::size_t row = index(grid.dims[0]), plane = row * index(grid.dims[1]);
-    const std::size_t i = v % row + index(box.first[0]), j = v % plane / row + index(box.first[1]),
-                      k = v / plane + index(box.first[2]);
-    return (k * index(map.dims[1]) + j) * index(map.dims[0]) + i;
-  }
-};
-
-Neighbourhood around(const Box& reach, const Volume& layer, int frame, int margin) {
-  Neighbourhood there;
-  there.box = voxels_around(reach, layer.geometry, margin);
-  const Volume part = cropped(layer, there.box, 0, frame);
-  there.grid = part.geometry;
-  std::visit(
-      [&](const auto& voxels) {
-        for (const auto voxel : voxels) there.labels.push_back(static_cast<int>(std::lround(voxel)));
-      },
-      part.data);
-  return there;
-}
-
-std::vector<std::uint8_t> voxels_with(const std::vector<int>& labels, int value) {
-  std::vector<std::uint8_t> set(labels.size());
-  for (std::size_t v = 0; v < labels.size(); ++v) set[v] = labels[v] == value ? 1 : 0;
-  return set;
-}
-
-/// Parts of a set of voxels that have at least so many voxels; others are emptied.
-std::vector<std::uint8_t> large_parts(std::vector<std::uint8_t> set, const VolumeGeometry& grid, double least) {
-  const auto parts = connected_components(set, grid.dims, Touching::faces);
-  for (std::size_t v = 0; v < set.size(); ++v)
-    if (set[v] != 0 && static_cast<double>(parts.sizes[index(parts.part[v])]) < least) set[v] = 0;
-  return set;
-}
 
 double volume_mm3(const Mesh& mesh) {
   return 1000 * std::abs(enclosed_volume_ml(mesh));
@@ -108,10 +48,6 @@ class Signs {
     if (own_.voxels == 0) return {};
     find_islands();
     find_holes_and_bridges();
-    for (std::size_t a = 0; a < 3; ++a) {
-      const VoxelBox& box = own_box_;
-      signs_.at_border = signs_.at_border || box.first[a] == 0 || box.last[a] == map_.dims[a] - 1;
-    }
     if (expected_[of_]) compare_with_expected();
     return std::move(signs_);
   }
@@ -138,17 +74,17 @@ class Signs {
     const auto parts = connected_components(own_.inside, there_.grid.dims, Touching::faces_and_edges);
     const auto main = static_cast<std::int32_t>(std::ranges::max_element(parts.sizes) - parts.sizes.begin());
     main_ = std::vector<std::uint8_t>(own_.inside.size(), 0);
-    own_box_.first = {std::numeric_limits<int>::max(), std::numeric_limits<int>::max(),
-                      std::numeric_limits<int>::max()};
     const std::size_t row = index(there_.grid.dims[0]), plane = row * index(there_.grid.dims[1]);
     for (std::size_t v = 0; v < main_.size(); ++v) {
       if (parts.part[v] < 0) continue;
       const std::array<int, 3> here{static_cast<int>(v % row), static_cast<int>(v % plane / row),
                                     static_cast<int>(v / plane)};
+      bool at_border = false;
       for (std::size_t a = 0; a < 3; ++a) {
-        own_box_.first[a] = std::min(own_box_.first[a], here[a] + there_.box.first[a]);
-        own_box_.last[a] = std::max(own_box_.last[a], here[a] + there_.box.first[a]);
+        const int in_map = here[a] + there_.box.first[a];
+        at_border = at_border || in_map == 0 || in_map == map_.dims[a] - 1;
       }
+      signs_.at_border += at_border ? share(1) : 0;
       if (parts.part[v] == main) {
         main_[v] = 1;
         continue;
@@ -161,7 +97,7 @@ class Signs {
   }
 
   void find_holes_and_bridges() {
-    const double deep_mm = std::max(deep_in_fit * size_mm_, coarse_mm());
+    const double deep_mm = std::max(deep_in_fit * size_mm_, 0.6 * coarse_mm());
     const double far_mm = std::max(far_from_fit * size_mm_, coarse_mm());
     std::vector<std::uint8_t> hole(main_.size(), 0), bridge(main_.size(), 0);
     for (std::size_t v = 0; v < main_.size(); ++v) {
@@ -214,16 +150,17 @@ class Signs {
       if (n == of_ || !other.is_there() || other.segment.layer != subject_.structures[of_].segment.layer) continue;
       constexpr double least_share = 0.02;
       const auto held = foreign.find(other.segment.value);
-      if (held == foreign.end() || static_cast<double>(held->second) < least_share * whole || !expected_[n]) continue;
-      const Body theirs(voxelise(*expected_[n], there_.grid), there_.grid);
+      if (held == foreign.end() || static_cast<double>(held->second) < least_share * whole) continue;
+      // Where nothing is expected of the other one, only what lies deep within this one is lost.
+      const std::optional<Body> theirs =
+          expected_[n] ? std::optional<Body>(std::in_place, voxelise(*expected_[n], there_.grid), there_.grid)
+                       : std::nullopt;
       const double clear_mm = 0.5 * far_mm;
       std::size_t lost = 0;
-      auto& back = signs_.taken_back[n];
       for (std::size_t v = 0; v < main_.size(); ++v) {
-        if (there_.labels[v] != other.segment.value) continue;
-        const double nearer_mm = theirs.signed_mm(v) - expected.signed_mm(v);
-        if (expected.inside[v] != 0 && nearer_mm > clear_mm) ++lost;
-        if (nearer_mm > 0 && expected.to[v] <= far_mm) change(v, value_, back);
+        if (there_.labels[v] != other.segment.value || expected.inside[v] == 0) continue;
+        const double nearer_mm = (theirs ? theirs->signed_mm(v) : 0) - expected.signed_mm(v);
+        if (nearer_mm > clear_mm) ++lost;
       }
       signs_.lost_to[n] = static_cast<double>(lost) / whole;
     }
@@ -238,7 +175,6 @@ class Signs {
   Body own_, fit_;
   double size_mm_;
   std::vector<std::uint8_t> main_;  ///< its largest part
-  VoxelBox own_box_;                ///< in the map
   StructureSigns signs_;
 };
 

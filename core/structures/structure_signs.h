@@ -18,23 +18,22 @@ struct VoxelChange {
 /// What tells of a structure of a label map whether it is right, against its fit and against the shape that its
 /// neighbours expect of it. All are shares of its voxels or of the expected ones, unless something else is said.
 struct StructureSigns {
-  double islands = 0;      ///< apart from the largest part
-  double holes = 0;        ///< deep within the fit, without a label
-  double bridges = 0;      ///< far outside of the fit, but joined to the structure
-  double volume = 0;       ///< logarithm of the volume against the expected one, less the median of that of all
-  double lacking = 0;      ///< of the expected shape: without a label, far from the structure
-  double beyond = 0;       ///< of the expected shape: outside of the map
-  bool at_border = false;  ///< it touches the border of the map
+  double islands = 0;    ///< apart from the largest part
+  double holes = 0;      ///< deep within the fit, without a label
+  double bridges = 0;    ///< far outside of the fit, but joined to the structure
+  double volume = 0;     ///< logarithm of the volume against the expected one, less the median of that of all
+  double lacking = 0;    ///< of the expected shape: without a label, far from the structure
+  double beyond = 0;     ///< of the expected shape: outside of the map
+  double at_border = 0;  ///< of its voxels: in the outermost slices of the map
   std::map<std::size_t, double> lost_to;  ///< by another structure's place in the set: voxels with its label that are
                                           ///< deeper in this one's expected shape than in its own
   /// How the signs would be mended.
   std::vector<VoxelChange> without_islands, without_holes, without_bridges;
-  std::map<std::size_t, std::vector<VoxelChange>> taken_back;
 };
 
-/// The shape that is expected of each structure: its template where its neighbours say, then moved onto what the map has
-/// of it, as one that may lack parts or have too much. None where no neighbour says, or where the template itself is cut
-/// off.
+/// The shape that is expected of each structure: its template where its neighbours say, then moved onto what the map
+/// has of it, as one that may lack parts or have too much. None where no neighbour says, or where the template itself
+/// is cut off.
 std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
                                                  const FittedSet& fitted);
 

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/base/index.h"
+#include "core/template_making/distance_map.h"
+#include "core/template_making/voxel_components.h"
+#include "core/volume/label_boxes.h"
+
+namespace homolog {
+
+// Voxels around a structure, as its signs and its repair look at them.
+
+/// A set of voxels of a grid with the distances to it and to the others.
+struct Body {
+  std::vector<std::uint8_t> inside;
+  std::vector<float> to, depth;  ///< mm: outside to it, inside to what is outside
+  std::size_t voxels = 0;
+
+  Body(std::vector<std::uint8_t> set, const VolumeGeometry& grid) : inside(std::move(set)) {
+    voxels = static_cast<std::size_t>(std::ranges::count(inside, std::uint8_t{1}));
+    constexpr float nowhere = 1e6F;
+    to = voxels > 0 ? distance_to(inside, grid) : std::vector<float>(inside.size(), nowhere);
+    std::vector<std::uint8_t> outside(inside.size());
+    for (std::size_t v = 0; v < inside.size(); ++v) outside[v] = inside[v] != 0 ? 0 : 1;
+    depth = voxels < inside.size() ? distance_to(outside, grid) : std::vector<float>(inside.size(), nowhere);
+  }
+  /// Below 0 inside.
+  double signed_mm(std::size_t v) const { return inside[v] != 0 ? -depth[v] : to[v]; }
+};
+
+/// The map around one structure.
+struct Neighbourhood {
+  VoxelBox box;
+  VolumeGeometry grid;
+  std::vector<int> labels;
+
+  /// In the whole frame.
+  std::size_t voxel_of_map(std::size_t v, const VolumeGeometry& map) const {
+    const std::size_t row = index(grid.dims[0]), plane = row * index(grid.dims[1]);
+    const std::size_t i = v % row + index(box.first[0]), j = v % plane / row + index(box.first[1]),
+                      k = v / plane + index(box.first[2]);
+    return (k * index(map.dims[1]) + j) * index(map.dims[0]) + i;
+  }
+};
+
+inline Neighbourhood around(const Box& reach, const Volume& layer, int frame, int margin) {
+  Neighbourhood there;
+  there.box = voxels_around(reach, layer.geometry, margin);
+  const Volume part = cropped(layer, there.box, 0, frame);
+  there.grid = part.geometry;
+  std::visit(
+      [&](const auto& voxels) {
+        for (const auto voxel : voxels) there.labels.push_back(static_cast<int>(std::lround(voxel)));
+      },
+      part.data);
+  return there;
+}
+
+inline std::vector<std::uint8_t> voxels_with(const std::vector<int>& labels, int value) {
+  std::vector<std::uint8_t> set(labels.size());
+  for (std::size_t v = 0; v < labels.size(); ++v) set[v] = labels[v] == value ? 1 : 0;
+  return set;
+}
+
+/// Parts of a set of voxels that have at least so many voxels; others are emptied.
+inline std::vector<std::uint8_t> large_parts(std::vector<std::uint8_t> set, const VolumeGeometry& grid, double least) {
+  const auto parts = connected_components(set, grid.dims, Touching::faces);
+  for (std::size_t v = 0; v < set.size(); ++v)
+    if (set[v] != 0 && static_cast<double>(parts.sizes[index(parts.part[v])]) < least) set[v] = 0;
+  return set;
+}
+
+}  // namespace homolog

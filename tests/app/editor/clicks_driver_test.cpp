@@ -61,14 +61,12 @@ TEST_CASE("a double click enlarges a view and edits nothing with any tool in any
       driver.settle();
       if (maximised) driver.state().look.maximised = view;
       driver.frames(3);
-      for (const MouseTool tool :
-           {MouseTool::pull, MouseTool::grab, MouseTool::slide, MouseTool::relax, MouseTool::place, MouseTool::landmark,
-            MouseTool::stiffness, MouseTool::confirm, MouseTool::ruler, MouseTool::template_landmark})
+      for (const ToolKind* kind : tool_kinds)
         for (const int clicks : {2, 3, 4}) {
-          CAPTURE(kind_of(tool).name);
+          CAPTURE(kind->name);
           CAPTURE(clicks);
           if (maximised && clicks == 4) continue;  // the third meets whatever lies there of the four views
-          driver.app().send(ChooseTool{tool});
+          driver.app().send(ChooseTool{kind->tool});
           driver.state().hand.template_landmark = "new one";
           driver.state().look.maximised = maximised ? std::optional(view) : std::nullopt;
           driver.state().hand.ruler = Ruler{Vec3(0, 0, 0), Vec3(10, 0, 0)};
@@ -80,7 +78,7 @@ TEST_CASE("a double click enlarges a view and edits nothing with any tool in any
           driver.settle();
           CHECK(text_of_case(driver) == before);
           driver.wait_until("the preview is gone", [&] { return !driver.app().snapshot().preview; });
-          CHECK(driver.state().hand.tool == tool);
+          CHECK(driver.state().hand.tool == kind->tool);
           REQUIRE(driver.state().hand.ruler);
           CHECK(driver.state().hand.ruler->length_mm() == 10);
           CHECK(driver.state().look.camera.to_eye == camera.to_eye);

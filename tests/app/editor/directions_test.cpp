@@ -138,15 +138,13 @@ TEST_CASE("arrows scroll by one slice and pages by ten") {
 }
 
 TEST_CASE("each letter takes the tool that the list of keys names and each digit its reach") {
-  const std::pair<char, MouseTool> tools[] = {
-      {'P', MouseTool::pull},      {'G', MouseTool::grab},    {'S', MouseTool::slide},
-      {'R', MouseTool::relax},     {'M', MouseTool::place},   {'L', MouseTool::landmark},
-      {'B', MouseTool::stiffness}, {'C', MouseTool::confirm}, {'D', MouseTool::ruler}};
-  for (const auto& [letter, tool] : tools) {
+  for (const ToolKind* kind : tool_kinds) {
+    if (*kind->key == '\0') continue;
+    CAPTURE(kind->name);
     Desk desk;
-    desk.state.hand.tool = tool == MouseTool::grab ? MouseTool::pull : MouseTool::grab;
-    desk.press(letter);
-    CHECK(desk.state.hand.tool == tool);
+    desk.state.hand.tool = kind->tool == MouseTool::grab ? MouseTool::pull : MouseTool::grab;
+    desk.press(*kind->key);
+    CHECK(desk.state.hand.tool == kind->tool);
   }
   for (const std::size_t preset : {0u, 1u, 2u}) {
     Desk desk;

@@ -2,10 +2,12 @@
 
 #include <doctest/doctest.h>
 
-#include <iterator>
+#include <map>
 #include <set>
 #include <string>
+#include <tuple>
 
+#include "app/editor/update/keys.h"
 #include "app/editor/update/tools/tool.h"
 #include "core/mesh/icosphere.h"
 #include "tests/ball.h"
@@ -35,10 +37,6 @@ bool holds_words(const std::string& text, const char* words) {
   return text.find(words) != std::string::npos;
 }
 
-constexpr std::array all_tools{
-    MouseTool::pull,     MouseTool::grab,      MouseTool::slide,   MouseTool::relax, MouseTool::place,
-    MouseTool::landmark, MouseTool::stiffness, MouseTool::confirm, MouseTool::ruler, MouseTool::template_landmark};
-
 }  // namespace
 
 TEST_CASE("in every state the status line says what is so") {
@@ -46,20 +44,20 @@ TEST_CASE("in every state the status line says what is so") {
     for (std::size_t placed = 0; placed <= landmarks; ++placed) {
       const Document document = ball_with(landmarks, placed);
       const Snapshot snapshot = snapshot_of(document);
-      for (const MouseTool tool : all_tools)
+      for (const ToolKind* kind : tool_kinds)
         for (const char* chosen : {"", "north", "south", "of another template"}) {
           CAPTURE(landmarks);
           CAPTURE(placed);
-          CAPTURE(kind_of(tool).name);
+          CAPTURE(kind->name);
           CAPTURE(chosen);
           EditorState state;
-          state.hand.tool = tool;
+          state.hand.tool = kind->tool;
           state.hand.landmark = chosen;
           const std::string text = status_of(state, snapshot, document).text;
           CHECK_FALSE(text.empty());
           CHECK_FALSE(holds_words(text, "no mesh"));
           CHECK_FALSE(holds_words(text, "another template"));
-          const bool places = tool == MouseTool::landmark;
+          const bool places = kind->tool == MouseTool::landmark;
           CHECK(holds_words(text, "no landmarks yet") == (places && landmarks == 0));
           if (holds_words(text, "placed; drag")) CHECK((places && landmarks > 0 && placed == landmarks));
           if (places && landmarks > placed) CHECK(holds_words(text, "Click where \""));
@@ -73,9 +71,10 @@ TEST_CASE("without an image or a mesh the status line says what is missing whate
   const Document nothing = new_document("", nullptr, nullptr);
   Document other_frame = ball_with(3, 0);
   other_frame.frame = 4;
-  for (const MouseTool tool : all_tools) {
+  for (const ToolKind* kind : tool_kinds) {
+    CAPTURE(kind->name);
     EditorState state;
-    state.hand.tool = tool;
+    state.hand.tool = kind->tool;
     CHECK(holds_words(status_of(state, snapshot_of(nothing), nothing).text, "Open an image"));
     other_frame.scan.image = std::make_shared<const Volume>();
     CHECK(holds_words(status_of(state, snapshot_of(other_frame), other_frame).text, "This frame has no mesh yet"));
@@ -140,17 +139,39 @@ TEST_CASE("the status line names the region that the brush paints also before on
   CHECK(holds_words(said(), "out of their region"));
 }
 
-TEST_CASE("every tool of the mouse has its row and a key of its own") {
-  REQUIRE(tool_kinds.size() == std::size(all_tools));
-  std::set<std::string> names, keys;
-  for (const MouseTool tool : all_tools) {
-    const ToolKind& kind = kind_of(tool);
+TEST_CASE("every tool of the mouse has its row at its place and a name of its own in the log") {
+  std::set<std::string> names;
+  for (std::size_t place = 0; place < tool_kinds.size(); ++place) {
+    const ToolKind& kind = *tool_kinds[place];
     CAPTURE(kind.name);
-    CHECK(kind.tool == tool);
+    CHECK(static_cast<std::size_t>(kind.tool) == place);
+    CHECK(&kind_of(kind.tool) == &kind);
     CHECK((kind.begin != nullptr));
     CHECK((kind.hint != nullptr));
     CHECK(names.insert(kind.log_name).second);
-    CHECK((*kind.key == '\0' || keys.insert(kind.key).second));
+  }
+}
+
+TEST_CASE("no two rows of keys ask for the same key and each tool with a key is one of them") {
+  for (const bool in_models : {false, true}) {
+    std::map<std::tuple<int, bool, bool>, std::string> rows;
+    for (const KeyRow& row : key_rows(in_models))
+      for (const KeyChord& chord : row.chords) {
+        const auto [there, is_new] = rows.emplace(std::tuple(chord.code, chord.ctrl, chord.shift), row.does);
+        CAPTURE(row.keys);
+        CAPTURE(there->second);
+        CHECK(is_new);
+      }
+    if (in_models) continue;
+    for (const ToolKind* kind : tool_kinds) {
+      CAPTURE(kind->name);
+      const std::string key = kind->key;
+      REQUIRE(key.size() <= 1);
+      if (key.empty()) continue;
+      const auto row = rows.find({key[0], false, false});
+      REQUIRE((row != rows.end()));
+      CHECK(row->second == kind->in_keys);
+    }
   }
 }
 

@@ -14,9 +14,10 @@ namespace homolog {
 enum class Origin {
   first_line,  ///< the first line of the case says it
   derived,     ///< it follows from the template and the placement
-  set,         ///< actions set it; it stays where a shape begins anew
+  set,         ///< a setting that one action gives its value; it stays where a shape begins anew
   begun,       ///< the placed template until edits move it
-  edits        ///< empty until edits make it; empty again where a shape begins anew
+  edits  ///< a trace of edits of this mesh, empty until they leave it; empty again where a shape begins anew or is
+         ///< copied to another frame
 };
 
 template <class Owner, class Value>

@@ -74,6 +74,10 @@ Shape shape_of_frame(const Structure& structure, int shown_frame, int frame) {
 void start_anew(const Template& the_template, Shape& shape) {
   shape.placed = std::make_shared<const Points>(shape.placement.apply(the_template.points));
   shape.points = shape.reference = shape.placed;
+  forget_edits(shape);
+}
+
+void forget_edits(Shape& shape) {
   for_each_member(shape_members, [&](const auto& member) {
     if (member.origin == Origin::edits) shape.*member.of = {};
   });

@@ -14,6 +14,8 @@ Similarity in_the_middle(const Scan& scan, const Template& the_template);
 
 /// The shape as it is before any edit: the template at the shape's placement.
 void start_anew(const Template& the_template, Shape& shape);
+/// Empties the members that edits made [Origin::edits]. The points stay.
+void forget_edits(Shape& shape);
 
 /// The mesh of a frame; where it has none yet, the one that it begins with: the template at the shown frame's
 /// placement.

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "core/case/actions/decided.h"
 #include "core/case/actions/fields.h"
 #include "core/case/placing.h"
 
@@ -32,13 +31,9 @@ Result<EditReport> apply_copy(const StartFrameFrom& action, StructureEdit& edit)
   const Shape* from = edit.before.shape(action.frame);
   if (from == nullptr) return fail("frame", std::to_string(action.frame) + " has no mesh to start from");
   Shape begun = *from;
-  begun.decided.reset();  // what was decided there is a guess here, and so is what a model did
-  begun.unaided.reset();
+  forget_edits(begun);  // what was decided there is a guess here, and so is what a model did
+  begun.strokes = from->strokes;
   begun.carried = begun.points;
-  begun.doubt.clear();
-  begun.doubt_mm.reset();
-  begun.outlier.reset();
-  forget_pulls_and_snaps(begun);
   edit.after.set_shape(edit.document.frame, std::move(begun));
   return EditReport{};
 }

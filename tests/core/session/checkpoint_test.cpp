@@ -212,6 +212,24 @@ TEST_CASE("a checkpoint keeps every member of a shape and of a document") {
   CHECK_FALSE(read_checkpoint(*line, with_rules(start, LandmarkRule::weighed, false), 5));
 }
 
+TEST_CASE("a copy of a frame leaves behind what edits made there but for its strokes") {
+  const CaseFolder folder;
+  Document full = full_document(cine_document(folder, 3));                  // frame 2 is shown
+  full.change({}, [](Structure& first) { first.landmarks.hold = false; });  // it would add to what is confirmed
+  Deformer deformer;
+  const auto updated = update(full, {}, StartFrameFrom{0}, deformer, Pass::commit);
+  REQUIRE(updated);
+  const Shape &from = *full.structure()->shape(0), &copy = *updated->document.structure()->shape(full.frame);
+  for_each_member(shape_members, [&](const auto& member) {
+    CAPTURE(std::string(member.key));
+    const bool stays = member.origin != Origin::edits || member.key == std::string("strokes");
+    Shape expected = from;
+    if (!stays) expected.*member.of = {};
+    if (member.key == std::string("carried")) expected.carried = from.points;
+    CHECK((copy.*member.of == expected.*member.of));
+  });
+}
+
 TEST_CASE("only what the first line says and what follows from others is left out of a checkpoint") {
   const auto left_out = [](const auto& members) {
     std::vector<std::string> keys;

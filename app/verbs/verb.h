@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "app/editor/window/editor.h"
+#include "core/base/listed.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
-#include "core/mesh/mesh_io.h"
+#include "core/mesh/formats/formats.h"
 
 namespace homolog {
 
@@ -60,7 +61,8 @@ inline CLI::Option* keeps_correspondence(CLI::Option* output, bool or_folder = f
   return output->check([or_folder](const std::string& text) -> std::string {
     const std::filesystem::path path = text;
     if (text.empty() || keeps_numbers(path) || (or_folder && is_folder_name(path))) return {};
-    const std::string use = "use .ply, .vtk, .vtp or .obj" + std::string(or_folder ? ", or a folder" : "");
+    const std::string use = "use " + listed(mesh_format_extensions(&MeshFormat::keeps_numbers), " or ") +
+                            (or_folder ? ", or a folder" : "");
     if (is_mesh_name(path))
       return text + " would keep no vertices and so no correspondence (convert makes STL of a mesh); " + use;
     return text + (path.has_extension() ? " has an ending of no mesh format; " : " has no ending; ") + use +

@@ -10,7 +10,7 @@ namespace homolog {
 
 namespace {
 
-/// A longer ending stands before those that it ends in.
+/// A longer ending stands before those that it ends in. A test compares them with the formats of images and meshes.
 constexpr std::array<std::string_view, 41> endings{
     ".seg.nrrd", ".mgh.gz",  ".mgz",  ".mgh",  ".nii.gz", ".img.gz",    ".hdr.gz", ".mrk.json", ".study.json",
     ".h5.json",  ".homolog", ".nii",  ".nrrd", ".nhdr",   ".mha",       ".mhd",    ".hdr",      ".img",

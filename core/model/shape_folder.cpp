@@ -6,7 +6,8 @@
 #include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
-#include "core/mesh/mesh_io.h"
+#include "core/base/listed.h"
+#include "core/mesh/formats/formats.h"
 #include "core/session/case_file.h"
 
 namespace homolog {
@@ -51,7 +52,9 @@ Result<std::vector<fs::path>> shapes_in_folder(const fs::path& folder) {
     if (there == cases.end() || !goes_on_after_fit(there->second)) shapes[name] = mesh;
   }
   if (shapes.empty())
-    return fail(folder.string(), "holds no shapes; name a folder of meshes (.ply, .vtk, .vtp, .obj) or of cases");
+    return fail(folder.string(), "holds no shapes; name a folder of meshes (" +
+                                     listed(mesh_format_extensions(&MeshFormat::keeps_numbers), ", ") +
+                                     ") or of cases");
   std::vector<fs::path> files;
   for (const auto& [name, file] : shapes) files.push_back(file);
   return files;

@@ -3,11 +3,11 @@
 #include <random>
 
 #include "core/base/files.h"
+#include "core/mesh/formats/formats.h"
 #include "core/mesh/landmark_io.h"
-#include "core/mesh/mesh_io.h"
 #include "core/model/shape_model.h"
 #include "core/model/statismo.h"
-#include "core/volume/volume_io.h"
+#include "core/volume/formats/formats.h"
 #include "tests/shapes.h"
 #include "tests/temporary_folder.h"
 
@@ -68,8 +68,10 @@ void cut_each(const std::vector<std::string>& names, const Write& write, const R
 
 TEST_CASE("an image that is cut short is refused or whole") {
   const Volume volume = small_volume();
+  std::vector<std::string> names;
+  for (const std::string& ending : volume_format_endings(&VolumeFormat::written)) names.push_back("v" + ending);
   cut_each(
-      {"v.nii", "v.nii.gz", "v.nrrd", "v.mha"}, [&](const fs::path& path) { return write_volume(volume, path); },
+      names, [&](const fs::path& path) { return write_volume(volume, path); },
       [](const fs::path& path) { return read_volume(path); },
       [&](const VolumeRead& left, const VolumeRead&) {
         return left.volume.data == volume.data && same_grid(left.volume.geometry, volume.geometry);
@@ -130,8 +132,11 @@ TEST_CASE("a bit that is turned over in the voxels of an image changes that voxe
 
 TEST_CASE("a mesh that is cut short is refused or whole") {
   const Mesh ball = icosphere(1, 40);
+  std::vector<std::string> names;
+  for (const MeshFormat* format : mesh_formats)
+    if (format != &formats::particles) names.push_back(std::string("m") + format->extension);
   cut_each(
-      {"m.ply", "m.vtk", "m.vtp", "m.stl", "m.obj"}, [&](const fs::path& path) { return write_mesh(ball, path); },
+      names, [&](const fs::path& path) { return write_mesh(ball, path); },
       [](const fs::path& path) { return read_mesh_file(path); },
       [](const MeshFile& left, const MeshFile& whole) {
         return left.points == whole.points && left.triangles == whole.triangles;

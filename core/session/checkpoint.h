@@ -9,9 +9,10 @@
 namespace homolog {
 
 // A checkpoint is a line of a case file that holds the case as it is after the lines before it. Opening then needs not
-// play those lines. The lines always count more than the checkpoint: it holds the version of Homolog that wrote it, the
-// template, the placement and a checksum of the lines. If one of these differs, the checkpoint is ignored. Removing the
-// checkpoints of a file changes only the time to open it.
+// play those lines. The lines always count more than the checkpoint: it holds the number of its own format, what the
+// solver gives on a small fixed problem, and checksums of the template, the placement and the lines. If one of these
+// differs, or a member is missing, the checkpoint is ignored. Removing the checkpoints of a file changes only the time
+// to open it.
 
 /// The line, without its line feed. `lines_check`: of all lines before it. `templates`: those of
 /// structures that `start` lacks. None where reading it would not give the

@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <sstream>
 
 #include "app/verbs/verb.h"
 #include "core/base/listed.h"
+#include "core/base/text.h"
 #include "core/groupwise/optimise.h"
 #include "core/mesh/formats/formats.h"
 #include "core/model/evaluation.h"
@@ -239,10 +239,9 @@ std::vector<int> parsed_modes(const std::string& text, int most) {
   }
   std::istringstream in(text);
   for (std::string word; std::getline(in, word, ',');) {
-    int m = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), m);
-    if (error != std::errc() || end != word.data() + word.size() || m < 1) return {};
-    modes.push_back(m);
+    const auto m = as_number<int>(word);
+    if (!m || *m < 1) return {};
+    modes.push_back(*m);
   }
   return modes;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
@@ -39,27 +38,6 @@ struct MakeJob {
 
 using Row = std::map<std::string, std::string>;
 
-/// The cells of a line, which may be quoted; a doubled quote within is one.
-std::vector<std::string> cells_of(std::string_view line, char separator) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    if (line[k] == '"' && quoted && k + 1 < line.size() && line[k + 1] == '"')
-      cells.back() += line[k++];
-    else if (line[k] == '"')
-      quoted = !quoted;
-    else if (line[k] == separator && !quoted)
-      cells.emplace_back();
-    else
-      cells.back() += line[k];
-  }
-  for (std::string& cell : cells) {
-    cell.erase(0, cell.find_first_not_of(" \t"));
-    cell.erase(cell.find_last_not_of(" \t\r") + 1);
-  }
-  return cells;
-}
-
 /// What a column is called here: people write "mask" for the label map and "scan" for the image.
 std::string column_named(const std::string& text) {
   static const std::map<std::string, std::string> others{
@@ -90,14 +68,13 @@ Result<std::vector<Row>> read_rows(const fs::path& path) {
     ++number;
     if (line.find_first_not_of(" \t\r,;") == std::string_view::npos) continue;
     if (columns.empty()) {
-      for (const char one : {';', '\t'})
-        if (line.find(',') == std::string_view::npos && line.find(one) != std::string_view::npos) separator = one;
-      for (const std::string& cell : cells_of(line, separator)) columns.push_back(column_named(cell));
+      separator = table_separator(line);
+      for (const std::string& cell : table_cells(line, separator)) columns.push_back(column_named(cell));
       if (std::set<std::string>(columns.begin(), columns.end()).size() != columns.size())
         return fail(path.string(), "has a column twice; rename one of them");
       continue;
     }
-    auto cells = cells_of(line, separator);
+    auto cells = table_cells(line, separator);
     if (cells.size() != columns.size())
       return fail(path.string(), "line " + std::to_string(number) + " has " + std::to_string(cells.size()) +
                                      " cells where the first line names " + std::to_string(columns.size()) +
@@ -114,10 +91,8 @@ Result<std::vector<Row>> read_rows(const fs::path& path) {
 
 /// A number as one, all else as text.
 Json value_of(const std::string& text) {
-  double number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, number);
-  return error == std::errc() && stop == end && std::isfinite(number) ? Json(number) : Json(text);
+  const auto number = as_number<double>(text);
+  return number && std::isfinite(*number) ? Json(*number) : Json(text);
 }
 
 /// What a row is about, its paths from the root.

@@ -65,4 +65,38 @@ std::string excerpt(std::string_view text) {
   return printable(text.substr(0, end)) + "…";
 }
 
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blanks = " \t\r\n";
+  const auto begin = text.find_first_not_of(blanks);
+  return begin == text.npos ? std::string_view() : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
+}
+
+char table_separator(std::string_view first_line) {
+  for (const char one : {',', '\t', ';'})
+    if (first_line.find(one) != first_line.npos) return one;
+  return ',';
+}
+
+std::vector<std::string> csv_fields(std::string_view line, char separator) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    if (line[k] == '"' && quoted && k + 1 < line.size() && line[k + 1] == '"')
+      cells.back() += line[k++];
+    else if (line[k] == '"')
+      quoted = !quoted;
+    else if (line[k] == separator && !quoted)
+      cells.emplace_back();
+    else
+      cells.back() += line[k];
+  }
+  return cells;
+}
+
+std::vector<std::string> table_cells(std::string_view line, char separator) {
+  auto cells = csv_fields(line, separator);
+  for (std::string& cell : cells) cell = std::string(trimmed(cell));
+  return cells;
+}
+
 }  // namespace homolog

@@ -1,7 +1,6 @@
 #include "core/mesh/landmark_io.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -45,24 +44,6 @@ Result<Landmark> landmark_of(std::string name, const Json* coordinates) {
   return landmark;
 }
 
-/// The fields of a line of CSV; a field in double quotes may hold commas, and quotes written twice.
-std::vector<std::string> csv_fields(std::string_view line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (std::size_t at = 0; at < line.size(); ++at) {
-    const char c = line[at];
-    if (c == '"' && quoted && at + 1 < line.size() && line[at + 1] == '"')
-      fields.back() += line[++at];
-    else if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      fields.emplace_back();
-    else
-      fields.back() += c;
-  }
-  return fields;
-}
-
 /// What a line "# key = value" of a .fcsv says; empty for another key.
 std::string_view fcsv_value(std::string_view line, std::string_view key) {
   const auto bare = [](std::string_view text) {
@@ -93,12 +74,6 @@ Result<FcsvColumns> fcsv_columns(std::string_view names) {
   return columns;
 }
 
-bool is_whole_number(std::string_view text) {
-  int value = 0;
-  const auto [after, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return !text.empty() && error == std::errc() && after == text.data() + text.size();
-}
-
 /// Whether a line has the fields that its columns say. 3D Slicer 5 adds two numbers that it names no columns for. A
 /// decimal comma makes two fields of one, so that x, y and z would be other numbers than were meant.
 bool fits_columns(const std::vector<std::string>& fields, const FcsvColumns& columns) {
@@ -106,7 +81,7 @@ bool fits_columns(const std::vector<std::string>& fields, const FcsvColumns& col
   const bool place_alone = count == columns.x + 3 && columns.id < count;
   if (count < columns.all && !place_alone && count <= columns.label) return false;
   if (count > columns.all &&
-      !(count == columns.all + 2 && is_whole_number(fields[count - 1]) && is_whole_number(fields[count - 2])))
+      !(count == columns.all + 2 && as_number<int>(fields[count - 1]) && as_number<int>(fields[count - 2])))
     return false;
   if (!columns.turned || *columns.turned + 3 >= count) return true;
   double squares = 0;
@@ -148,11 +123,7 @@ Result<std::vector<Landmark>> fcsv_landmarks(std::string_view text) {
     const auto field = [&](std::size_t column) { return column < fields.size() ? fields[column] : std::string(); };
     Json coordinates = Json::array();
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::string number = field(columns.x + axis);
-      double value = 0;
-      const auto [after, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-      if (error == std::errc() && after == number.data() + number.size() && !number.empty())
-        coordinates.push_back(value);
+      if (const auto value = as_number<double>(field(columns.x + axis))) coordinates.push_back(*value);
     }
     const std::string label = field(columns.label);
     auto landmark = landmark_of(label.empty() ? field(columns.id) : label, &coordinates);

@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-// Names of labels as other programs keep them beside their label maps.
+// Names of labels as other programs keep them beside their label maps. The readers are in labels_in_*.cpp.
 
 /// JSON: {"1": "spleen"}, {"spleen": 1}, either as the member "labels" of an object (nnU-Net), or a list of objects
 /// with `value` (or `label`, `id`), `name` and perhaps `colour` "#rrggbb". No segments where it is about something

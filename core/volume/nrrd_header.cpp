@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdio>
 #include <fstream>
 #include <optional>
@@ -54,13 +53,6 @@ std::vector<std::string_view> words_of(std::string_view text) {
   return words;
 }
 
-std::optional<int> integer_of(std::string_view text) {
-  int number = 0;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || rest != text.data() + text.size()) return {};
-  return number;
-}
-
 /// Whether text is a whole number above 0, however large.
 bool is_count(std::string_view text) {
   return text.find_first_not_of("0123456789") == std::string_view::npos &&
@@ -90,7 +82,7 @@ std::optional<NameFormat> name_format(std::string_view text) {
   if (format.zeros) rest.remove_prefix(1);
   const auto digits = std::min(rest.find_first_not_of("0123456789"), rest.size());
   if (digits > 2 || rest.substr(digits, 1) != "d") return {};
-  if (digits > 0) format.width = *integer_of(rest.substr(0, digits));
+  if (digits > 0) format.width = *as_number<int>(rest.substr(0, digits));
   format.behind = rest.substr(digits + 1);
   if (format.behind.find('%') != std::string::npos) return {};
   return format;
@@ -101,8 +93,8 @@ Result<void> add_numbered_files(const fs::path& path, const std::string& value, 
   const auto words = words_of(value);
   if (words.size() != 4 && words.size() != 5) return bad_names(path, value);
   const auto format = name_format(words[0]);
-  const auto first = integer_of(words[1]), last = integer_of(words[2]), step = integer_of(words[3]);
-  const auto axes = words.size() == 5 ? integer_of(words[4]) : std::optional<int>(0);
+  const auto first = as_number<int>(words[1]), last = as_number<int>(words[2]), step = as_number<int>(words[3]);
+  const auto axes = words.size() == 5 ? as_number<int>(words[4]) : std::optional<int>(0);
   if (!format || !first || !last || !step || *step == 0 || !axes || *axes < 0) return bad_names(path, value);
   const std::int64_t apart = std::int64_t{*last} - *first;
   if (apart / *step < 0 || (apart != 0 && (apart < 0) != (*step < 0)) || apart / *step >= most_files)
@@ -190,7 +182,7 @@ Result<void> add_data_files(const fs::path& path, const std::string& value, Line
   header.detached = true;
   if (is_list(value)) {
     const auto words = words_of(value);
-    const auto axes = words.size() == 2 ? integer_of(words[1]) : std::optional<int>(0);
+    const auto axes = words.size() == 2 ? as_number<int>(words[1]) : std::optional<int>(0);
     if (words.size() > 2 || !axes || *axes < 0) return bad_names(path, value);
     header.file_dimension = *axes;
     for (auto name = lines.next(); name && !name->empty(); name = lines.next())

@@ -19,8 +19,8 @@ void warn_of_soft_labels(const std::filesystem::path& path, const Volume& labels
                          std::vector<std::string>& warnings);
 
 /// Makes a label map of a segmentation whose "frames" are layers of segments, and adds to `read.segmentation` what its
-/// header does not describe. Segments that nowhere overlap and have
-/// labels of their own become one label map; else every layer stays one. `read.warnings` says which.
+/// header does not describe. Segments that nowhere overlap and have labels of their own become one label map; else
+/// every layer stays one. `read.warnings` says which.
 void take_layers(const std::filesystem::path& path, VolumeRead& read);
 
 /// The segments that `asked` names [asked_segments]. Of a map with layers `read.volume` becomes the label map in which

@@ -1,7 +1,6 @@
 #include "core/volume/segmentation.h"
 
 #include <algorithm>
-#include <charconv>
 #include <string_view>
 #include <utility>
 
@@ -13,28 +12,20 @@ namespace homolog {
 
 namespace {
 
-std::string_view without_blanks(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r\n";
-  const auto begin = text.find_first_not_of(blanks);
-  return begin == text.npos ? std::string_view() : text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
-}
-
 std::vector<std::string> comma_separated(std::string_view text) {
   std::vector<std::string> parts;
   while (true) {
     const auto comma = std::min(text.find(','), text.size());
-    parts.emplace_back(without_blanks(text.substr(0, comma)));
+    parts.emplace_back(trimmed(text.substr(0, comma)));
     if (comma == text.size()) return parts;
     text.remove_prefix(comma + 1);
   }
 }
 
 /// A whole number above 0.
-std::optional<int> label_value(const std::string& text) {
-  int value = 0;
-  const auto [after, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || after != text.data() + text.size() || value <= 0) return {};
-  return value;
+std::optional<int> label_value(std::string_view text) {
+  const auto value = as_number<int>(text);
+  return value && *value > 0 ? value : std::nullopt;
 }
 
 /// All of that name in the same case, or where there are none in any case.
@@ -142,7 +133,7 @@ std::string label_words(const Segment& segment) {
 }
 
 std::string segment_name(std::string_view text) {
-  text = without_blanks(text);
+  text = trimmed(text);
   if (is_utf8(text)) return printable(text);
   std::string name;
   for (const char c : text) {
@@ -154,7 +145,7 @@ std::string segment_name(std::string_view text) {
 }
 
 Result<std::vector<Segment>> asked_segments(const std::string& asked, const Segmentation& known) {
-  const std::string whole(without_blanks(asked));
+  const std::string whole(trimmed(asked));
   const bool one_name = !label_value(whole) && !segments_named(whole, known).empty();  // it may hold a comma
   std::vector<Segment> segments;
   for (const std::string& part : one_name ? std::vector{whole} : comma_separated(whole)) {

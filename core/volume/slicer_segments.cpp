@@ -15,13 +15,6 @@ namespace {
 
 using SegmentKeys = std::map<std::string, std::string>;
 
-std::optional<int> whole_number(std::string_view text) {
-  int number = 0;
-  const auto [after, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || after != text.data() + text.size()) return {};
-  return number;
-}
-
 /// The value of a pair: a line break and a backslash are escaped there.
 std::string unescaped(std::string_view text) {
   std::string plain;
@@ -65,7 +58,7 @@ std::map<int, SegmentKeys> keys_by_segment(const std::vector<std::pair<std::stri
   for (const auto& [key, value] : pairs) {
     const std::string_view rest = std::string_view(key).substr(std::min(begin.size(), key.size()));
     const auto line = std::min(rest.find('_'), rest.size());
-    const auto number = whole_number(rest.substr(0, line));
+    const auto number = as_number<int>(rest.substr(0, line));
     if (number && *number >= 0 && line < rest.size())
       segments[*number].try_emplace(std::string(rest.substr(line + 1)), unescaped(value));
   }
@@ -81,8 +74,8 @@ Segmentation slicer_segments(const std::filesystem::path& path,
   std::size_t left_out = 0;
   for (auto& [number, keys] : keys_by_segment(pairs)) {
     const bool old = !keys.contains("LabelValue") && !keys.contains("Layer");
-    const auto value = keys.contains("LabelValue") ? whole_number(keys["LabelValue"]) : 1;
-    const auto layer = keys.contains("Layer") ? whole_number(keys["Layer"]) : old && layers > 1 ? number : 0;
+    const auto value = keys.contains("LabelValue") ? as_number<int>(keys["LabelValue"]) : 1;
+    const auto layer = keys.contains("Layer") ? as_number<int>(keys["Layer"]) : old && layers > 1 ? number : 0;
     const bool there = value && layer && *layer >= 0 && static_cast<std::size_t>(*layer) < layers;
     if (!there || !result.add({.name = segment_name(keys["Name"]),
                                .value = *value,

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/text.h"
+
 /// Walking through the text of a whole file.
 namespace homolog::formats {
 
@@ -19,10 +21,7 @@ inline bool is_space(char c) {
 template <class T>
 std::optional<T> to_number(std::string_view word) {
   if (word.size() > 1 && word.front() == '+' && word[1] != '-') word.remove_prefix(1);
-  T value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
+  return as_number<T>(word);
 }
 
 /// Appends the shortest decimal text that reads back as the same number.

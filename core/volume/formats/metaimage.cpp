@@ -59,11 +59,6 @@ struct Header {
   }
 };
 
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
-  return first == std::string_view::npos ? std::string() : std::string(text.substr(first, last - first + 1));
-}
-
 /// ElementDataFile is the last line of every header.
 std::optional<Header> parse_header(std::string_view head) {
   Header header;
@@ -77,7 +72,7 @@ std::optional<Header> parse_header(std::string_view head) {
       if (trimmed(line).empty()) continue;
       return {};
     }
-    const std::string key = trimmed(line.substr(0, equals));
+    const std::string key(trimmed(line.substr(0, equals)));
     if (!header.fields.emplace(key, trimmed(line.substr(equals + 1))).second && key != "Comment") return {};
     if (key == "ElementDataFile") {
       header.local_offset = begin;

@@ -31,6 +31,24 @@ TEST_CASE("a file's name loses the ending of its format and no other dots") {
   }
 }
 
+TEST_CASE("blanks around a text are taken off and only whole texts are numbers") {
+  CHECK(trimmed(" \t a b\r\n") == "a b");
+  CHECK(trimmed(" \t\r\n").empty());
+  CHECK(as_number<int>("-12") == -12);
+  CHECK(as_number<double>("2.5e1") == 25);
+  for (const char* text : {"", " 1", "1 ", "+1", "1.0", "1x", "99999999999"}) CHECK_FALSE(as_number<int>(text));
+}
+
+TEST_CASE("a line of a table is cut at its separator but not within quotes") {
+  using Cells = std::vector<std::string>;
+  CHECK(table_separator("a,b;c\td") == ',');
+  CHECK(table_separator("a;b\tc") == '\t');
+  CHECK(table_separator("a;b") == ';');
+  CHECK(table_separator("a") == ',');
+  CHECK(csv_fields(R"(a, "b,""c""" ,)") == Cells{"a", R"( b,"c" )", ""});
+  CHECK(table_cells("a; \"b;c\" ;d\r", ';') == Cells{"a", "b;c", "d"});
+}
+
 TEST_CASE("bytes that are no UTF-8 are known as such") {
   for (const char* text : {"", "plain", "Öffnung", "心", "\xf0\x9f\xab\x80"}) CHECK(is_utf8(text));
   for (const char* text :

@@ -16,8 +16,7 @@ std::map<int, VoxelBox> label_boxes(const Volume& label_map, int frame) {
         for (int k = 0; k < dims[2]; ++k)
           for (int j = 0; j < dims[1]; ++j)
             for (int i = 0; i < dims[0]; ++i, ++at) {
-              if (voxels[at] == 0 || !std::isfinite(static_cast<double>(voxels[at]))) continue;
-              const int value = static_cast<int>(std::lround(voxels[at]));
+              const int value = rounded_label(voxels[at]);
               if (value == 0) continue;
               const std::array<int, 3> here{i, j, k};
               VoxelBox& box = boxes.try_emplace(value, VoxelBox{here, here}).first->second;

@@ -55,9 +55,7 @@ std::map<int, std::size_t> count_floats(const float* begin, std::size_t count) {
   for (std::size_t i = 0; i < count;) {
     std::size_t end = i + 1;
     while (end < count && begin[end] == begin[i]) ++end;
-    const float value = std::rint(begin[i]);
-    if (std::abs(value) < 2147483648.0f && value != 0) {
-      const int label = static_cast<int>(value);
+    if (const int label = rounded_label(begin[i]); label != 0) {
       if (const auto known = labels.find(label); known != labels.end())
         known->second += end - i;
       else if (labels.size() < most_labels)

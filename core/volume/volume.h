@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -73,6 +74,13 @@ struct Volume {
 /// like Hounsfield units; else from the 0.1 % tail up to where 98 % of what is brighter than the background ends. Large
 /// volumes are judged by a sample of their voxels.
 std::pair<double, double> default_window(const Volume& volume);
+
+/// The label that a voxel's value stands for: the nearest; 0 where the value is no number, or none that a label can be.
+inline int rounded_label(double value) {
+  constexpr double beyond = 2147483648.0;
+  const double rounded = std::rint(value);
+  return std::abs(rounded) < beyond ? static_cast<int>(rounded) : 0;
+}
 
 /// Label values other than 0 that occur in a label map's frame, with the number of voxels of each; floats are rounded
 /// to the nearest label. A volume with more than 65,535 distinct values returns the first 65,535.

@@ -46,7 +46,7 @@ bool fits_into(Volume& layer, const Volume& mask, int value) {
   auto& voxels = std::get<std::vector<std::uint16_t>>(layer.data);
   return std::visit(
       [&](const auto& in) {
-        const auto is_set = [](const auto voxel) { return std::lround(voxel) != 0; };
+        const auto is_set = [](const auto voxel) { return rounded_label(voxel) != 0; };
         for (std::size_t v = 0; v < in.size(); ++v)
           if (is_set(in[v]) && voxels[v] != 0) return false;
         for (std::size_t v = 0; v < in.size(); ++v)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <fstream>
+#include <limits>
 #include <set>
 
 #include "core/volume/read_labels.h"
@@ -352,6 +353,23 @@ TEST_CASE("MGH volumes of FreeSurfer are read with the place of their header") {
   CHECK(refused(huge, "c.mgz"));
   huge.replace(4, 4, std::string(4, '\xff'));
   CHECK(refused(huge, "size of -1"));
+}
+
+TEST_CASE("what is no number in a single mask is background and a share is rounded as in a label map") {
+  const TemporaryFolder folder;
+  Volume mask;
+  mask.geometry.dims = {6, 1, 1};
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  mask.data = std::vector<float>{1, nan, infinity, 0.5F, 0.75F, 0.25F};
+  REQUIRE(write_volume(mask, folder.path / "liver.nii.gz"));
+  mask.data = std::vector<float>{0, 1, 0, 0, 0, 0};
+  REQUIRE(write_volume(mask, folder.path / "aorta.nii.gz"));
+  const auto read = read_labels(folder.path);
+  REQUIRE_MESSAGE(read, read.error().sentence());
+  CHECK(read->other_layers.empty());
+  CHECK(read->volume.data == VoxelData(std::vector<std::uint16_t>{2, 1, 0, 0, 2, 0}));
+  REQUIRE(read->warnings.size() == 1);
+  CHECK(read->warnings.front().find("liver.nii.gz") != std::string::npos);
 }
 
 TEST_CASE("a folder of single masks is one label map with the names of its files") {

@@ -65,7 +65,7 @@ Result<VolumeRead> read_any(const fs::path& path, const VolumeReadOptions& optio
     return fail(path.string(), "is a Git LFS pointer, not the image itself; fetch it with `git lfs pull`");
   if (const VolumeFormat* format = format_of(path)) {
     auto read = format->read(path, options);
-    if (read && fs::is_regular_file(path, ignored)) take_names_beside(path, *read);
+    if (read && !options.without_voxels && fs::is_regular_file(path, ignored)) take_names_beside(path, *read);
     if (read)
       for (Segment& segment : read->segmentation.segments)
         if (!segment.colour && !segment.name.empty()) segment.colour = colour_by_name(segment.name);

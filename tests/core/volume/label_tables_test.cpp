@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cstring>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -153,6 +154,38 @@ TEST_CASE("names stand in a file beside a label map and not beside an image") {
   image.data = std::vector<std::int16_t>{-1000, 40, 60, 20, 70, 3};
   image.range_min = -1000;
   CHECK(with_file_beside("a_seg.json", R"({"SeriesNumber": 3})", image).segmentation.segments.empty());
+}
+
+TEST_CASE("a header that is read without its voxels takes no names from a file beside it") {
+  const TemporaryFolder folder;
+  VolumeReadOptions header_alone;
+  header_alone.without_voxels = true;
+  write_bytes(folder.path / "a.json", R"({"1": "spleen"})");
+  for (const char* name : {"a.nii.gz", "a.nrrd", "a.mha"}) {
+    CAPTURE(std::string(name));
+    REQUIRE(write_volume(two_labels(), folder.path / name));
+    const auto read = read_volume(folder.path / name, header_alone);
+    REQUIRE_MESSAGE(read, read.error().sentence());
+    CHECK(read->volume.geometry.dims == two_labels().geometry.dims);
+    CHECK(read->segmentation.segments.empty());
+    CHECK(read->warnings.empty());
+    CHECK(names_in(test::must(read_volume(folder.path / name)).segmentation) == "1=spleen");
+  }
+}
+
+TEST_CASE("a map of real numbers is written with the extents of its rounded labels") {
+  const TemporaryFolder folder;
+  VolumeRead map;
+  map.volume = two_labels();
+  std::vector<float> voxels(map.volume.geometry.voxels(), 0);
+  voxels[0] = std::numeric_limits<float>::quiet_NaN();
+  voxels[1] = 0.9F;
+  voxels[2] = 0.2F;
+  map.volume.data = voxels;
+  map.segmentation.add({.name = "spleen", .value = 1});
+  REQUIRE(write_segmentation(map, folder.path / "a.seg.nrrd"));
+  const std::string text = test::must(read_whole_file(folder.path / "a.seg.nrrd"));
+  CHECK(text.find("Segment0_Extent:=1 1 0 0 0 0") != std::string::npos);
 }
 
 TEST_CASE("a label map is written with names and colours and layers and read again") {

@@ -57,7 +57,7 @@ struct MadeCase {
 Result<MadeCase> made_case(int number, const CommonParts& parts, const fs::path& folder) {
   MadeCase made;
   const MeshFile shape = phantom_truth(Organ::kidney, number).front();
-  made.as_mesh.name = "kidney-" + std::to_string(10000 + number).substr(1);
+  made.as_mesh.name = "kidney-" + std::to_string(1000000 + number).substr(1);  // at most 100,000, each its own
   made.as_mesh.file = folder / (made.as_mesh.name + ".ply");
   if (auto written = write_mesh_file(shape, made.as_mesh.file); !written) return fail(written.error());
   FittedCase fitted;

@@ -263,8 +263,8 @@ int label_there(const UiContext& ui, const Vec3& p_mm) {
   for (int axis = 0; axis < 3; ++axis)
     if (voxel[axis] < 0 || voxel[axis] >= dims[static_cast<std::size_t>(axis)]) return 0;
   const int frame = std::min(shown_frame(ui.state, ui.document()), ui.labels().volume->frames - 1);
-  return static_cast<int>(std::lround(ui.labels().volume->at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()),
-                                                             static_cast<int>(voxel.z()), frame)));
+  return rounded_label(ui.labels().volume->at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()),
+                                              static_cast<int>(voxel.z()), frame));
 }
 
 }  // namespace homolog

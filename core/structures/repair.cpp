@@ -21,8 +21,9 @@ namespace homolog {
 namespace {
 
 /// From which share of the voxels something counts; sound structures stay below [docs/measurements/repair.md].
-constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.004, much_lost = 0.05, much_lacking = 0.2,
-                 much_beyond = 0.05, some_at_border = 0.002, much_smaller = 0.2, usual_dice = 0.98;
+constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.004, much_lost = 0.05, much_lacking = 0.15,
+                 much_beyond = 0.05, some_at_border = 0.002, much_smaller = 0.2, usual_dice = 0.98, no_hole = 0.1,
+                 no_bridge = 0.15, hardly_dice = 0.85;
 
 /// The work on one map.
 class Repair {
@@ -44,13 +45,12 @@ class Repair {
     find_exchanged_sides();
     for (std::size_t k = 0; k < result_.structures.size(); ++k) {
       if (set_.templates[k] == nullptr) continue;
-      if (!result_.subject.structures[k].is_there())
-        find_missing(k);
-      else if (result_.fitted.structures[k].fit)
-        find_in(k);
+      if (!result_.subject.structures[k].is_there()) find_missing(k);
     }
     for (std::size_t k = 0; k < result_.structures.size(); ++k)
       if (result_.fitted.structures[k].fit && expected_[k]) find_lost(k);
+    for (std::size_t k = 0; k < result_.structures.size(); ++k)
+      if (result_.fitted.structures[k].fit) find_in(k);
     find_shifted_levels();
     for (std::size_t k = 0; k < result_.structures.size(); ++k)
       result_.structures[k].confidence =
@@ -63,6 +63,10 @@ class Repair {
     for (const Defect& known : defects)
       if (known.kind == kind && known.with == with) return;
     defects.push_back({kind, with});
+  }
+  bool has(std::size_t k, DefectKind kind) const {
+    const auto& defects = result_.structures[k].defects;
+    return std::ranges::any_of(defects, [&](const Defect& known) { return known.kind == kind; });
   }
   const std::string& name(std::size_t k) const { return set_.set.structures[k].name; }
   Vec3 middle(std::size_t k) const { return result_.fitted.structures[k].fit->mesh.points.colwise().mean(); }
@@ -154,16 +158,21 @@ void Repair::find_in(std::size_t k) {
   }
   if (signs.at_border > some_at_border) add(k, DefectKind::cut_by_scan);
   if (!expected_[k] && result_.fitted.structures[k].judgement.doubtful) return;  // with what to compare it?
-  if (signs.holes >= some_holes) {
+  if (has(k, DefectKind::half_missing) || has(k, DefectKind::doubled)) return;
+  // A fit that does not reach everything leaves more outside, and more within.
+  const double misfit = std::max(0.0, usual_dice - result_.fitted.structures[k].judgement.inside_scan.dice);
+  const double holes_from = some_holes + misfit / 4, bridges_from = some_bridges + misfit / 2;
+  if (signs.holes >= holes_from && signs.holes < no_hole) {
     add(k, DefectKind::hole);
     change(k, signs.without_holes);
   }
-  // A fit that does not reach everything leaves more outside.
-  const double misfit = std::max(0.0, usual_dice - result_.fitted.structures[k].judgement.inside_scan.dice);
-  if (signs.bridges >= some_bridges + misfit / 2) {
+  if (signs.bridges >= bridges_from && signs.bridges < no_bridge) {
     add(k, DefectKind::bridge);
     change(k, signs.without_bridges);
   }
+  const bool is_unlike = signs.holes >= no_hole || signs.bridges >= no_bridge ||
+                         result_.fitted.structures[k].judgement.inside_scan.dice < hardly_dice;
+  if (is_unlike && result_.structures[k].defects.empty()) add(k, DefectKind::other);
 }
 
 void Repair::find_lost(std::size_t k) {

@@ -97,7 +97,7 @@ class Signs {
   }
 
   void find_holes_and_bridges() {
-    const double deep_mm = std::max(deep_in_fit * size_mm_, 0.6 * coarse_mm());
+    const double deep_mm = std::max(deep_in_fit * size_mm_, coarse_mm());
     const double far_mm = std::max(far_from_fit * size_mm_, coarse_mm());
     std::vector<std::uint8_t> hole(main_.size(), 0), bridge(main_.size(), 0);
     for (std::size_t v = 0; v < main_.size(); ++v) {
@@ -155,7 +155,7 @@ class Signs {
       const std::optional<Body> theirs =
           expected_[n] ? std::optional<Body>(std::in_place, voxelise(*expected_[n], there_.grid), there_.grid)
                        : std::nullopt;
-      const double clear_mm = 0.5 * far_mm;
+      const double clear_mm = theirs ? 0.5 * far_mm : far_mm;
       std::size_t lost = 0;
       for (std::size_t v = 0; v < main_.size(); ++v) {
         if (there_.labels[v] != other.segment.value || expected.inside[v] == 0) continue;

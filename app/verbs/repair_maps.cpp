@@ -1,9 +1,17 @@
+#include <algorithm>
 #include <memory>
 
 #include "app/verbs/case_landmarks.h"
+#include "app/verbs/case_of_fit.h"
 #include "app/verbs/set_cases.h"
+#include "app/verbs/study_make.h"
 #include "app/verbs/verbs.h"
+#include "core/base/file_stem.h"
+#include "core/base/files.h"
+#include "core/base/paths.h"
 #include "core/structures/repair.h"
+#include "core/volume/formats/formats.h"
+#include "core/volume/readers.h"
 #include "core/volume/write_segmentation.h"
 
 // The verb `repair`: what is wrong with the structures of label maps, and maps that are mended.
@@ -17,11 +25,12 @@ namespace {
 struct MapRepairJob {
   std::vector<fs::path> maps;
   std::string set;
-  fs::path out;
+  fs::path image, out;
   std::optional<int> frame;
 };
 
-Json row_of_repair(const TemplateOfSet& structure, const RepairedStructure& found, const StructureSigns& signs) {
+Json row_of_repair(const TemplateOfSet& structure, const RepairedStructure& found, const StructureSigns& signs,
+                   const FittedStructure& fitted) {
   Json defects = Json::array();
   for (const Defect& defect : found.defects)
     defects.push_back({{"kind", defect_name(defect.kind)}, {"with", defect.with.empty() ? Json() : Json(defect.with)}});
@@ -40,38 +49,119 @@ Json row_of_repair(const TemplateOfSet& structure, const RepairedStructure& foun
             {"volume", signs.volume},
             {"lacking", signs.lacking},
             {"beyond", signs.beyond},
-            {"lost", lost}}}};
+            {"lost", lost},
+            {"doubt", fitted.judgement.doubt_share},
+            {"dice", fitted.fit ? Json(fitted.judgement.inside_scan.dice) : Json()},
+            {"off_place", fitted.off_place}}}};
 }
 
-/// The file that a repaired map goes into: the same name and format, or .seg.nrrd where nothing else can be written.
-fs::path mended_file(const fs::path& map, const fs::path& folder) {
-  return folder / map.filename();
+/// Writes a mended map as it was read: under its name, in its format, or .seg.nrrd where that format is not written.
+Result<fs::path> write_mended(const VolumeRead& map, const fs::path& from, const fs::path& folder,
+                              std::vector<std::string>& warnings) {
+  std::error_code error;
+  if (fs::equivalent(folder, from.parent_path().empty() ? fs::path(".") : from.parent_path(), error))
+    return fail(folder.string(), "holds the map that is mended, which would be written over; give another folder");
+  const fs::path name = absolute_path(from / "x").parent_path().filename();
+  if (fs::is_directory(from, error)) {
+    const fs::path masks = folder / name;
+    const auto made = ResultFolder::make(masks);
+    if (!made) return fail(made.error());
+    if (auto written = write_single_masks(map, masks, from); !written) return fail(written.error());
+    return masks;
+  }
+  fs::path file = folder / from.filename();
+  if (!has_ending(file, volume_format_endings(&VolumeFormat::written))) {
+    file = folder / (file_stem(file) + ".seg.nrrd");
+    warnings.push_back(from.string() + ": its format is not written, so the mended map is " + file.string());
+  }
+  if (auto written = write_segmentation(map, file); !written) return fail(written.error());
+  return file;
+}
+
+/// What a person has to look at, as a sentence.
+std::string sentence_of(const RepairedStructure& found) {
+  std::string text;
+  for (const Defect& defect : found.defects) {
+    std::string words = defect_name(defect.kind);
+    std::ranges::replace(words, '_', ' ');
+    text += (text.empty() ? "" : ", ") + words + (defect.with.empty() ? "" : " (" + defect.with + ")");
+  }
+  if (text.empty()) return "Little confidence in this structure.";
+  return "Found: " + text + ".";
+}
+
+/// The structures that a person has to look at, the least sure one first, as cases of a study.
+Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const SetOfTemplates& set, const fs::path& path,
+                                              const SubjectMap& map, const RepairedMap& repaired,
+                                              const fs::path& mended, std::vector<std::string>& warnings) {
+  constexpr double sure = 0.8;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t k = 0; k < repaired.structures.size(); ++k) {
+    const RepairedStructure& one = repaired.structures[k];
+    if (repaired.fitted.structures[k].fit && (!one.defects.empty() || one.confidence < sure))
+      order.emplace_back(one.confidence, k);
+  }
+  std::ranges::sort(order);
+  std::vector<StudyCase> cases;
+  if (order.empty()) return cases;
+  const std::string name = case_name_of(path);
+  const fs::path folder = job.out / (name + "-cases");
+  const auto made = ResultFolder::make(folder);
+  if (!made) return fail(made.error());
+  for (const auto& [confidence, k] : order) {
+    const FittedStructure& fit = repaired.fitted.structures[k];
+    FittedCase fitted;
+    fitted.name = name + "-" + file_name_of_structure(set.set.structures[k].name);
+    fitted.image = job.image.empty() ? path : job.image;
+    fitted.labels = mended;
+    fitted.grid = grid_of(map.read.volume);
+    fitted.template_of_file = set.templates[k];
+    fitted.points = fit.fit->mesh.points;
+    fitted.placement = fit.fit->placement;
+    fitted.doubt_mm = fit.fit->doubt_mm;
+    fitted.doubt = sentence_of(repaired.structures[k]);
+    if (map.read.volume.frames > 1) fitted.frame = map.frame;
+    auto one = write_case_of_fit(fitted, folder, warnings);
+    if (!one) return fail(one.error());
+    cases.push_back(std::move(*one));
+  }
+  return cases;
 }
 
 Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, const fs::path& path,
-                          Progress& progress) {
+                          std::vector<StudyCase>& worklist, Progress& progress) {
   auto map = read_subject(path, job.frame, progress);
   if (!map) return fail(map.error());
   const auto repaired = repair_map(set, map->read, map->frame, &progress);
   if (!repaired) return fail(path.string(), repaired.error().what);
-  const fs::path file = mended_file(path, job.out);
-  if (auto written = write_segmentation(map->read, file); !written) return fail(written.error());
   Report report;
+  report.warnings = map->read.warnings;
+  const auto file = write_mended(map->read, path, job.out, report.warnings);
+  if (!file) return fail(file.error());
+  auto cases = write_worklist(job, set, path, *map, *repaired, *file, report.warnings);
+  if (!cases) return fail(cases.error());
+  worklist.insert(worklist.end(), cases->begin(), cases->end());
   Json rows = Json::array();
   for (std::size_t k = 0; k < repaired->structures.size(); ++k)
-    rows.push_back(row_of_repair(set.set.structures[k], repaired->structures[k], repaired->signs[k]));
+    rows.push_back(row_of_repair(set.set.structures[k], repaired->structures[k], repaired->signs[k],
+                                 repaired->fitted.structures[k]));
   report.values = {
-      {"name", case_name_of(path)}, {"case", path.string()}, {"file", file.string()}, {"structures", std::move(rows)}};
-  report.warnings = map->read.warnings;
+      {"name", case_name_of(path)}, {"case", path.string()}, {"file", file->string()}, {"structures", std::move(rows)}};
   return report;
 }
 
 Result<Report> repair_maps(const MapRepairJob& job, Progress& progress) {
   const auto set = load_set_of_templates(job.set);
   if (!set) return fail(set.error());
-  return run_set_cases(
+  std::vector<StudyCase> worklist;
+  auto report = run_set_cases(
       *set, maps_of(job.maps, set->set), job.out, "repaired",
-      [&](const fs::path& path, Progress& own) { return repair_one(job, *set, path, own); }, progress);
+      [&](const fs::path& path, Progress& own) { return repair_one(job, *set, path, worklist, own); }, progress);
+  if (!report || worklist.empty()) return report;
+  const fs::path study = job.out / "worklist.study.json";
+  if (auto written = write_cases_into(study, {}, std::move(worklist)); !written) return fail(written.error());
+  report->values["study"] = study.string();
+  return report;
 }
 
 }  // namespace
@@ -81,9 +171,13 @@ void add_repair(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "repair", "Finds what is wrong with the structures of label maps, and mends it");
   verb->add_option("MAP", job->maps, "Label maps of several structures, or folders of them")->required();
   verb->add_option("--templates", job->set, "The template set, NAME.set.json")->required();
+  verb->add_option("--image", job->image, "The scan, which the cases of the worklist show")->check(CLI::ExistingPath);
   verb->add_option("--frame", job->frame, "Which frame of a label map with several")->check(CLI::Range(0, 100000));
   verb->add_option("-o,--output", job->out, "The folder for the mended maps, each under its own name")->required();
-  verb->callback([job, &asked] { asked.run = [job](Progress& progress) { return repair_maps(*job, progress); }; });
+  verb->callback([job, &asked] {
+    if (!job->image.empty() && job->maps.size() > 1) throw CLI::ValidationError("--image", "is for one map only");
+    asked.run = [job](Progress& progress) { return repair_maps(*job, progress); };
+  });
 }
 
 }  // namespace homolog

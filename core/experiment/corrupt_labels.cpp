@@ -22,12 +22,14 @@ class Changing {
       : map_(map), value_(value), random_(seed), grid_(map.volume.geometry), labels_(grid_.voxels()) {
     std::visit(
         [&](const auto& voxels) {
-          for (std::size_t v = 0; v < labels_.size(); ++v) labels_[v] = static_cast<int>(std::lround(voxels[v]));
+          for (std::size_t v = 0; v < labels_.size(); ++v) labels_[v] = rounded_label(voxels[v]);
         },
         map.volume.data);
+    before_ = labels_;
   }
 
   Result<void> make(DefectKind kind);
+  bool is_changed() const { return labels_ != before_; }
   CorruptedLabels result();
 
  private:
@@ -76,7 +78,7 @@ class Changing {
   int value_;
   phantom::Random random_;
   VolumeGeometry grid_;
-  std::vector<int> labels_;
+  std::vector<int> labels_, before_;
   std::map<int, std::string> new_names_;
   std::vector<PlantedDefect> planted_;
 };
@@ -276,6 +278,7 @@ Result<CorruptedLabels> corrupt_labels(const VolumeRead& map, int value, DefectK
   if (!label_boxes(map.volume).contains(value)) return fail("", "has no label " + std::to_string(value));
   Changing changing(map, value, seed);
   if (auto made = changing.make(kind); !made) return fail(made.error());
+  if (!changing.is_changed()) return fail("", "has no voxel there to change");
   return changing.result();
 }
 

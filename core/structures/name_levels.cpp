@@ -1,9 +1,8 @@
 #include "core/structures/name_levels.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <map>
 #include <utility>
@@ -11,23 +10,34 @@
 #include "core/adapt/boundary/find_placement.h"
 #include "core/adapt/choose_closing.h"
 #include "core/base/parallel.h"
-#include "core/mesh/mesh_quality.h"
+#include "core/base/statistics.h"
 #include "core/structures/defects.h"
 
 namespace homolog {
 
 namespace {
 
-/// How far a template lies from a label at best, by the root of its area: as it is, and those of the levels about it.
-struct LevelCosts {
-  bool is_there = false;
-  std::array<double, 3> cost{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
-                             std::numeric_limits<double>::quiet_NaN()};  ///< level − 1, level, level + 1
+/// A template on a label, placed at its best.
+struct OnLabel {
+  double distance_mm = 0;  ///< root mean square
+  double scale = 0;        ///< 0: there is no such template
+  double radius_mm = 0;    ///< root mean square distance of the label's surface from its middle
 };
 
-double cost_of(const Template& the_template, const Boundary& boundary) {
+/// The templates of the level before a vertebra's, of its own and of the next.
+using LevelTries = std::array<OnLabel, 3>;
+
+OnLabel placed_on(const Template& the_template, const Boundary& boundary) {
   const Placed placed = find_placement(the_template, boundary);
-  return placed.distance_mm / std::sqrt(surface_area_mm2(boundary.surface));
+  const Points& points = boundary.surface.points;
+  const Points middle = points.colwise().mean();
+  const double radius_mm = std::sqrt((points.rowwise() - middle.row(0)).rowwise().squaredNorm().mean());
+  return {placed.distance_mm, placed.placement.scale, radius_mm};
+}
+
+/// How far a template lies off where it has the size that the others of its set have: by its form and by its size.
+double cost_of(const OnLabel& there, double usual_scale) {
+  return std::hypot(there.distance_mm, there.radius_mm * std::log(there.scale / usual_scale));
 }
 
 }  // namespace
@@ -39,7 +49,7 @@ std::optional<LevelEvidence> level_evidence(const SetOfTemplates& set, const Set
     if (const auto level = level_of_name(set.set.structures[k].name); level && set.templates[k] != nullptr)
       levels.emplace(*level, k);
   std::vector<std::pair<int, std::size_t>> chain(levels.begin(), levels.end());
-  std::vector<LevelCosts> costs(chain.size());
+  std::vector<LevelTries> tries(chain.size());
   for_each_in_parallel(chain.size(), [&](std::size_t c) {
     const auto [level, k] = chain[c];
     const StructureInMap& there = subject.structures[k];
@@ -48,31 +58,38 @@ std::optional<LevelEvidence> level_evidence(const SetOfTemplates& set, const Set
         label_boundary(*there.mask, there.segment.value, 0, usual_closing_mm(*there.mask, there.segment.value, 0),
                        set.templates[k]->points.rows());
     if (!boundary) return;
-    costs[c].is_there = true;
     for (int by = -1; by <= 1; ++by)
       if (const auto other = levels.find(level + by); other != levels.end())
-        costs[c].cost[static_cast<std::size_t>(by + 1)] = cost_of(*set.templates[other->second], *boundary);
+        tries[c][static_cast<std::size_t>(by + 1)] = placed_on(*set.templates[other->second], *boundary);
   });
+  // If all names are a level off, the others' sizes are those of the levels that they really are.
+  const auto usual_scale = [&](int by) {
+    std::vector<double> scales;
+    for (const LevelTries& one : tries)
+      if (const double scale = one[static_cast<std::size_t>(by + 1)].scale; scale > 0) scales.push_back(scale);
+    return scales.empty() ? 1 : median_of(scales);
+  };
   LevelEvidence evidence;
   double least = std::numeric_limits<double>::infinity();
   bool any = false;
   for (const int by : {-1, 1}) {
     double sum = 0, squares = 0;
     int count = 0;
-    for (const LevelCosts& one : costs) {
-      const double more = one.cost[static_cast<std::size_t>(by + 1)] - one.cost[1];
-      if (!one.is_there || !std::isfinite(more)) continue;
-      const double relative = more / one.cost[1];
+    for (const LevelTries& one : tries) {
+      const OnLabel &own = one[1], &other = one[static_cast<std::size_t>(by + 1)];
+      if (!(own.scale > 0 && other.scale > 0)) continue;
+      const double own_cost = cost_of(own, usual_scale(0)), more = cost_of(other, usual_scale(by)) - own_cost;
+      // A vertebra that is ill, or a template of one, has no larger say than others.
+      constexpr double most = 0.25;
+      const double relative = std::clamp(more / own_cost, -most, most);
       sum += relative;
       squares += relative * relative;
       ++count;
-      if (std::getenv("HOMOLOG_LEVELS")) std::fprintf(stderr, "%d %.3f; ", by, relative);
     }
     if (count < 3) continue;
     any = true;
     const double mean = sum / count, deviation = std::sqrt(std::max(1e-6, squares / count - mean * mean));
     const double t = mean / (deviation / std::sqrt(count));
-    if (std::getenv("HOMOLOG_LEVELS")) std::fprintf(stderr, "shift %d mean %.4f t %.3f\n", by, mean, t);
     if (t < least) {
       least = t;
       evidence.shift = by;

@@ -12,6 +12,7 @@
 #include "core/mesh/voxelise.h"
 #include "core/placement/similarity_fit.h"
 #include "core/structures/name_levels.h"
+#include "core/structures/neighbours_say.h"
 #include "core/structures/structure_confidence.h"
 #include "core/structures/voxel_body.h"
 #include "core/volume/label_boxes.h"
@@ -21,9 +22,9 @@ namespace homolog {
 namespace {
 
 /// From which share of the voxels something counts; sound structures stay below [docs/measurements/repair.md].
-constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.004, much_lost = 0.05, much_lacking = 0.15,
-                 much_beyond = 0.05, some_at_border = 0.002, much_smaller = 0.2, usual_dice = 0.98, no_hole = 0.1,
-                 no_bridge = 0.15, hardly_dice = 0.85;
+constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.0025, much_lost = 0.05,
+                 much_lacking = 0.15, much_beyond = 0.05, some_at_border = 0.002, much_smaller = 0.2, usual_dice = 0.98,
+                 no_hole = 0.1, no_bridge = 0.15, hardly_dice = 0.85, near_share = 0.1;
 
 /// The work on one map.
 class Repair {
@@ -68,9 +69,20 @@ class Repair {
     const auto& defects = result_.structures[k].defects;
     return std::ranges::any_of(defects, [&](const Defect& known) { return known.kind == kind; });
   }
+  /// Whether the map has a vertebra of that level.
+  bool has_level(int level) const {
+    for (std::size_t k = 0; k < set_.set.structures.size(); ++k)
+      if (level_of_name(name(k)) == level && result_.subject.structures[k].is_there()) return true;
+    return false;
+  }
   const std::string& name(std::size_t k) const { return set_.set.structures[k].name; }
   Vec3 middle(std::size_t k) const { return result_.fitted.structures[k].fit->mesh.points.colwise().mean(); }
 
+  /// The volume that has a structure, and its first voxel of the frame.
+  std::pair<Volume*, std::size_t> voxels_of(std::size_t k);
+  /// Of a sign, what is left where other changes have mended some of its voxels.
+  double share_left(std::size_t k, double share, const std::vector<VoxelChange>& changes);
+  /// Changes the voxels that still have the label that they had.
   void change(std::size_t k, const std::vector<VoxelChange>& changes);
   void find_exchanged_sides();
   void find_shifted_levels();
@@ -93,21 +105,38 @@ class Repair {
   std::vector<std::optional<Mesh>> expected_, shapes_;
 };
 
-void Repair::change(std::size_t k, const std::vector<VoxelChange>& changes) {
+std::pair<Volume*, std::size_t> Repair::voxels_of(std::size_t k) {
   const std::size_t layer = result_.subject.structures[k].segment.layer;
-  Volume& volume = map_.other_layers.empty() || layer == 0 ? map_.volume : map_.other_layers[layer - 1];
-  const std::size_t first = map_.other_layers.empty() ? volume.geometry.voxels() * index(frame_) : 0;
+  if (map_.other_layers.empty()) return {&map_.volume, map_.volume.geometry.voxels() * index(frame_)};
+  return {layer == 0 ? &map_.volume : &map_.other_layers[layer - 1], 0};
+}
+
+double Repair::share_left(std::size_t k, double share, const std::vector<VoxelChange>& changes) {
+  if (changes.empty()) return share;
+  const auto [volume, first] = voxels_of(k);
+  const auto left = std::visit(
+      [&, start = first](const auto& voxels) {
+        return std::ranges::count_if(
+            changes, [&](const VoxelChange& one) { return rounded_label(voxels[start + one.voxel]) == one.from; });
+      },
+      volume->data);
+  return share * static_cast<double>(left) / static_cast<double>(changes.size());
+}
+
+void Repair::change(std::size_t k, const std::vector<VoxelChange>& changes) {
+  const auto [volume, first] = voxels_of(k);
   std::visit(
-      [&](auto& voxels) {
+      [&, start = first](auto& voxels) {
         using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
         for (const VoxelChange& one : changes) {
-          Voxel& voxel = voxels[first + one.voxel];
-          if (voxel != static_cast<Voxel>(one.value)) ++result_.structures[k].changed_voxels;
-          voxel = static_cast<Voxel>(one.value);
+          Voxel& voxel = voxels[start + one.voxel];
+          if (rounded_label(voxel) != one.from) continue;
+          voxel = static_cast<Voxel>(one.to);
+          ++result_.structures[k].changed_voxels;
         }
       },
-      volume.data);
-  volume.range_max = std::max(volume.range_max, static_cast<double>(result_.subject.structures[k].segment.value));
+      volume->data);
+  volume->range_max = std::max(volume->range_max, static_cast<double>(result_.subject.structures[k].segment.value));
 }
 
 void Repair::find_exchanged_sides() {
@@ -151,8 +180,8 @@ void Repair::find_shifted_levels() {
 }
 
 void Repair::find_in(std::size_t k) {
-  StructureSigns& signs = result_.signs[k];
-  if (signs.islands >= some_islands) {
+  const StructureSigns& signs = result_.signs[k];
+  if (share_left(k, signs.islands, signs.without_islands) >= some_islands) {
     add(k, DefectKind::island);
     change(k, signs.without_islands);
   }
@@ -162,16 +191,18 @@ void Repair::find_in(std::size_t k) {
   // A fit that does not reach everything leaves more outside, and more within.
   const double misfit = std::max(0.0, usual_dice - result_.fitted.structures[k].judgement.inside_scan.dice);
   const double holes_from = some_holes + misfit / 4, bridges_from = some_bridges + misfit / 2;
-  if (signs.holes >= holes_from && signs.holes < no_hole) {
+  const double holes = share_left(k, signs.holes, signs.without_holes),
+               bridges = share_left(k, signs.bridges, signs.without_bridges);
+  if (holes >= holes_from && holes < no_hole) {
     add(k, DefectKind::hole);
     change(k, signs.without_holes);
   }
-  if (signs.bridges >= bridges_from && signs.bridges < no_bridge) {
+  if (bridges >= bridges_from && bridges < no_bridge) {
     add(k, DefectKind::bridge);
     change(k, signs.without_bridges);
   }
-  const bool is_unlike = signs.holes >= no_hole || signs.bridges >= no_bridge ||
-                         result_.fitted.structures[k].judgement.inside_scan.dice < hardly_dice;
+  const bool is_unlike =
+      holes >= no_hole || bridges >= no_bridge || result_.fitted.structures[k].judgement.inside_scan.dice < hardly_dice;
   if (is_unlike && result_.structures[k].defects.empty()) add(k, DefectKind::other);
 }
 
@@ -191,7 +222,7 @@ void Repair::find_lost(std::size_t k) {
 }
 
 void Repair::find_missing(std::size_t k) {
-  constexpr double whole = 0.6, most_of_it = 0.4;
+  constexpr double whole = 0.6, much_of_it = 0.25, much_larger = 0.3, room = 0.4;
   if (!expected_[k]) return;
   const auto [layer, of_layer] = layer_of(map_, result_.subject.structures[k].segment.layer, frame_);
   const Neighbourhood there = around(bounds_of(expected_[k]->points), *layer, of_layer, 1);
@@ -202,14 +233,31 @@ void Repair::find_missing(std::size_t k) {
   for (std::size_t v = 0; v < inside.size(); ++v)
     if (inside[v] != 0) held[there.labels[v]] += 1 / all, voxels += 1;
   if (voxels < whole * all) return;  // it would lie outside of the scan
-  add(k, DefectKind::missing);
+  std::size_t doubled = k;
   for (std::size_t other = 0; other < result_.structures.size(); ++other) {
     const StructureInMap& theirs = result_.subject.structures[other];
-    if (!theirs.is_there() || held[theirs.segment.value] < most_of_it) continue;
-    add(other, DefectKind::doubled, name(k));
-    take_back(k, other);
+    const bool is_too_large =
+        result_.fitted.structures[other].judgement.doubtful || result_.signs[other].volume > much_larger;
+    if (!theirs.is_there() || !is_too_large || held[theirs.segment.value] < much_of_it) continue;
+    if (doubled == k || held[theirs.segment.value] > held[result_.subject.structures[doubled].segment.value])
+      doubled = other;
+  }
+  if (doubled != k) {
+    add(k, DefectKind::missing);
+    add(doubled, DefectKind::doubled, name(k));
+    // Its own form tells nothing while it has two bodies.
+    if (const auto said = said_by_neighbours(set_, result_.fitted.structures, doubled))
+      shapes_[doubled] = Mesh{set_.templates[doubled]->topology, said->apply(set_.templates[doubled]->points)};
+    shapes_[k] = expected_[k];
+    take_back(k, doubled);
     return;
   }
+  // Where others are, there is no room: not everybody has it.
+  if (held[0] < room) return;
+  add(k, DefectKind::missing);
+  // At the end of a spine the names may as well be a level off.
+  const auto level = level_of_name(name(k));
+  if (level && !(has_level(*level - 1) && has_level(*level + 1))) return;
   shapes_[k] = expected_[k];
   fill(k, there, [&](std::size_t v) { return inside[v] != 0; });
 }
@@ -237,7 +285,7 @@ void Repair::fill(std::size_t k, const Neighbourhood& there, const std::function
   std::vector<VoxelChange> changes;
   for (std::size_t v = 0; v < there.labels.size(); ++v)
     if (there.labels[v] == 0 && is_its(v))
-      changes.push_back({there.voxel_of_map(v, layer->geometry), own.segment.value});
+      changes.push_back({there.voxel_of_map(v, layer->geometry), there.labels[v], own.segment.value});
   change(k, changes);
 }
 
@@ -261,26 +309,30 @@ void Repair::fill_up(std::size_t k) {
 
 void Repair::take_back(std::size_t k, std::size_t other) {
   constexpr double least_share = 0.01;
-  const Mesh *mesh = shape(k), *theirs = shape(other);
+  const Mesh *mesh = shape(k), *theirs = expected_[other] ? &*expected_[other] : shape(other);
+  if (has(other, DefectKind::doubled)) theirs = shape(other);
   if (mesh == nullptr) return;
   const StructureInMap& own = result_.subject.structures[k];
   const auto [layer, of_layer] = layer_of(map_, own.segment.layer, frame_);
-  const Neighbourhood there = around(bounds_of(mesh->points), *layer, of_layer, 3);
-  const Body body(voxelise(*mesh, there.grid), there.grid);
+  Box reach = bounds_of(mesh->points);
+  reach.extend(bounds_of(expected_[k]->points));
+  const Neighbourhood there = around(reach, *layer, of_layer, 3);
+  // A fit to what is left may end there, where the expected form goes on.
+  const Body fit(voxelise(*mesh, there.grid), there.grid), expected(voxelise(*expected_[k], there.grid), there.grid);
   const std::optional<Body> rest =
       theirs != nullptr ? std::optional<Body>(std::in_place, voxelise(*theirs, there.grid), there.grid) : std::nullopt;
   const int label = result_.subject.structures[other].segment.value;
-  const double near_mm = 1.5 * there.grid.spacing_mm.maxCoeff();
+  const double near_mm = std::max(1.5 * there.grid.spacing_mm.maxCoeff(),
+                                  near_share * std::cbrt(1000 * std::abs(enclosed_volume_ml(*expected_[k]))));
   std::vector<std::uint8_t> back(there.labels.size());
-  for (std::size_t v = 0; v < back.size(); ++v)
-    back[v] =
-        there.labels[v] == label && body.signed_mm(v) < near_mm && body.signed_mm(v) < (rest ? rest->signed_mm(v) : 0)
-            ? 1
-            : 0;
-  back = large_parts(std::move(back), there.grid, least_share * static_cast<double>(body.voxels));
+  for (std::size_t v = 0; v < back.size(); ++v) {
+    const double mm = std::min(fit.signed_mm(v), expected.signed_mm(v));
+    back[v] = there.labels[v] == label && mm < near_mm && mm < (rest ? rest->signed_mm(v) : 0) ? 1 : 0;
+  }
+  back = large_parts(std::move(back), there.grid, least_share * static_cast<double>(expected.voxels));
   std::vector<VoxelChange> changes;
   for (std::size_t v = 0; v < back.size(); ++v)
-    if (back[v] != 0) changes.push_back({there.voxel_of_map(v, layer->geometry), own.segment.value});
+    if (back[v] != 0) changes.push_back({there.voxel_of_map(v, layer->geometry), there.labels[v], own.segment.value});
   change(k, changes);
 }
 

@@ -67,7 +67,7 @@ class Signs {
   double share(std::size_t voxels) const { return static_cast<double>(voxels) / static_cast<double>(own_.voxels); }
   double coarse_mm() const { return there_.grid.spacing_mm.maxCoeff(); }
   void change(std::size_t v, int value, std::vector<VoxelChange>& changes) const {
-    changes.push_back({there_.voxel_of_map(v, map_), value});
+    changes.push_back({there_.voxel_of_map(v, map_), there_.labels[v], value});
   }
 
   void find_islands() {

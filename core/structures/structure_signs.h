@@ -12,7 +12,7 @@ namespace homolog {
 /// Voxels of one layer of a label map, as they would be changed.
 struct VoxelChange {
   std::size_t voxel = 0;  ///< in the frame, i fastest
-  int value = 0;
+  int from = 0, to = 0;
 };
 
 /// What tells of a structure of a label map whether it is right, against its fit and against the shape that its

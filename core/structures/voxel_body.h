@@ -55,7 +55,7 @@ inline Neighbourhood around(const Box& reach, const Volume& layer, int frame, in
   there.grid = part.geometry;
   std::visit(
       [&](const auto& voxels) {
-        for (const auto voxel : voxels) there.labels.push_back(static_cast<int>(std::lround(voxel)));
+        for (const auto voxel : voxels) there.labels.push_back(rounded_label(voxel));
       },
       part.data);
   return there;

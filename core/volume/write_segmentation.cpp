@@ -1,7 +1,6 @@
 #include "core/volume/write_segmentation.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -153,6 +152,34 @@ Result<void> write_segmentation(const VolumeRead& map, const fs::path& path, Pro
     labels.push_back(std::move(one));
   }
   return write_whole_file(names, nlohmann::ordered_json{{"labels", std::move(labels)}}.dump(1) + "\n");
+}
+
+Result<void> write_single_masks(const VolumeRead& map, const fs::path& folder, const fs::path& like,
+                                Progress* progress) {
+  std::map<std::string, fs::path> names;
+  std::error_code error;
+  for (auto entry = fs::directory_iterator(like, error); !error && entry != fs::directory_iterator();
+       entry.increment(error))
+    if (!is_hidden(entry->path())) names[segment_name(file_stem(entry->path()))] = entry->path().filename();
+  const auto layers = layers_in(map);
+  for (const Segment& segment : complete_segments(map).segments) {
+    const Volume& layer = *layers[segment.layer];
+    Volume mask;
+    mask.geometry = layer.geometry;
+    mask.range_max = 1;
+    std::vector<std::uint8_t> inside(layer.geometry.voxels());
+    std::visit(
+        [&](const auto& voxels) {
+          for (std::size_t v = 0; v < inside.size(); ++v) inside[v] = rounded_label(voxels[v]) == segment.value ? 1 : 0;
+        },
+        layer.data);
+    mask.data = std::move(inside);
+    const auto known = names.find(segment.name);
+    fs::path file = folder / (known != names.end() ? known->second : fs::path(segment.name + ".nii.gz"));
+    if (has_ending(file, {".mgz", ".mgh"})) file.replace_extension(".nii.gz");  // which is not written
+    if (auto written = write_volume(mask, file, progress); !written) return written;
+  }
+  return {};
 }
 
 }  // namespace homolog

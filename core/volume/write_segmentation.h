@@ -13,4 +13,10 @@ namespace homolog {
 /// write_volume; layers, which only `.seg.nrrd` holds; a JSON file of that name that is about something else.
 Result<void> write_segmentation(const VolumeRead& map, const std::filesystem::path& path, Progress* progress = nullptr);
 
+/// Writes a folder of single masks, a file of uint8 for each structure, as the reader of such a folder takes it.
+/// `like`: the folder that the map was read from; each mask has the name that it has there, else its structure's with
+/// .nii.gz. Errors: the folder; those of write_volume.
+Result<void> write_single_masks(const VolumeRead& map, const std::filesystem::path& folder,
+                                const std::filesystem::path& like, Progress* progress = nullptr);
+
 }  // namespace homolog

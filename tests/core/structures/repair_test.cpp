@@ -1,0 +1,196 @@
+#include "core/structures/repair.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "core/experiment/corrupt_labels.h"
+#include "core/mesh/icosphere.h"
+#include "core/structures/set_map.h"
+#include "tests/must.h"
+
+namespace homolog {
+
+namespace {
+
+/// A ball with three axes of its own, so that no turn leaves it as it is.
+Mesh stone_at(const Vec3& place, double radius_mm, double growth) {
+  Mesh stone = icosphere(3, radius_mm);
+  for (Eigen::Index v = 0; v < stone.points.rows(); ++v) {
+    Vec3 p = stone.points.row(v);
+    p.x() *= 1.4;
+    p.z() *= 0.8;
+    p += 0.15 * radius_mm * std::max(0.0, p.y() / radius_mm) * Vec3::UnitX();
+    stone.points.row(v) = place + growth * p;
+  }
+  return stone;
+}
+
+constexpr int stones = 5;
+
+Vec3 place_of(int k) {
+  return {4.0 * (k % 2), 3.0 * (k % 3), 31.0 * k};
+}
+double radius_of(int k) {
+  return 13 + 1.5 * k;
+}
+std::string name_of_stone(int k) {
+  return "vertebrae_L" + std::to_string(k + 1);
+}
+
+/// Five stones in a row, larger downwards.
+SetOfTemplates stone_set() {
+  SetOfTemplates set;
+  for (int k = 0; k < stones; ++k) {
+    TemplateOfSet one;
+    one.name = name_of_stone(k);
+    one.value = k + 1;
+    set.set.structures.push_back(one);
+    const Mesh stone = stone_at(place_of(k), radius_of(k), 1);
+    MeshFile file;
+    file.points = stone.points;
+    file.triangles = stone.topology->triangles();
+    set.templates.push_back(test::must(make_template(file, one.name)));
+  }
+  return set;
+}
+
+/// Another subject: each a little larger, and moved.
+VolumeRead stone_map() {
+  VolumeGeometry grid;
+  grid.dims = {90, 70, 230};
+  grid.origin_mm = Vec3(-40, -32, -30);
+  std::vector<MeshOfSegment> meshes;
+  for (int k = 0; k < stones; ++k)
+    meshes.push_back({{name_of_stone(k), k + 1, 0, {}, {}}, stone_at(1.04 * place_of(k), radius_of(k), 1.05)});
+  return std::move(map_of_meshes(meshes, grid).map);
+}
+
+const SetOfTemplates& the_set() {
+  static const SetOfTemplates set = stone_set();
+  return set;
+}
+
+std::vector<std::string> kinds_of(const RepairedStructure& one) {
+  std::vector<std::string> kinds;
+  for (const Defect& defect : one.defects) kinds.emplace_back(defect_name(defect.kind));
+  return kinds;
+}
+
+bool has_kind(const RepairedStructure& one, DefectKind kind) {
+  return std::ranges::any_of(one.defects, [&](const Defect& defect) { return defect.kind == kind; });
+}
+
+/// Dice of a label in two maps of one grid.
+double dice_of(const VolumeRead& a, const VolumeRead& b, int value) {
+  const auto voxels = [](const VolumeRead& map) {
+    return std::visit([](const auto& all) { return std::vector<int>(all.begin(), all.end()); }, map.volume.data);
+  };
+  const auto first = voxels(a), second = voxels(b);
+  double both = 0, sum = 0;
+  for (std::size_t v = 0; v < first.size(); ++v) {
+    both += first[v] == value && second[v] == value ? 2 : 0;
+    sum += (first[v] == value) + (second[v] == value);
+  }
+  return both / sum;
+}
+
+/// The first of some seeds that changes something.
+CorruptedLabels made_wrong(DefectKind kind, std::uint64_t seed) {
+  for (;; ++seed)
+    if (auto made = corrupt_labels(stone_map(), 3, kind, seed)) return std::move(*made);
+}
+
+/// What repair makes of a map in which one thing is wrong with the third stone.
+struct Mended {
+  CorruptedLabels wrong;
+  VolumeRead map;
+  RepairedMap found;
+
+  Mended(DefectKind kind, std::uint64_t seed) : wrong(made_wrong(kind, seed)) {
+    map = wrong.map;
+    found = test::must(repair_map(the_set(), map, 0));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a map that is right has no defect and keeps every voxel") {
+  const VolumeRead truth = stone_map();
+  VolumeRead map = truth;
+  const RepairedMap found = test::must(repair_map(the_set(), map, 0));
+  CHECK(map.volume.data == truth.volume.data);
+  for (const RepairedStructure& one : found.structures) {
+    CHECK(kinds_of(one) == std::vector<std::string>{});
+    CHECK(one.changed_voxels == 0);
+    CHECK(one.confidence > 0.6);
+    CHECK(one.p_named > 0.6);
+  }
+}
+
+TEST_CASE("what is planted is found, by its name, and the map comes nearer to the truth") {
+  const VolumeRead truth = stone_map();
+  struct Kind {
+    DefectKind kind;
+    double least_dice;  ///< after the repair
+  };
+  for (const auto& [kind, least_dice] : {Kind{DefectKind::missing, 0.85}, Kind{DefectKind::half_missing, 0.88},
+                                         Kind{DefectKind::given_to_neighbour, 0.95}, Kind{DefectKind::island, 0.999},
+                                         Kind{DefectKind::bridge, 0.98}, Kind{DefectKind::hole, 0.99}}) {
+    for (const std::uint64_t seed : {3U}) {
+      const Mended mended(kind, seed);
+      CAPTURE(std::string(defect_name(kind)));
+      CAPTURE(seed);
+      const StructureSigns& signs = mended.found.signs[2];
+      CAPTURE(signs.lacking);
+      CAPTURE(signs.volume);
+      CAPTURE(signs.bridges);
+      CHECK(has_kind(mended.found.structures[2], kind));
+      const double before = dice_of(mended.wrong.map, truth, 3), after = dice_of(mended.map, truth, 3);
+      CHECK(after > before);
+      CHECK(after >= least_dice);
+      // The others are as they were but for the neighbour that took a part.
+      for (const int other : {1, 2, 4, 5})
+        CHECK(dice_of(mended.map, truth, other) >= dice_of(mended.wrong.map, truth, other) - 1e-12);
+      CHECK(mended.found.structures[2].confidence < 0.95);
+    }
+  }
+}
+
+TEST_CASE("a neighbour that took a part is named, and gives it back") {
+  const VolumeRead truth = stone_map();
+  const Mended mended(DefectKind::taken_from_neighbour, 4);
+  REQUIRE(mended.wrong.planted.size() == 2);
+  CHECK(has_kind(mended.found.structures[2], DefectKind::taken_from_neighbour));
+  CHECK(dice_of(mended.map, truth, 3) > dice_of(mended.wrong.map, truth, 3));
+}
+
+TEST_CASE("names that are a level off are told, and no voxel changes for it") {
+  const Mended mended(DefectKind::level_shifted, 1);
+  std::size_t told = 0;
+  for (std::size_t k = 0; k < mended.found.structures.size(); ++k)
+    told += has_kind(mended.found.structures[k], DefectKind::level_shifted) ? 1 : 0;
+  CHECK(told >= 3);
+  CHECK(mended.found.structures[2].p_named < 0.5);
+  CHECK(mended.found.structures[2].proposed_name != name_of_stone(2));
+}
+
+TEST_CASE("a label that the scan cuts is told, and stays as it is") {
+  const Mended mended(DefectKind::cut_by_scan, 3);
+  CHECK(has_kind(mended.found.structures[2], DefectKind::cut_by_scan));
+  CHECK(mended.map.volume.data == mended.wrong.map.volume.data);
+}
+
+TEST_CASE("levels are read from names and written into them") {
+  CHECK(level_of_name("vertebrae_L3") == 21);
+  CHECK(level_of_name("T12") == 18);
+  CHECK(level_of_name("l5 body") == 23);
+  CHECK(level_of_name("C1") == 0);
+  CHECK_FALSE(level_of_name("liver"));
+  CHECK_FALSE(level_of_name("CT2x"));
+  CHECK_FALSE(level_of_name("L77"));
+  CHECK(name_at_level("vertebrae_L1", 18) == "vertebrae_T12");
+  CHECK(name_at_level("t12 arch", 19) == "l1 arch");
+}
+
+}  // namespace homolog

@@ -44,6 +44,7 @@ class Repair {
 
   void find() {
     find_exchanged_sides();
+    find_shifted_levels();
     for (std::size_t k = 0; k < result_.structures.size(); ++k) {
       if (set_.templates[k] == nullptr) continue;
       if (!result_.subject.structures[k].is_there()) find_missing(k);
@@ -52,7 +53,6 @@ class Repair {
       if (result_.fitted.structures[k].fit && expected_[k]) find_lost(k);
     for (std::size_t k = 0; k < result_.structures.size(); ++k)
       if (result_.fitted.structures[k].fit) find_in(k);
-    find_shifted_levels();
     for (std::size_t k = 0; k < result_.structures.size(); ++k)
       result_.structures[k].confidence =
           structure_confidence(result_.fitted.structures[k], result_.signs[k], result_.structures[k]);
@@ -103,6 +103,7 @@ class Repair {
   int frame_;
   RepairedMap& result_;
   std::vector<std::optional<Mesh>> expected_, shapes_;
+  bool shifted_ = false;  ///< all levels are named one off
 };
 
 std::pair<Volume*, std::size_t> Repair::voxels_of(std::size_t k) {
@@ -161,18 +162,19 @@ void Repair::find_exchanged_sides() {
 void Repair::find_shifted_levels() {
   constexpr double likely = 0.2;
   std::vector<char> sound(result_.structures.size());
-  for (std::size_t k = 0; k < sound.size(); ++k)
-    sound[k] = result_.fitted.structures[k].fit && !result_.fitted.structures[k].judgement.doubtful &&
-                       result_.structures[k].defects.empty()
-                   ? 1
-                   : 0;
+  for (std::size_t k = 0; k < sound.size(); ++k) {
+    const FittedStructure& one = result_.fitted.structures[k];
+    const bool is_sound = one.fit && !one.judgement.doubtful && std::abs(result_.signs[k].volume) < much_smaller;
+    sound[k] = is_sound ? 1 : 0;
+  }
   const auto evidence = level_evidence(set_, result_.subject, sound);
   if (!evidence) return;
   for (std::size_t k = 0; k < set_.set.structures.size(); ++k) {
     const auto level = level_of_name(name(k));
     if (!level || !result_.subject.structures[k].is_there()) continue;
     result_.structures[k].p_named = std::min(result_.structures[k].p_named, evidence->p_as_named);
-    if (evidence->p_as_named > likely) continue;
+    shifted_ = evidence->p_as_named < likely;
+    if (!shifted_) continue;
     const std::string other = name_at_level(name(k), *level + evidence->shift);
     add(k, DefectKind::level_shifted, other);
     result_.structures[k].proposed_name = other;
@@ -257,7 +259,7 @@ void Repair::find_missing(std::size_t k) {
   add(k, DefectKind::missing);
   // At the end of a spine the names may as well be a level off.
   const auto level = level_of_name(name(k));
-  if (level && !(has_level(*level - 1) && has_level(*level + 1))) return;
+  if (level && shifted_ && !(has_level(*level - 1) && has_level(*level + 1))) return;
   shapes_[k] = expected_[k];
   fill(k, there, [&](std::size_t v) { return inside[v] != 0; });
 }

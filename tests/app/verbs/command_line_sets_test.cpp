@@ -1,4 +1,6 @@
+#include "core/volume/write_segmentation.h"
 #include "tests/ball_folder.h"
+#include "tests/must.h"
 
 namespace homolog {
 
@@ -205,6 +207,72 @@ TEST_CASE("the built-in set is told without a file and its templates are taken b
   REQUIRE(compared.status == 0);
   CHECK(compared.json()["dice"].get<double>() > 0.9);
   CHECK(compared.json()["vertex_distance_mm"]["mean"].get<double>() < 3);
+}
+
+TEST_CASE("repair takes an island away, keeps the rest, and writes a worklist") {
+  const BodyFolder folder;
+  REQUIRE(
+      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
+      0);
+  // A speck of the left kidney in a corner.
+  Volume wrong = test::must(read_volume(folder.path / "body.seg.nrrd")).volume;
+  const VolumeRead truth = test::must(read_volume(folder.path / "body.seg.nrrd"));
+  std::visit(
+      [&](auto& voxels) {
+        for (std::size_t k = 0; k < 3; ++k)
+          for (std::size_t i = 60; i < 66; ++i) voxels[(k * 36 + 1) * 70 + i] = 3;
+      },
+      wrong.data);
+  VolumeRead written = truth;
+  written.volume = wrong;
+  fs::create_directories(folder.path / "in");
+  REQUIRE(write_segmentation(written, folder.path / "in" / "body.seg.nrrd"));
+  const Ran mended = run(folder, "repair in/body.seg.nrrd --templates body.set.json -o out --json");
+  REQUIRE_MESSAGE(mended.status == 0, mended.errors);
+  const Json one = mended.json()["cases"][0];
+  REQUIRE(one["structures"].size() == 2);
+  CHECK(one["structures"][0]["defects"] == Json::array({{{"kind", "island"}, {"with", nullptr}}}));
+  CHECK(one["structures"][0]["changed_voxels"] == 18);
+  CHECK(one["structures"][1]["defects"].empty());
+  CHECK(one["structures"][1]["changed_voxels"] == 0);
+  for (const Json& structure : one["structures"]) CHECK(structure["confidence"].get<double>() > 0.8);
+  const VolumeRead after = test::must(read_volume(folder.path / "out" / "body.seg.nrrd"));
+  CHECK(labels_of(after.volume) == labels_of(truth.volume));
+  CHECK(after.segmentation.segments.size() == truth.segmentation.segments.size());
+  CHECK(after.segmentation.segments[0].name == "kidney_left");
+  CHECK(fs::exists(folder.path / "out" / "worklist.study.json"));
+  CHECK(fs::exists(folder.path / "out" / "body-cases" / "body-kidney_left.homolog"));
+}
+
+TEST_CASE("repair never writes over the map that it reads, and keeps a folder of single masks as one") {
+  const BodyFolder folder;
+  REQUIRE(
+      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
+      0);
+  const std::string before = read_whole_file(folder.path / "body.seg.nrrd").value();
+  const Ran over = run(folder, "repair body.seg.nrrd --templates body.set.json -o .");
+  CHECK(over.status == 1);
+  CHECK(over.errors.find("written over") != std::string::npos);
+  CHECK(read_whole_file(folder.path / "body.seg.nrrd").value() == before);
+  fs::create_directories(folder.path / "in" / "subject");
+  for (const double x_mm : {0.0, 44.0}) {
+    Mesh ball = icosphere(4, 20);
+    ball.points.col(0).array() += x_mm;
+    VolumeGeometry grid;
+    grid.dims = {70, 36, 36};
+    grid.spacing_mm.setConstant(2);
+    grid.origin_mm = Vec3(-35, -35, -35);
+    REQUIRE(write_volume(label_map(ball, grid),
+                         folder.path / "in" / "subject" / (x_mm == 0 ? "kidney_left.nrrd" : "kidney_right.nii.gz")));
+  }
+  const Ran mended = run(folder, "repair in/subject --templates body.set.json -o out --json");
+  REQUIRE_MESSAGE(mended.status == 0, mended.errors);
+  for (const char* name : {"kidney_left.nrrd", "kidney_right.nii.gz"}) {
+    const VolumeRead read = test::must(read_volume(folder.path / "in" / "subject" / name));
+    const VolumeRead written = test::must(read_volume(folder.path / "out" / "subject" / name));
+    CHECK(labels_of(written.volume) == labels_of(read.volume));
+    CHECK(same_grid(written.volume.geometry, read.volume.geometry));
+  }
 }
 
 }  // namespace homolog

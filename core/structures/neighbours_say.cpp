@@ -31,17 +31,13 @@ Similarity similarity_of(const SetOfTemplates& set, const std::vector<FittedStru
   return nearest_similarity(from, to, {});
 }
 
-}  // namespace
+/// Structures and how far off they are.
+using NearStructures = std::vector<std::pair<double, std::size_t>>;
 
-std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
-                                             std::size_t of) {
+std::optional<Similarity> said_by(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                  NearStructures near) {
   constexpr std::size_t most = 4, enough = 3;
   constexpr double far_off = 2;  // times the middle distance of all
-  std::vector<std::pair<double, std::size_t>> near;
-  for (std::size_t k = 0; k < fitted.size(); ++k) {
-    if (k == of || set.templates[of] == nullptr || !fitted[k].fit || fitted[k].judgement.doubtful) continue;
-    near.emplace_back((middle_of(set.templates[k]->points) - middle_of(set.templates[of]->points)).norm(), k);
-  }
   if (near.empty()) return std::nullopt;
   std::ranges::sort(near);
   std::vector<std::size_t> which;
@@ -58,6 +54,31 @@ std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const st
     if (*worst <= far_off * median_of(off_mm)) return said;
     which.erase(which.begin() + (worst - off_mm.begin()));
   }
+}
+
+bool has_a_say(const FittedStructure& one) {
+  return one.fit && !one.judgement.doubtful;
+}
+
+}  // namespace
+
+std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                             std::size_t of) {
+  NearStructures near;
+  if (set.templates[of] == nullptr) return std::nullopt;
+  const Points middle = middle_of(set.templates[of]->points);
+  for (std::size_t k = 0; k < fitted.size(); ++k)
+    if (k != of && has_a_say(fitted[k])) near.emplace_back((middle_of(set.templates[k]->points) - middle).norm(), k);
+  return said_by(set, fitted, std::move(near));
+}
+
+std::optional<Similarity> said_by_neighbours_at(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                                const Vec3& place_mm) {
+  NearStructures near;
+  for (std::size_t k = 0; k < fitted.size(); ++k)
+    if (has_a_say(fitted[k]))
+      near.emplace_back((middle_of(fitted[k].fit->mesh.points) - place_mm.transpose()).norm(), k);
+  return said_by(set, fitted, std::move(near));
 }
 
 }  // namespace homolog

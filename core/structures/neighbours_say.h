@@ -14,4 +14,9 @@ namespace homolog {
 std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
                                              std::size_t of);
 
+/// The same for a place of the subject, of which the set has no structure (LPS mm): the nearest by where they were
+/// fitted.
+std::optional<Similarity> said_by_neighbours_at(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                                const Vec3& place_mm);
+
 }  // namespace homolog

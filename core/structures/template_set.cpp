@@ -55,6 +55,36 @@ std::string in_case_of(const std::string& text, const std::string& like) {
   return cased;
 }
 
+std::optional<Vec3> three_numbers(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_array() || found->size() != 3) return std::nullopt;
+  Vec3 numbers;
+  for (int k = 0; k < 3; ++k) {
+    const Json& one = (*found)[static_cast<std::size_t>(k)];
+    if (!one.is_number()) return std::nullopt;
+    numbers[k] = one.get<double>();
+  }
+  return numbers;
+}
+
+/// None where it is no pose: then it is kept as it is.
+std::optional<RelativePose> parsed_pose(const Json& json) {
+  const auto subjects = json.find("subjects");
+  const auto offset = three_numbers(json, "offset_mm"), turn = three_numbers(json, "turn_deg");
+  if (subjects == json.end() || !subjects->is_number_unsigned() || !offset || !turn) return std::nullopt;
+  const auto number = [&](const char* key, double otherwise) {
+    const auto found = json.find(key);
+    return found != json.end() && found->is_number() ? found->get<double>() : otherwise;
+  };
+  return RelativePose{subjects->get<std::size_t>(),
+                      *offset,
+                      *turn,
+                      number("scale", 1),
+                      number("offset_sd_mm", 0),
+                      number("turn_sd_deg", 0),
+                      number("scale_sd", 0)};
+}
+
 Result<TemplateOfSet> parsed_structure(Json json, std::size_t number, const fs::path& folder) {
   const std::string where = "structure " + std::to_string(number);
   if (!json.is_object()) return fail("", where + " is no object; correct it in an editor");
@@ -85,6 +115,10 @@ Result<TemplateOfSet> parsed_structure(Json json, std::size_t number, const fs::
     for (const Json& name : *near)
       if (name.is_string()) one.neighbours.push_back(name.get<std::string>());
     json.erase(near);
+  }
+  if (const auto pose = json.find("pose"); pose != json.end() && pose->is_object()) {
+    one.pose = parsed_pose(*pose);
+    if (one.pose) json.erase(pose);
   }
   one.other = std::move(json);
   return one;
@@ -145,6 +179,17 @@ std::string file_name_of_structure(const std::string& name) {
   return file;
 }
 
+nlohmann::ordered_json json_of_pose(const RelativePose& pose) {
+  const auto three = [](const Vec3& v) { return Json{v.x(), v.y(), v.z()}; };
+  Json json{{"subjects", pose.subjects},
+            {"offset_mm", three(pose.offset_mm)},
+            {"turn_deg", three(pose.turn_deg)},
+            {"scale", pose.scale}};
+  if (pose.subjects > 1)
+    json.update({{"offset_sd_mm", pose.offset_sd_mm}, {"turn_sd_deg", pose.turn_sd_deg}, {"scale_sd", pose.scale_sd}});
+  return json;
+}
+
 Result<TemplateSet> read_template_set(const fs::path& path) {
   const auto bytes = read_whole_file(path);
   if (!bytes) return fail(bytes.error());
@@ -168,6 +213,7 @@ Result<void> write_template_set(const TemplateSet& set, const fs::path& path) {
     if (one.side != Side::none) entry["side"] = side_names[static_cast<std::size_t>(one.side)];
     if (!one.partner.empty()) entry["partner"] = one.partner;
     entry["neighbours"] = one.neighbours;
+    if (one.pose) entry["pose"] = json_of_pose(*one.pose);
     entry.update(one.other);
     json["structures"].push_back(std::move(entry));
   }

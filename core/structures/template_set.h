@@ -10,6 +10,7 @@
 
 #include "core/base/result.h"
 #include "core/mesh/topology.h"
+#include "core/structures/relative_pose.h"
 
 namespace homolog {
 
@@ -26,6 +27,7 @@ struct TemplateOfSet {
   Side side = Side::none;
   std::string partner;                  ///< the same structure of the other side; empty: none
   std::vector<std::string> neighbours;  ///< those that touch it or nearly do, the nearest first
+  std::optional<RelativePose> pose;     ///< how its place varies; none: no neighbour says where it is
   nlohmann::ordered_json other = nlohmann::ordered_json::object();  ///< fields that are not known here, kept
 };
 
@@ -44,6 +46,9 @@ bool is_template_set(const std::filesystem::path& file);
 
 /// What the files of a structure are called: its name, but '_' for what no file can be called.
 std::string file_name_of_structure(const std::string& name);
+
+/// A pose as a set and a report have it. The spread of one subject is left out.
+nlohmann::ordered_json json_of_pose(const RelativePose& pose);
 
 /// Errors: absent, not JSON, no set, a newer version, a structure without a name or template, two of one name.
 Result<TemplateSet> read_template_set(const std::filesystem::path& path);

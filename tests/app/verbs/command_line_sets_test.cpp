@@ -1,3 +1,4 @@
+#include "core/structures/set_map.h"
 #include "core/volume/write_segmentation.h"
 #include "tests/ball_folder.h"
 #include "tests/must.h"
@@ -34,7 +35,133 @@ struct BodyFolder : TemporaryFolder {
   }
 };
 
+/// Maps of eggs in a row, "a" to "d" with the labels 1 to 4, as three subjects have them: moved, larger, each a little
+/// off its place. The first lacks "d", the second "a".
+struct SubjectsFolder : TemporaryFolder {
+  static Mesh egg(std::size_t k, const Vec3& off_mm, double scale) {
+    Mesh one = icosphere(3, 10 + 2 * static_cast<double>(k));
+    one.points.col(0) *= 1.3;
+    one.points.col(2) *= 0.8;
+    one.points.rowwise() += Vec3(44 * static_cast<double>(k), k % 2 == 0 ? 0 : 15, 0).transpose() + off_mm.transpose();
+    one.points *= scale;
+    return one;
+  }
+
+  SubjectsFolder() {
+    write("one", 0, 1, {0, 1, 2}, 2);
+    write("two", 2, 1.15, {1, 2, 3}, 1.6);
+    write("three", -2, 0.95, {0, 1, 2, 3}, 2);
+  }
+
+  void write(const std::string& name, double off_mm, double scale, const std::vector<std::size_t>& which,
+             double spacing_mm) const {
+    VolumeGeometry grid;
+    grid.spacing_mm.setConstant(spacing_mm);
+    for (int axis = 0; axis < 3; ++axis)
+      grid.dims[static_cast<std::size_t>(axis)] = static_cast<int>((axis == 0 ? 200 : 80) * scale / spacing_mm);
+    grid.origin_mm = scale * Vec3(-30, -35, -40);
+    std::vector<MeshOfSegment> meshes;
+    for (const std::size_t k : which)
+      meshes.push_back({{.name = std::string(1, static_cast<char>('a' + k)), .value = static_cast<int>(k) + 1},
+                        egg(k, Vec3(0, k == 1 ? off_mm : 0, 0), scale)});
+    REQUIRE(write_segmentation(map_of_meshes(meshes, grid).map, path / (name + ".seg.nrrd")));
+  }
+};
+
+Vec3 middle_of_file(const fs::path& file) {
+  return read_mesh_file(file).value().points.colwise().mean();
+}
+
 }  // namespace
+
+TEST_CASE("a set of several maps has what only a later one has and how each structure lies among them") {
+  const SubjectsFolder folder;
+  const std::string maps = "one.seg.nrrd two.seg.nrrd three.seg.nrrd ";
+  const Ran made = run(folder, "set make " + maps + "--all --vertices 400 -o all.set.json --json --jobs 1");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  const Json structures = made.json()["structures"];
+  REQUIRE(structures.size() == 4);
+  CHECK(structures[0]["pose"]["subjects"] == 2);
+  CHECK(structures[1]["pose"]["subjects"] == 3);
+  CHECK(structures[2]["pose"]["subjects"] == 3);
+  CHECK_FALSE(structures[1].contains("from"));
+  CHECK(structures[3]["name"] == "d");
+  CHECK(structures[3]["from"] == "two.seg.nrrd");
+  CHECK(structures[3]["pose"]["subjects"] == 2);
+  // "b" lies 2 mm to either side of where it lies in the first, and moves with the others a little.
+  const double spread_mm = structures[1]["pose"]["offset_sd_mm"];
+  INFO(structures.dump(1));
+  CHECK(spread_mm > 1);
+  CHECK(spread_mm < 4);
+  CHECK(structures[1]["pose"]["scale"].get<double>() == doctest::Approx(1).epsilon(0.05));
+  // The second subject is larger and lacks a; "d" lies in the set as beside the others of the first.
+  const Vec3 d = middle_of_file(folder.path / "all" / "d.ply");
+  MESSAGE("d lies ", (d - Vec3(132, 15, 0)).norm(), " mm from its place");
+  CHECK((d - Vec3(132, 15, 0)).norm() < 5);
+
+  REQUIRE(run(folder, "set make " + maps + "--all --vertices 400 -o again.set.json --jobs 2").status == 0);
+  for (const char* name : {"a.ply", "d.ply"})
+    CHECK(read_whole_file(folder.path / "all" / name).value() == read_whole_file(folder.path / "again" / name).value());
+  const Json told = run(folder, "set info all.set.json --json").json()["structures"];
+  CHECK(told[1]["pose"] == structures[1]["pose"]);
+  CHECK(run(folder, "set info again.set.json --json").json()["structures"][1]["pose"] == structures[1]["pose"]);
+
+  const Ran like = run(folder, "set make " + maps + "--all --like three.seg.nrrd --vertices 400 -o l.set.json --json");
+  REQUIRE(like.status == 0);
+  for (const Json& one : like.json()["structures"]) CHECK_FALSE(one.contains("from"));
+}
+
+TEST_CASE("a consensus set does not depend on which map comes first") {
+  const SubjectsFolder folder;
+  const auto make = [&](const std::string& maps, const std::string& name, const std::string& jobs) {
+    const Ran made = run(folder, "set make " + maps + " --all --consensus --vertices 300 -o " + name +
+                                     ".set.json --json --jobs " + jobs);
+    REQUIRE_MESSAGE(made.status == 0, made.errors);
+    return made.json()["structures"];
+  };
+  const Json first = make("one.seg.nrrd two.seg.nrrd three.seg.nrrd", "first", "1");
+  make("one.seg.nrrd two.seg.nrrd three.seg.nrrd", "same", "2");
+  make("three.seg.nrrd one.seg.nrrd two.seg.nrrd", "other", "2");
+  REQUIRE(first.size() == 4);
+  CHECK(first[1]["subjects"] == 3);
+  CHECK(first[3]["subjects"] == 2);
+  CHECK(first[1]["pose"]["offset_sd_mm"].get<double>() > 1);
+  for (const char* name : {"a.ply", "b.ply", "c.ply", "d.ply"}) {
+    CAPTURE(name);
+    CHECK(read_whole_file(folder.path / "first" / name).value() ==
+          read_whole_file(folder.path / "same" / name).value());
+    const Points one = read_mesh_file(folder.path / "first" / name).value().points;
+    const Points two = read_mesh_file(folder.path / "other" / name).value().points;
+    CHECK((one - two).rowwise().norm().maxCoeff() < 0.01);
+  }
+  // Between neighbours there is what there is in the subjects, on average: 44 mm along x, by 1.15, 1 and 0.95.
+  const Vec3 way = middle_of_file(folder.path / "first" / "c.ply") - middle_of_file(folder.path / "first" / "b.ply");
+  CHECK(way.x() == doctest::Approx(44 * std::cbrt(1.15 * 0.95)).epsilon(0.03));
+  const Ran fitted = run(folder, "fit first.set.json --mask two.seg.nrrd -o fits --json");
+  REQUIRE(fitted.status == 0);
+  for (const Json& one : fitted.json()["cases"][0]["structures"])
+    if (!one["missing"].get<bool>()) CHECK(one["dice"].get<double>() > 0.95);
+}
+
+TEST_CASE("set make of several maps refuses what it cannot use before it fits") {
+  const SubjectsFolder folder;
+  const auto refused = [&](const std::string& arguments, const std::string& says) {
+    const Ran ran = run(folder, "set make " + arguments + " -o x.set.json");
+    INFO(ran.errors);
+    CHECK(ran.status == 1);
+    CHECK(ran.errors.find(says) != std::string::npos);
+    CHECK_FALSE(fs::exists(folder.path / "x.set.json"));
+  };
+  refused("one.seg.nrrd three.seg.nrrd --labels a,spleen", "spleen");
+  refused("one.seg.nrrd nothing.nii.gz --all", "nothing.nii.gz");
+  CHECK(run(folder, "set make one.seg.nrrd --all --consensus -o x.set.json").status == 2);
+  CHECK(run(folder, "set make one.seg.nrrd two.seg.nrrd --all --consensus --like two.seg.nrrd -o x.set.json").status ==
+        2);
+  // "d" is in none but the second: that is enough.
+  const Ran made = run(folder, "set make one.seg.nrrd two.seg.nrrd --labels b,d --vertices 300 -o x.set.json --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  CHECK(made.json()["structures"].size() == 2);
+}
 
 TEST_CASE("set make gives a template of each structure and names what suits none") {
   const BodyFolder folder;

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/verbs/verb.h"
+#include "core/mesh/mesh_io.h"
+#include "core/structures/structures_in_map.h"
+
+namespace homolog {
+
+// What the verbs share that make templates of several structures.
+
+/// What `set make` and `set add` are asked for.
+struct SetJob {
+  std::vector<std::filesystem::path> maps;
+  std::filesystem::path like, out;
+  std::string labels;
+  bool all = false, consensus = false;
+  int vertices = 2500;
+
+  /// Where templates go: NAME beside NAME.set.json.
+  std::filesystem::path folder() const;
+};
+
+/// Adds the options that say which structures are meant and how fine their templates are.
+void add_structure_options(CLI::App& verb, SetJob& job);
+/// Refuses a name that is none of a set.
+CLI::Option* is_name_of_set(CLI::Option* output);
+
+/// A set while it is made. All but `rows` are in the order of its structures.
+struct SetInMaking {
+  SetOfTemplates made;
+  std::vector<MeshFile> files;                    ///< without faces: the template lies on the disk already
+  std::vector<std::vector<Similarity>> relative;  ///< of each subject: from where neighbours say to where it is
+  std::vector<Json> rows;                         ///< of the report, also of those without a template
+  std::vector<std::string> warnings;
+};
+
+/// The structures that are asked for, of each map those that it has. Errors: a map that cannot be read; a label that no
+/// map has; two structures of one name.
+Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, Progress& progress);
+
+/// What a segment is called in the set.
+std::string name_in_set(const Segment& segment);
+
+/// A template that is not in the set yet, and what the report says of it.
+struct MadeStructure {
+  TemplateOfSet structure;
+  MeshFile file;  ///< without faces: no template could be made
+  Json row;
+  std::vector<std::string> warnings;
+
+  bool is_there() const { return file.triangles.rows() > 0; }
+};
+MadeStructure without_template(const Segment& segment);
+/// Gives it its template, or says why it has none.
+void take_template(Result<MeshFile> file, const SetJob& job, MadeStructure& made);
+/// Puts a structure at the end of the set: its value becomes a free one where another has it. One without template is
+/// in the report alone, where the next map's takes its place.
+void append(MadeStructure made, SetInMaking& making);
+
+/// Adds templates of a map's structures that the set lacks, and how the others lie in it. They are placed by their
+/// neighbours, those of the first map as they are. Errors: the map; cancelled.
+Result<void> add_map(const SetJob& job, const std::filesystem::path& map, const std::vector<Segment>& asked,
+                     SetInMaking& making, Progress& progress);
+
+/// Adds consensus templates of the structures of several maps, each in its mean place. Errors: a map; cancelled.
+Result<void> add_consensus(const SetJob& job, const std::vector<std::vector<Segment>>& asked, SetInMaking& making,
+                           Progress& progress);
+
+/// Writes the templates that are new, and then the set, with partners and neighbours. Errors: the disk; no template at
+/// all.
+Result<Report> write_set(const SetJob& job, SetInMaking& making);
+
+/// `set make`.
+Result<Report> make_set(const SetJob& job, Progress& progress);
+
+}  // namespace homolog

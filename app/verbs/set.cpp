@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "app/verbs/set_edit.h"
 #include "app/verbs/set_making.h"
 #include "app/verbs/verbs.h"
 #include "core/base/paths.h"
@@ -87,6 +88,7 @@ void add_set(CLI::App& app, CommandLine& asked) {
   set->require_subcommand(1);
   add_set_make(*set, asked);
   add_set_info(*set, asked);
+  add_set_edits(*set, asked);
 }
 
 }  // namespace homolog

@@ -158,6 +158,19 @@ int free_value(const TemplateSet& set, const TemplateOfSet& structure) {
   return taken ? highest + 1 : structure.value;
 }
 
+/// A file that no other structure of the set has as its template, as one that was renamed may.
+fs::path free_file(const TemplateSet& set, const fs::path& file) {
+  const auto taken = [&](const fs::path& path) {
+    return std::ranges::any_of(set.structures, [&](const TemplateOfSet& other) {
+      return lower_case(other.file.string()) == lower_case(path.string());
+    });
+  };
+  fs::path free = file;
+  for (int number = 2; taken(free); ++number)
+    free = file.parent_path() / (file.stem().string() + "-" + std::to_string(number) + file.extension().string());
+  return free;
+}
+
 }  // namespace
 
 fs::path SetJob::folder() const {
@@ -216,6 +229,7 @@ void append(MadeStructure made, SetInMaking& making) {
   std::erase_if(making.rows, [&](const Json& row) { return row["name"] == made.row["name"]; });
   making.warnings.insert(making.warnings.end(), made.warnings.begin(), made.warnings.end());
   if (made.is_there()) {
+    made.structure.file = free_file(making.made.set, made.structure.file);
     auto the_template = make_template(made.file, made.structure.file.string());
     const int value = free_value(making.made.set, made.structure);
     if (value != made.structure.value)

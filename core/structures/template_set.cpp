@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "core/base/colour.h"
 #include "core/base/files.h"
@@ -240,11 +241,46 @@ std::string name_of_other_side(const std::string& name) {
 
 void find_partners(TemplateSet& set) {
   for (TemplateOfSet& one : set.structures) {
-    one.side = side_in(one.name);
+    if (one.side == Side::none) one.side = side_in(one.name);
     const std::string other = name_of_other_side(one.name);
     const TemplateOfSet* partner = other.empty() ? nullptr : set.find(other);
-    one.partner = partner != nullptr ? partner->name : std::string();
+    if (partner != nullptr && one.partner.empty()) one.partner = partner->name;
   }
+}
+
+std::string names_in_set(const TemplateSet& set) {
+  constexpr std::size_t most = 6;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(most, set.structures.size()); ++k)
+    text += (k > 0 ? ", " : "") + set.structures[k].name;
+  return set.structures.size() > most ? text + " and " + std::to_string(set.structures.size() - most) + " more" : text;
+}
+
+Result<void> rename_structure(TemplateSet& set, const std::string& name, const std::string& new_name) {
+  const TemplateOfSet* found = set.find(name);
+  if (found == nullptr) return fail("", "has no structure \"" + excerpt(name) + "\"; it has " + names_in_set(set));
+  if (trimmed(new_name).empty() || !is_utf8(new_name) || printable(new_name) != new_name)
+    return fail("", "cannot call a structure \"" + excerpt(new_name) + "\"; give a name in letters and digits");
+  TemplateOfSet& one = set.structures[static_cast<std::size_t>(found - set.structures.data())];
+  const auto of_file = [](const std::string& text) { return lower_case(file_name_of_structure(text)); };
+  for (const TemplateOfSet& other : set.structures)
+    if (&other != &one && of_file(other.name) == of_file(new_name))
+      return fail("", "has a structure named \"" + excerpt(other.name) + "\" already; choose another name");
+  const std::string old_name = std::exchange(one.name, new_name);
+  const auto follow = [&](std::string& known) {
+    if (lower_case(known) == lower_case(old_name)) known = new_name;
+  };
+  for (TemplateOfSet& other : set.structures) {
+    follow(other.partner);
+    for (std::string& neighbour : other.neighbours) follow(neighbour);
+  }
+  if (side_in(new_name) == Side::none) return {};
+  one.side = side_in(new_name);
+  for (TemplateOfSet& other : set.structures)
+    if (lower_case(other.partner) == lower_case(new_name)) other.partner.clear();
+  one.partner.clear();
+  find_partners(set);
+  return {};
 }
 
 void find_neighbours(TemplateSet& set, const std::vector<Mesh>& meshes, double near_mm) {

@@ -59,8 +59,13 @@ Result<void> write_template_set(const TemplateSet& set, const std::filesystem::p
 Side side_in(const std::string& name);
 /// The name that its partner has: left and right exchanged. Empty where it names no side.
 std::string name_of_other_side(const std::string& name);
-/// Fills in sides and partners from the names.
+/// Fills in sides and partners from the names, where they are not known.
 void find_partners(TemplateSet& set);
+/// Gives a structure another name, by which its neighbours and its partner know it too. A name that says a side gives
+/// it that side and its partner there. Errors, without the set's file: no such structure; no name; another has it.
+Result<void> rename_structure(TemplateSet& set, const std::string& name, const std::string& new_name);
+/// The names of a set for a sentence: the first of them, and how many more there are.
+std::string names_in_set(const TemplateSet& set);
 /// Fills in neighbours: the structures whose surface comes nearer than `near_mm`. `meshes`: one each, LPS mm.
 void find_neighbours(TemplateSet& set, const std::vector<Mesh>& meshes, double near_mm);
 

@@ -12,6 +12,7 @@ ln kidney-1-image.nii.gz image.nii.gz; ln kidney-1-labels.nii.gz mask.nii.gz
 printf '%s\n' '{"homolog":1,"volume":"image.nii.gz","template":"a.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[0,0,0]}}' \
   '{"tool":"pull","at":[-21,20,-9],"to":[-20,19,-9],"sigma_mm":10}' > imaged.homolog
 printf '{"homolog_study":1,"cases":[{"file":"a.ply"},{"file":"b.ply"},{"file":"c.ply"}]}\n' > s.study.json
+printf '{"homolog_set":1,"structures":[{"name":"A","value":1,"template":"a.ply"},{"name":"B","value":2,"template":"a.ply"}]}\n' > two.set.json
 
 if [ "${which:-}" = all ]; then
   "$program" phantom ventricle --subject 1 -o . > /dev/null || stop "no cine"
@@ -27,7 +28,7 @@ quick=(
   "observers|a.ply b.ply --csv old.csv" "model|a.ply b.ply c.ply -o old.h5" "model|a.ply b.ply c.ply -o old.h5.json --csv tables --aligned aligned"
   "evaluate|a.ply b.ply c.ply --samples 2 --csv old.csv" "phantom|kidney --subject 1 -o phantom" "fit|built-in:kidney --mask mask.nii.gz -o old.ply"
   "snap|a.ply --image image.nii.gz -o old.ply" "snap|imaged.homolog -o old.ply" "refine|case.homolog -o old.ply" "sample|-o sample"
-  "study make|mask.nii.gz --template a.ply -o old.study.json"
+  "study make|mask.nii.gz --template a.ply -o old.study.json" "set rename|two.set.json B C -o old.set.json"
 )
 slow=(
   "set make|mask.nii.gz --all --vertices 300 -o old.set.json"
@@ -40,3 +41,4 @@ slow=(
 )
 # What cannot work on these inputs, or writes nothing: said here, so that a new verb is not forgotten.
 elsewhere=(info "set info" repair compare bench edit "study bias" "study experts")
+elsewhere=("set add" info "set info" compare bench edit "study bias" "study experts")

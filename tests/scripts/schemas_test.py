@@ -92,6 +92,10 @@ run("study make", "cases.csv", "--template", "built-in:kidney", "-o", "made.stud
 check(json.loads((folder / "made.study.json").read_text()), "study", "a study that was made")
 run("set make", mask, "--all", "-o", "body.set.json")
 run("set info", "body.set.json")
+(folder / "two.set.json").write_text(json.dumps({"homolog_set": 1, "structures": [
+    {"name": "A", "value": 1, "template": one}, {"name": "B", "value": 2, "template": one}]}))
+run("set rename", "two.set.json", "B", "C")
+check(json.loads((folder / "two.set.json").read_text()), "set", "a template set whose structure has another name")
 check(json.loads((folder / "body.set.json").read_text()), "set", "a template set")
 run("info", mask)
 run("refine", "case.homolog")

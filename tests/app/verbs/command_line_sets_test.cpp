@@ -163,6 +163,73 @@ TEST_CASE("set make of several maps refuses what it cannot use before it fits") 
   CHECK(made.json()["structures"].size() == 2);
 }
 
+TEST_CASE("set add puts a structure of another map beside its neighbours and refuses what the set has") {
+  const SubjectsFolder folder;
+  REQUIRE(run(folder, "set make one.seg.nrrd --all --vertices 300 -o s.set.json").status == 0);
+  const std::string before = read_whole_file(folder.path / "s.set.json").value();
+  const auto refused = [&](const std::string& arguments, const std::string& says) {
+    const Ran ran = run(folder, "set add s.set.json " + arguments);
+    INFO(ran.errors);
+    CHECK(ran.status == 1);
+    CHECK(ran.errors.find(says) != std::string::npos);
+    CHECK(read_whole_file(folder.path / "s.set.json").value() == before);
+  };
+  refused("two.seg.nrrd --labels c", "rename it with set rename");
+  refused("two.seg.nrrd --labels spleen", "spleen");
+  refused("one.seg.nrrd --all", "has no voxel of a structure that the set lacks");
+  CHECK(run(folder, "set add s.set.json two.seg.nrrd").status == 2);
+  CHECK(run(folder, "set add built-in:spine two.seg.nrrd --labels d").errors.find("-o") != std::string::npos);
+
+  // "c" is called otherwise in a copy, which keeps its value: the next "c" takes another one.
+  REQUIRE(run(folder, "set rename s.set.json c other -o t.set.json").status == 0);
+  const Ran added = run(folder, "set add s.set.json two.seg.nrrd --labels d --vertices 300 -o u.set.json --json");
+  REQUIRE_MESSAGE(added.status == 0, added.errors);
+  REQUIRE(added.json()["structures"].size() == 1);
+  CHECK(added.json()["structures"][0]["name"] == "d");
+  const Json told = run(folder, "set info u.set.json --json").json()["structures"];
+  REQUIRE(told.size() == 4);
+  CHECK(told[3]["value"] == 4);
+  CHECK(told[1]["pose"]["subjects"] == 1);
+  const Vec3 d = middle_of_file(folder.path / "u" / "d.ply");
+  CHECK((d - Vec3(132, 15, 0)).norm() < 5);
+  const Ran again = run(folder, "set add t.set.json one.seg.nrrd --labels c --vertices 300 --json");
+  REQUIRE_MESSAGE(again.status == 0, again.errors);
+  CHECK(again.json()["structures"][0]["value"] == 4);  // 3 is that of "other"
+  CHECK(again.errors.find("has the value 4 in the set") != std::string::npos);
+  CHECK(fs::exists(folder.path / "s" / "c.ply"));
+  CHECK(fs::exists(folder.path / "t" / "c.ply"));
+}
+
+TEST_CASE("set rename gives a name that neighbours and partners follow, in place or elsewhere") {
+  const BodyFolder folder;
+  REQUIRE(run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 300 -o b.set.json").status ==
+          0);
+  fs::create_directory(folder.path / "deep");
+  REQUIRE(run(folder, "set rename b.set.json Kidney_Left Niere -o deep/n.set.json").status == 0);
+  const Json told = run(folder, "set info deep/n.set.json --json").json()["structures"];
+  CHECK(told[0]["name"] == "Niere");
+  CHECK(told[0]["side"] == "left");
+  CHECK(told[0]["vertices"] == 300);
+  CHECK(told[1]["partner"] == "Niere");
+  CHECK(told[1]["neighbours"] == Json::array({"Niere"}));
+  CHECK(run(folder, "set info b.set.json --json").json()["structures"][0]["name"] == "kidney_left");
+  REQUIRE(run(folder, "set rename b.set.json kidney_left KIDNEY_LEFT").status == 0);
+  CHECK(run(folder, "set info b.set.json --json").json()["structures"][1]["partner"] == "KIDNEY_LEFT");
+  for (const auto& [arguments, says] :
+       std::vector<std::pair<std::string, std::string>>{{"b.set.json liver Leber", "it has KIDNEY_LEFT, kidney_right"},
+                                                        {"b.set.json kidney_left Kidney_Right", "choose another name"},
+                                                        {"b.set.json kidney_left ' '", "give a name"},
+                                                        {"built-in:spine sacrum S1", "-o"},
+                                                        {"none.set.json a b", "does not exist"}}) {
+    const Ran ran = run(folder, "set rename " + arguments);
+    CHECK(ran.status == 1);
+    INFO(ran.errors);
+    CHECK(ran.errors.find(says) != std::string::npos);
+  }
+  REQUIRE(run(folder, "set rename built-in:spine sacrum S1 -o spine.set.json").status == 0);
+  CHECK(run(folder, "set info spine.set.json --json").json()["structures"][12]["name"] == "S1");
+}
+
 TEST_CASE("set make gives a template of each structure and names what suits none") {
   const BodyFolder folder;
   const Ran made = run(folder, "set make body.seg.nrrd --all --vertices 400 -o body.set.json --json");

@@ -9,8 +9,9 @@
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/structures/built_in_set.h"
+#include "core/structures/share_vertices.h"
 
-// The verbs that change a template set: `set add` and `set rename`.
+// The verbs that change a template set: `set add`, `set rename`, `set share`.
 
 namespace homolog {
 
@@ -22,6 +23,7 @@ namespace {
 struct SetEdit {
   std::string set, first, second;
   fs::path out;  ///< empty: in place
+  double within_mm = 0.5;
 };
 
 /// Where a changed set is written. Errors: a set that is built in has no place of its own.
@@ -87,6 +89,46 @@ Result<Report> add_to_set(SetJob job, const std::string& source, Progress& progr
   return write_set(job, making);
 }
 
+Result<Report> share_in_set(const SetEdit& edit) {
+  const auto out = place_of_changed(edit.set, edit.out);
+  if (!out) return fail(out.error());
+  auto loaded = load_set_of_templates(edit.set);
+  if (!loaded) return fail(loaded.error());
+  TemplateSet& set = loaded->set;
+  std::array<std::size_t, 2> which{};
+  for (const std::string* name : {&edit.first, &edit.second}) {
+    const TemplateOfSet* one = set.find(*name);
+    if (one == nullptr)
+      return fail(edit.set, "has no structure \"" + excerpt(*name) + "\"; it has " + names_in_set(set));
+    which[name == &edit.first ? 0 : 1] = static_cast<std::size_t>(one - set.structures.data());
+    if (loaded->templates[static_cast<std::size_t>(one - set.structures.data())] == nullptr)
+      return fail(edit.set, "has no template of \"" + one->name + "\" that can be read; bring its file back");
+  }
+  if (which[0] == which[1])
+    return fail(edit.set, "shares vertices between two structures; name another one beside \"" + edit.first + "\"");
+  const Points &a = loaded->templates[which[0]]->points, &b = loaded->templates[which[1]]->points;
+  SharedVertices shared{set.structures[which[0]].name, set.structures[which[1]].name,
+                        coinciding_vertices(a, b, edit.within_mm)};
+  if (shared.vertices.empty())
+    return fail(edit.set, "has no vertices of " + shared.a + " and " + shared.b +
+                              " that coincide; allow more with --within-mm, or take templates that share vertices");
+  Report report;
+  report.warnings = loaded->warnings;
+  double farthest_mm = 0;
+  for (const auto& [of_a, of_b] : shared.vertices)
+    farthest_mm = std::max(farthest_mm, (a.row(of_a) - b.row(of_b)).norm());
+  report.values = {{"set", out->string()},
+                   {"structures", {shared.a, shared.b}},
+                   {"shared", shared.vertices.size()},
+                   {"farthest_mm", farthest_mm}};
+  std::erase_if(set.shared, [&](const SharedVertices& one) {
+    return (one.a == shared.a && one.b == shared.b) || (one.a == shared.b && one.b == shared.a);
+  });
+  set.shared.push_back(std::move(shared));
+  if (auto written = write_template_set(set, *out); !written) return fail(written.error());
+  return report;
+}
+
 CLI::App* add_edit(CLI::App& set, const char* name, const char* description, std::string& source) {
   CLI::App* verb = add_verb(set, name, description);
   verb->add_option("SET", source, "A template set, NAME.set.json, or " + built_in_set_source())->required();
@@ -119,6 +161,17 @@ void add_set_edits(CLI::App& set, CommandLine& asked) {
   rename->add_option("NEW", naming->second, "Its new name")->required();
   add_output(*rename, naming->out);
   rename->callback([naming, &asked] { asked.run = [naming](Progress&) { return rename_in_set(*naming); }; });
+
+  auto sharing = std::make_shared<SetEdit>();
+  CLI::App* share =
+      add_edit(set, "share", "Vertices that two structures have in common, so that fits do too", sharing->set);
+  share->add_option("A", sharing->first, "A structure")->required();
+  share->add_option("B", sharing->second, "Another one that touches it")->required();
+  share->add_option("--within-mm", sharing->within_mm, "How far apart vertices that coincide may lie")
+      ->check(CLI::Range(1e-9, 100.0))
+      ->capture_default_str();
+  add_output(*share, sharing->out);
+  share->callback([sharing, &asked] { asked.run = [sharing](Progress&) { return share_in_set(*sharing); }; });
 }
 
 }  // namespace homolog

@@ -4,7 +4,7 @@
 
 namespace homolog {
 
-/// `set add` and `set rename`.
+/// `set add`, `set rename`, `set share`.
 void add_set_edits(CLI::App& set, CommandLine& asked);
 
 }  // namespace homolog

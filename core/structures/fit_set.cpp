@@ -10,6 +10,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/structures/keep_apart.h"
 #include "core/structures/neighbours_say.h"
+#include "core/structures/share_vertices.h"
 #include "core/structures/structure_confidence.h"
 
 namespace homolog {
@@ -142,6 +143,9 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
     doubtful.push_back(one.judgement.doubtful ? 1 : 0);
   }
   result.depth_mm = keep_apart(meshes, pairs_to_keep_apart(subject, fitted), options.gap_mm, doubtful);
+  std::vector<std::string> names;
+  for (const std::size_t k : fitted) names.push_back(set.set.structures[k].name);
+  join_shared(set.set.shared, names, meshes);
   for (std::size_t k = 0; k < fitted.size(); ++k) {
     FitResult& fit = *result.structures[fitted[k]].fit;
     fit.mesh = std::move(meshes[k]);

@@ -34,7 +34,8 @@ struct FittedSet {
 };
 
 /// Fits the templates of a set to one subject: each by itself, then once more those that are doubtful or lie where
-/// their neighbours do not say, from there. At the end neighbours are kept apart, but for those whose labels overlap.
+/// their neighbours do not say, from there. At the end neighbours are kept apart, but for those whose labels overlap,
+/// and vertices that structures share come to one place.
 /// What is missing is left out. The bytes do not depend on the number of threads. Errors: cancelled.
 Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, const FitSetOptions& options = {});
 

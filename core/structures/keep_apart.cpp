@@ -128,13 +128,14 @@ Push push_out(const Mesh& mesh, const std::vector<Sample>& samples, const Depths
   return push;
 }
 
-/// Spreads a movement to the vertices around those that have to move, less with every ring.
-void spread(const Topology& topology, const VertexScalars& mm, Points& by) {
+}  // namespace
+
+void spread_movement(const Topology& topology, const VertexScalars& held, Points& by) {
   constexpr int rings = 4;
   for (int ring = 0; ring < rings; ++ring) {
     Points next = by;
     for (Eigen::Index v = 0; v < by.rows(); ++v) {
-      if (mm[v] > 0) continue;
+      if (held[v] > 0) continue;
       Vec3 sum = Vec3::Zero();
       for (const std::int32_t n : topology.one_ring(v)) sum += by.row(n).transpose();
       next.row(v) = sum / static_cast<double>(topology.one_ring(v).size());
@@ -142,8 +143,6 @@ void spread(const Topology& topology, const VertexScalars& mm, Points& by) {
     by = std::move(next);
   }
 }
-
-}  // namespace
 
 double depth_mm(const Mesh& mesh, const Mesh& other, double near_mm) {
   const Depths depths(other);
@@ -199,7 +198,7 @@ double keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, do
     if (deepest_mm <= at_rest_mm) break;
     for (std::size_t k = 0; k < meshes.size(); ++k) {
       if (moves[k].by.rows() == 0) continue;
-      spread(*meshes[k].topology, moves[k].mm, moves[k].by);
+      spread_movement(*meshes[k].topology, moves[k].mm, moves[k].by);
       meshes[k].points += moves[k].by;
     }
   }

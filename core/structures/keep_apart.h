@@ -23,4 +23,8 @@ double depth_mm(const Mesh& mesh, const Mesh& other, double near_mm);
 double keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, double gap_mm = 0,
                   const std::vector<char>& yields = {});
 
+/// Spreads movements of vertices to those around, less with every ring. `held`: above 0 where a vertex's movement is
+/// given and stays. `by`: n×3, in mm.
+void spread_movement(const Topology& topology, const VertexScalars& held, Points& by);
+
 }  // namespace homolog

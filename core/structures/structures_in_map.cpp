@@ -21,6 +21,26 @@ bool same_name(const std::string& a, const std::string& b) {
   return lower_case(a) == lower_case(b);
 }
 
+/// Leaves out vertices in common that templates do not have, as where one was made anew since.
+void drop_shared_beyond(SetOfTemplates& all) {
+  const auto vertices_of = [&](const std::string& name) -> Eigen::Index {
+    const TemplateOfSet* one = all.set.find(name);
+    const std::shared_ptr<const Template> read =
+        one == nullptr ? nullptr : all.templates[static_cast<std::size_t>(one - all.set.structures.data())];
+    return read == nullptr ? 0 : read->points.rows();
+  };
+  std::erase_if(all.set.shared, [&](const SharedVertices& shared) {
+    const Eigen::Index a = vertices_of(shared.a), b = vertices_of(shared.b);
+    if (a == 0 || b == 0) return false;  // it is not fitted
+    const bool beyond =
+        std::ranges::any_of(shared.vertices, [&](const VertexPair& pair) { return pair[0] >= a || pair[1] >= b; });
+    if (beyond)
+      all.warnings.push_back(shared.a + " and " + shared.b +
+                             ": share vertices that their templates lack; declare them anew with set share");
+    return beyond;
+  });
+}
+
 }  // namespace
 
 Result<SetOfTemplates> load_set_of_templates(const std::string& source) {
@@ -34,6 +54,7 @@ Result<SetOfTemplates> load_set_of_templates(const std::string& source) {
     any = any || read;
     all.templates.push_back(read ? *read : nullptr);
   }
+  drop_shared_beyond(all);
   if (!any) return fail(source, "has no template that can be read; the first reason: " + all.warnings.front());
   return all;
 }

@@ -125,6 +125,49 @@ Result<TemplateOfSet> parsed_structure(Json json, std::size_t number, const fs::
   return one;
 }
 
+/// "12:40 13:41 …" as pairs of vertices. None where it is not that.
+std::optional<std::vector<VertexPair>> parsed_pairs(std::string_view text) {
+  std::vector<VertexPair> pairs;
+  while (!text.empty()) {
+    const std::string_view pair = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(pair.size() + 1, text.size()));
+    const auto colon = pair.find(':');
+    if (colon == std::string_view::npos) return std::nullopt;
+    const auto a = as_number<std::int32_t>(pair.substr(0, colon));
+    const auto b = as_number<std::int32_t>(pair.substr(colon + 1));
+    if (!a || !b || *a < 0 || *b < 0) return std::nullopt;
+    pairs.push_back({*a, *b});
+  }
+  return pairs;
+}
+
+std::string text_of_pairs(const std::vector<VertexPair>& pairs) {
+  std::string text;
+  for (const auto& [a, b] : pairs) text += (text.empty() ? "" : " ") + std::to_string(a) + ':' + std::to_string(b);
+  return text;
+}
+
+Result<std::vector<SharedVertices>> parsed_shared(const Json& json) {
+  std::vector<SharedVertices> shared;
+  const auto unreadable = [] {
+    return fail("",
+                "says of shared vertices what cannot be read; take \"shared\" out and declare them anew with set "
+                "share");
+  };
+  if (!json.is_array()) return unreadable();
+  for (const Json& entry : json) {
+    const Json names = entry.is_object() && entry.contains("structures") ? entry["structures"] : Json();
+    const Json vertices = entry.is_object() && entry.contains("vertices") ? entry["vertices"] : Json();
+    if (!names.is_array() || names.size() != 2 || !names[0].is_string() || !names[1].is_string() ||
+        !vertices.is_string())
+      return unreadable();
+    auto pairs = parsed_pairs(vertices.get_ref<const std::string&>());
+    if (!pairs) return unreadable();
+    shared.push_back({names[0].get<std::string>(), names[1].get<std::string>(), std::move(*pairs)});
+  }
+  return shared;
+}
+
 Result<TemplateSet> parsed_set(Json json, const fs::path& folder) {
   const auto stamp = json.is_object() ? json.find("homolog_set") : json.end();
   if (!json.is_object() || stamp == json.end() || !stamp->is_number_integer())
@@ -138,6 +181,12 @@ Result<TemplateSet> parsed_set(Json json, const fs::path& folder) {
   if (!structures.is_array() || structures.empty())
     return fail("", "has no \"structures\"; make it with homolog set make");
   TemplateSet set;
+  if (const auto known = json.find("shared"); known != json.end()) {
+    auto shared = parsed_shared(*known);
+    if (!shared) return fail(shared.error());
+    set.shared = std::move(*shared);
+    json.erase("shared");
+  }
   std::set<std::string> names;
   for (const Json& entry : structures) {
     auto one = parsed_structure(entry, set.structures.size() + 1, folder);
@@ -218,6 +267,8 @@ Result<void> write_template_set(const TemplateSet& set, const fs::path& path) {
     entry.update(one.other);
     json["structures"].push_back(std::move(entry));
   }
+  for (const SharedVertices& one : set.shared)
+    json["shared"].push_back({{"structures", {one.a, one.b}}, {"vertices", text_of_pairs(one.vertices)}});
   return write_whole_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
@@ -273,6 +324,10 @@ Result<void> rename_structure(TemplateSet& set, const std::string& name, const s
   for (TemplateOfSet& other : set.structures) {
     follow(other.partner);
     for (std::string& neighbour : other.neighbours) follow(neighbour);
+  }
+  for (SharedVertices& shared : set.shared) {
+    follow(shared.a);
+    follow(shared.b);
   }
   if (side_in(new_name) == Side::none) return {};
   one.side = side_in(new_name);

@@ -31,10 +31,20 @@ struct TemplateOfSet {
   nlohmann::ordered_json other = nlohmann::ordered_json::object();  ///< fields that are not known here, kept
 };
 
+/// A vertex of one mesh, and the one of another that it is.
+using VertexPair = std::array<std::int32_t, 2>;
+
+/// Vertices that two structures have in common, as bones do where they meet.
+struct SharedVertices {
+  std::string a, b;                  ///< the structures' names
+  std::vector<VertexPair> vertices;  ///< of a's template and of b's
+};
+
 /// The templates of several structures that belong together, `*.set.json`. They lie as in the subject that they were
 /// made of (LPS mm), so that the set says where each lies to the others.
 struct TemplateSet {
   std::vector<TemplateOfSet> structures;
+  std::vector<SharedVertices> shared;
   nlohmann::ordered_json other = nlohmann::ordered_json::object();
 
   /// By its name, in any case. Null: there is none.

@@ -29,6 +29,7 @@ quick=(
   "evaluate|a.ply b.ply c.ply --samples 2 --csv old.csv" "phantom|kidney --subject 1 -o phantom" "fit|built-in:kidney --mask mask.nii.gz -o old.ply"
   "snap|a.ply --image image.nii.gz -o old.ply" "snap|imaged.homolog -o old.ply" "refine|case.homolog -o old.ply" "sample|-o sample"
   "study make|mask.nii.gz --template a.ply -o old.study.json" "set rename|two.set.json B C -o old.set.json"
+  "set share|two.set.json A B -o old.set.json"
 )
 slow=(
   "set make|mask.nii.gz --all --vertices 300 -o old.set.json"

@@ -94,6 +94,7 @@ run("set make", mask, "--all", "-o", "body.set.json")
 run("set info", "body.set.json")
 (folder / "two.set.json").write_text(json.dumps({"homolog_set": 1, "structures": [
     {"name": "A", "value": 1, "template": one}, {"name": "B", "value": 2, "template": one}]}))
+run("set share", "two.set.json", "A", "B")
 run("set rename", "two.set.json", "B", "C")
 check(json.loads((folder / "two.set.json").read_text()), "set", "a template set whose structure has another name")
 check(json.loads((folder / "body.set.json").read_text()), "set", "a template set")

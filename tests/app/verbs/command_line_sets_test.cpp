@@ -1,6 +1,8 @@
 #include "core/structures/set_map.h"
+#include "core/structures/template_set.h"
 #include "core/volume/write_segmentation.h"
 #include "tests/ball_folder.h"
+#include "tests/half_balls.h"
 #include "tests/must.h"
 
 namespace homolog {
@@ -228,6 +230,56 @@ TEST_CASE("set rename gives a name that neighbours and partners follow, in place
   }
   REQUIRE(run(folder, "set rename built-in:spine sacrum S1 -o spine.set.json").status == 0);
   CHECK(run(folder, "set info spine.set.json --json").json()["structures"][12]["name"] == "S1");
+}
+
+TEST_CASE("set share makes vertices of two structures one in every fit") {
+  const TemporaryFolder folder;
+  std::vector<MeshOfSegment> meshes;
+  TemplateSet set;
+  for (const bool above : {true, false}) {
+    TemplateOfSet one;
+    one.name = above ? "upper" : "lower";
+    one.value = above ? 1 : 2;
+    one.file = folder.path / (one.name + ".ply");
+    REQUIRE(write_mesh(shapes::half_ball(20, above), one.file));
+    meshes.push_back({{.name = one.name, .value = one.value}, shapes::half_ball(23, above)});
+    set.structures.push_back(std::move(one));
+  }
+  REQUIRE(write_template_set(set, folder.path / "ball.set.json"));
+  VolumeGeometry grid;
+  grid.dims = {60, 60, 60};
+  grid.origin_mm.setConstant(-29.3);
+  REQUIRE(write_segmentation(map_of_meshes(meshes, grid).map, folder.path / "map.seg.nrrd"));
+  const Ran shared = run(folder, "set share ball.set.json Upper lower --json");
+  REQUIRE_MESSAGE(shared.status == 0, shared.errors);
+  CHECK(shared.json()["shared"] == shapes::disc_vertices());
+  CHECK(shared.json()["farthest_mm"] == 0);
+  const std::string once = read_whole_file(folder.path / "ball.set.json").value();
+  REQUIRE(run(folder, "set share ball.set.json lower upper").status == 0);
+  REQUIRE(run(folder, "set share ball.set.json upper lower").status == 0);
+  CHECK(read_whole_file(folder.path / "ball.set.json").value() == once);
+  REQUIRE(run(folder, "fit ball.set.json --mask map.seg.nrrd -o fits --jobs 1").status == 0);
+  REQUIRE(run(folder, "fit ball.set.json --mask map.seg.nrrd -o more --jobs 2").status == 0);
+  const Points upper = read_mesh_file(folder.path / "fits" / "map" / "upper.ply").value().points;
+  const Points lower = read_mesh_file(folder.path / "fits" / "map" / "lower.ply").value().points;
+  CHECK((upper - lower).topRows(shapes::disc_vertices()).rowwise().norm().maxCoeff() < 1e-6);
+  CHECK(read_whole_file(folder.path / "fits" / "map" / "lower.ply").value() ==
+        read_whole_file(folder.path / "more" / "map" / "lower.ply").value());
+  for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
+           {"ball.set.json upper upper", "name another one"},
+           {"ball.set.json upper liver", "it has upper, lower"},
+           {"built-in:spine vertebrae_L3 sacrum", "-o"},
+           {"built-in:spine vertebrae_L3 vertebrae_T12 -o s.set.json", "--within-mm"}}) {
+    const Ran ran = run(folder, "set share " + arguments);
+    INFO(ran.errors);
+    CHECK(ran.status == 1);
+    CHECK(ran.errors.find(says) != std::string::npos);
+  }
+  // A template that was made anew since has fewer vertices: the fit goes on without.
+  REQUIRE(write_mesh(shapes::half_ball(20, true, 4, 12), folder.path / "upper.ply"));
+  const Ran fitted = run(folder, "fit ball.set.json --mask map.seg.nrrd -o less");
+  CHECK(fitted.status == 0);
+  CHECK(fitted.errors.find("declare them anew") != std::string::npos);
 }
 
 TEST_CASE("set make gives a template of each structure and names what suits none") {

@@ -64,16 +64,15 @@ bool better(const FitJudgement& a, const FitJudgement& b) {
   return a.inside_scan.dice > b.inside_scan.dice;
 }
 
-/// From where its neighbours say: as a whole, and where that is doubtful as one that may lack parts.
-Result<void> fit_by_neighbours(const Template& the_template, const StructureInMap& there, const Similarity& place,
-                               FitOptions options, FittedStructure& fitted) {
+/// Once more, from where its neighbours say; the better of both fits is kept.
+void fit_by_neighbours(const Template& the_template, const StructureInMap& there, const Similarity& place,
+                       FitOptions options, FittedStructure& fitted) {
   options.placement = place;
-  auto whole = try_fit(the_template, there, options);
-  if (whole && (!fitted.fit || better(whole->judgement, fitted.judgement))) {
-    take(std::move(*whole), fitted);
-    fitted.by_neighbours = true;
-  }
-  return {};
+  auto found = try_fit(the_template, there, options);
+  if (!found || (fitted.fit && !better(found->judgement, fitted.judgement))) return;
+  take(std::move(*found), fitted);
+  fitted.by_neighbours = true;
+  fitted.why_not.clear();
 }
 
 /// The pairs that have to be kept apart: all whose labels do not overlap.
@@ -84,6 +83,29 @@ std::vector<MeshPair> pairs_to_keep_apart(const SetInMap& subject, const std::ve
       if (subject.structures[fitted[a]].segment.layer == subject.structures[fitted[b]].segment.layer)
         pairs.push_back({a, b});
   return pairs;
+}
+
+/// Keeps the fitted meshes apart, and brings vertices that are shared to one place.
+void settle(const SetOfTemplates& set, const SetInMap& subject, double gap_mm, FittedSet& result) {
+  std::vector<std::size_t> fitted;
+  std::vector<Mesh> meshes;
+  std::vector<char> doubtful;
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < result.structures.size(); ++k) {
+    const FittedStructure& one = result.structures[k];
+    if (!one.fit) continue;
+    fitted.push_back(k);
+    meshes.push_back(one.fit->mesh);
+    doubtful.push_back(one.judgement.doubtful ? 1 : 0);
+    names.push_back(set.set.structures[k].name);
+  }
+  result.depth_mm = keep_apart(meshes, pairs_to_keep_apart(subject, fitted), gap_mm, doubtful);
+  join_shared(set.set.shared, names, meshes);
+  for (std::size_t k = 0; k < fitted.size(); ++k) {
+    FitResult& fit = *result.structures[fitted[k]].fit;
+    fit.mesh = std::move(meshes[k]);
+    fit.landmarks = carried_landmarks(*set.templates[fitted[k]], fit.mesh.points);
+  }
 }
 
 }  // namespace
@@ -124,33 +146,16 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
     if (!one.fit || one.judgement.doubtful || one.off_place > much_off_place) again.push_back(k);
   }
   fit_some(again, 0.3, [&](std::size_t k, const FitOptions& fitting) {
-    if (auto done =
-            fit_by_neighbours(*set.templates[k], subject.structures[k], *said[k], fitting, result.structures[k]);
-        !done)
-      result.structures[k].why_not = done.error().what;
+    fit_by_neighbours(*set.templates[k], subject.structures[k], *said[k], fitting, result.structures[k]);
   });
   if (progress.cancelled()) return fail("", "the fit was cancelled");
-  std::vector<std::size_t> fitted;
-  std::vector<Mesh> meshes;
-  std::vector<char> doubtful;
   for (const std::size_t k : there) {
     FittedStructure& one = result.structures[k];
     if (!one.fit) continue;
     if (said[k]) one.off_place = apart(*set.templates[k], *said[k], one.fit->placement);
     one.confidence = structure_confidence(one);
-    fitted.push_back(k);
-    meshes.push_back(one.fit->mesh);
-    doubtful.push_back(one.judgement.doubtful ? 1 : 0);
   }
-  result.depth_mm = keep_apart(meshes, pairs_to_keep_apart(subject, fitted), options.gap_mm, doubtful);
-  std::vector<std::string> names;
-  for (const std::size_t k : fitted) names.push_back(set.set.structures[k].name);
-  join_shared(set.set.shared, names, meshes);
-  for (std::size_t k = 0; k < fitted.size(); ++k) {
-    FitResult& fit = *result.structures[fitted[k]].fit;
-    fit.mesh = std::move(meshes[k]);
-    fit.landmarks = carried_landmarks(*set.templates[fitted[k]], fit.mesh.points);
-  }
+  settle(set, subject, options.gap_mm, result);
   return result;
 }
 

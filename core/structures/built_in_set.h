@@ -9,13 +9,13 @@
 namespace homolog {
 
 /// A template set that Homolog makes itself, with its templates in memory. A structure's `file` is a name that
-/// load_template takes, such as "built-in:spine:vertebrae_L3", so the set can also be written to a file.
+/// load_template takes [core/catalogue], so the set can also be written to a file.
 struct BuiltInSet {
   TemplateSet set;
   std::vector<MeshFile> templates;  ///< one for each structure, where it lies in the set (LPS mm)
 };
 
-/// The set of a name: "built-in:spine", the mean of the spine phantoms. Errors: no such set.
+/// The set of a name [core/catalogue]: the mean of the spine phantoms. Errors: no such set.
 Result<BuiltInSet> built_in_set(const std::string& source);
 
 /// Whether a source is one of a set: the name of a set's file, or of a built-in set.

@@ -88,6 +88,7 @@ void add_info(CLI::App& app, CommandLine& asked) {
     std::string series;
     std::vector<double> spacing_mm;
     std::optional<int> frame;
+    std::optional<double> level;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "info", "What a volume, mesh, template, case or model is");
@@ -98,6 +99,7 @@ void add_info(CLI::App& app, CommandLine& asked) {
   add_label_option(*verb, options->label, "Which label of the mask, by number or name; 1,2: both together")
       ->needs(mask_option);
   add_mask_frame_option(*verb, options->frame)->needs(mask_option);
+  add_level_option(*verb, options->level)->needs(mask_option);
   const auto info = [options](Progress& progress) -> Result<Report> {
     const auto warnings = check_effect(options->file, options->series, !options->spacing_mm.empty());
     if (!warnings) return fail(warnings.error());
@@ -108,13 +110,14 @@ void add_info(CLI::App& app, CommandLine& asked) {
     if (!file) return fail(file.error());
     const auto mesh = read_mesh(options->file);
     if (!mesh) return fail(mesh.error());
-    const auto mask = read_mask(options->mask, options->label, {options->frame, noted_frame(*file)}, progress);
+    const auto mask =
+        read_mask(options->mask, options->label, {options->frame, noted_frame(*file), options->level}, progress);
     if (!mask) return fail(mask.error());
     const auto target = labelled_surface(options->mask, *mask);
     if (!target) return fail(target.error());
     report->warnings.insert(report->warnings.end(), mask->warnings.begin(), mask->warnings.end());
     warn_of_misfit(options->file, *mesh, options->mask, *target, report->warnings);
-    mask->report_frame(report->values);
+    mask->report(report->values);
     report->values["distance_to_mask_mm"] = json_of(surface_distance(*mesh, *target));
     report->values["distance_from_mask_mm"] = json_of(surface_distance(*target, *mesh));
     return report;
@@ -273,6 +276,7 @@ void add_compare(CLI::App& app, CommandLine& asked) {
     fs::path mesh, mask, other;
     std::string label;
     std::optional<int> frame;
+    std::optional<double> level;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "compare", "How well a mesh agrees with a mask or another mesh");
@@ -281,6 +285,7 @@ void add_compare(CLI::App& app, CommandLine& asked) {
   add_label_option(*verb, options->label, "Which label of the mask, by number or name; 1,2: both together")
       ->needs(mask_option);
   add_mask_frame_option(*verb, options->frame)->needs(mask_option);
+  add_level_option(*verb, options->level)->needs(mask_option);
   verb->add_option("--mesh", options->other, "Another mesh or case to compare with")->excludes(mask_option);
   const auto compare = [options](Progress& progress) -> Result<Report> {
     const auto file = read_shape(options->mesh);
@@ -302,7 +307,8 @@ void add_compare(CLI::App& app, CommandLine& asked) {
         report.values["landmarks_mm"] = landmarks;
       return report;
     }
-    const auto mask = read_mask(options->mask, options->label, {options->frame, noted_frame(*file)}, progress);
+    const auto mask =
+        read_mask(options->mask, options->label, {options->frame, noted_frame(*file), options->level}, progress);
     if (!mask) return fail(mask.error());
     const auto agreement = compare_with_mask(*mesh, mask->volume, mask->label, mask->frame);
     if (!agreement) return fail(options->mask.string(), mask->named(agreement.error().what));
@@ -311,7 +317,7 @@ void add_compare(CLI::App& app, CommandLine& asked) {
       if (const auto target = labelled_surface(options->mask, *mask))
         warn_of_misfit(options->mesh, *mesh, options->mask, *target, warnings);
     Report report{describe(*agreement), std::move(warnings)};
-    mask->report_frame(report.values);
+    mask->report(report.values);
     return report;
   };
   verb->callback([options, compare, &asked] {

@@ -265,8 +265,9 @@ void check_effect(const FitJob& options, const CLI::App& verb) {
 
 /// A set goes to label maps, into a folder, and takes few options.
 void check_set(const FitJob& options, const CLI::App& verb) {
-  for (const char* name : {"--mesh", "--image", "--label", "--closing-mm", "--parts", "--placement", "--landmarks",
-                           "--orientation", "--model", "--beyond", "--partial", "--mirror", "--by-others"})
+  for (const char* name :
+       {"--mesh", "--image", "--label", "--level", "--closing-mm", "--parts", "--placement", "--landmarks",
+        "--orientation", "--model", "--beyond", "--partial", "--mirror", "--by-others"})
     refuse_without_effect(verb, name, "a single template, not for a set");
   if (options.masks.empty()) throw CLI::RequiredError("--mask with the label maps to fit the set to");
   if (is_mesh_name(options.out))
@@ -307,6 +308,7 @@ void add_fit(CLI::App& app, CommandLine& asked) {
   add_label_option(*verb, options->label,
                    "Which label of the mask, where it holds several, by number or name; 1,2: both together")
       ->needs(mask);
+  add_level_option(*verb, options->level)->needs(mask);
   add_ball_option(*verb, "--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
       ->needs(mask);
   verb->add_option(

@@ -88,7 +88,7 @@ Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared
     boundary->warnings.insert(boundary->warnings.begin(), file->warnings.begin(), file->warnings.end());
     return FitTarget{started, std::move(*boundary), std::nullopt};
   }
-  auto mask = read_mask(path, options.label, {options.frame, {}}, progress);
+  auto mask = read_mask(path, options.label, {options.frame, {}, options.level}, progress);
   if (!mask) return fail(mask.error());
   const auto started = FitClock::now();
   const bool all_parts = takes_all_parts(options, *shared.the_template);
@@ -135,7 +135,7 @@ Report report_of_fit(const FitTarget& target, const Template& the_template, cons
   if (target.mask) {
     const MaskRead& mask = *target.mask;
     report.values["dice_raw"] = dice_with_mask(fit.mesh, mask.volume, mask.label, mask.frame);
-    mask.report_frame(report.values);
+    mask.report(report.values);
     report.values["parts_left_out"] = {{"count", target.boundary.parts_left_out},
                                        {"share", target.boundary.share_left_out}};
   }

@@ -23,6 +23,7 @@ struct FitJob {
   SnapArguments snap;        ///< for an image
   std::optional<int> frame;  ///< of a label map: as asked
   std::string label;
+  std::optional<double> level;  ///< of a soft mask
   std::optional<double> closing_mm;
   bool mirror = false, partial = false;
   bool of_folder = false;  ///< cases were named by their folder

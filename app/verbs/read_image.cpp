@@ -7,6 +7,7 @@
 #include "core/base/text.h"
 #include "core/measure/compare.h"
 #include "core/volume/read_labels.h"
+#include "core/volume/soft_mask.h"
 
 namespace homolog {
 
@@ -65,6 +66,15 @@ CLI::Option* add_mask_frame_option(CLI::App& verb, std::optional<int>& frame) {
           "Which frame of a label map with several, from 0 (default: that of the mesh where it says so, else the "
           "first)")
       ->check(CLI::NonNegativeNumber);
+}
+
+CLI::Option* add_level_option(CLI::App& verb, std::optional<double>& level) {
+  return verb
+      .add_option_function<double>(
+          "--level", [&level](const double& asked) { level = asked; },
+          "Of a mask with soft edges: the value at its surface, below 1 where values are from 0 to 1 (default: 0.5), "
+          "above 1 where they are from 0 to 255")
+      ->check(CLI::Range(0.001, 254.0));
 }
 
 namespace {
@@ -151,11 +161,25 @@ Result<int> label_alone(const VolumeRead& read, int frame) {
   return fail("", "holds several labels; choose one by --label: " + labels_there(read, frame));
 }
 
+/// Makes a soft mask of what is one, or is said to be one by its level, and gives the level; none of other masks.
+Result<std::optional<double>> soft_level(const std::filesystem::path& path, VolumeRead& read, int frame,
+                                         const MaskAsked& asked) {
+  if (asked.voxels_alone || !read.other_layers.empty()) return std::nullopt;
+  if (!asked.level && !is_soft(read.volume, frame)) return std::nullopt;
+  const double level = asked.level.value_or(usual_level);
+  const auto soft = make_soft(read.volume, frame, level);
+  if (!soft) return fail(path.string(), soft.error().what);
+  if (!*soft) return std::nullopt;
+  if (!any_occurs(read.volume, {1}, frame))
+    return fail(path.string(), "has no value above " + Json(level).dump() + "; give a lower --level");
+  return level;
+}
+
 }  // namespace
 
-Result<MaskRead> read_mask(const std::filesystem::path& path, const std::string& label, const MaskFrame& asked,
+Result<MaskRead> read_mask(const std::filesystem::path& path, const std::string& label, const MaskAsked& asked,
                            Progress& progress) {
-  auto read = read_image(path, asked.asked.value_or(0), progress);
+  auto read = read_image(path, asked.frame.value_or(0), progress);
   if (!read) return fail(read.error());
   const auto segments = choose_segments(path, label, *read);
   if (!segments) return fail(segments.error());
@@ -163,21 +187,24 @@ Result<MaskRead> read_mask(const std::filesystem::path& path, const std::string&
   for (const Segment& segment : *segments)
     if (std::find(labels.begin(), labels.end(), segment.value) == labels.end()) labels.push_back(segment.value);
   const int frames = read->volume.frames;
-  const int frame = asked.asked ? *asked.asked : frames > 1 ? asked.of_mesh.value_or(0) : 0;
+  const int frame = asked.frame ? *asked.frame : frames > 1 ? asked.of_mesh.value_or(0) : 0;
   if (frame >= frames)
     return fail(path.string(), "has " + std::to_string(frames) +
                                    " frames, counted from 0, and the mesh belongs to frame " + std::to_string(frame) +
                                    "; choose --frame among them");
+  const auto level = soft_level(path, *read, frame, asked);
+  if (!level) return fail(level.error());
   if (auto held = check_frame(read->volume, labels, frame); !held) return fail(path.string(), held.error().what);
   if (auto there = check_labels(*read, labels, frame); !there) return fail(path.string(), there.error().what);
-  if (frames > 1 && !asked.asked && !asked.of_mesh)
+  if (frames > 1 && !asked.frame && !asked.of_mesh)
     read->warnings.push_back(path.string() + ": has " + std::to_string(frames) +
                              " frames, of which frame 0 was taken; choose another by --frame");
-  warn_of_soft_labels(path, read->volume, frame, read->warnings);
-  if (labels.size() > 1) {  // one that does not occur adds nothing: most kidneys have no tumour
+  if (!*level) warn_of_soft_labels(path, read->volume, frame, read->warnings);
+  if (labels.size() > 1 && !*level) {  // one that does not occur adds nothing: most kidneys have no tumour
     const int united = unite_segments(read->volume, *segments, frame);
     return MaskRead{std::move(*read), united, frame, labels};
   }
+  if (*level) return MaskRead{std::move(*read), 1, frame, {1}, *level};
   const auto chosen = !labels.empty() ? Result<int>(labels.front()) : label_alone(*read, frame);
   if (!chosen) return fail(path.string(), chosen.error().what);
   return MaskRead{std::move(*read), *chosen, frame, {*chosen}};

@@ -20,32 +20,38 @@ CLI::Option* add_label_option(CLI::App& verb, std::string& label, const std::str
 CLI::Option* add_ball_option(CLI::App& verb, const std::string& name, std::optional<double>& radius_mm,
                              const std::string& help);
 
-/// Which frame of a label map is meant.
-struct MaskFrame {
-  std::optional<int> asked;    ///< by --frame
-  std::optional<int> of_mesh;  ///< that the mesh belongs to which meets it [noted_frame]
+/// Which frame of a label map is meant, and where the surface of a soft mask lies.
+struct MaskAsked {
+  std::optional<int> frame;       ///< by --frame
+  std::optional<int> of_mesh;     ///< the frame that the mesh belongs to which meets it [noted_frame]
+  std::optional<double> level{};  ///< by --level
+  bool voxels_alone = false;      ///< soft masks are rounded to voxels
 };
 /// Adds `--frame K`; without it `frame` stays empty.
 CLI::Option* add_mask_frame_option(CLI::App& verb, std::optional<int>& frame);
+/// Adds `--level L`; without it `level` stays empty.
+CLI::Option* add_level_option(CLI::App& verb, std::optional<double>& level);
 
 struct MaskRead : VolumeRead {
-  int label = 0;          ///< of the union, where several were asked for: the first of them
-  int frame = 0;          ///< which is meant
-  std::vector<int> from;  ///< the labels that it holds
+  int label = 0;                  ///< of the union, where several were asked for: the first of them
+  int frame = 0;                  ///< which is meant
+  std::vector<int> from;          ///< the labels that it holds
+  std::optional<double> level{};  ///< of a soft mask: where its surface lies, in its own values
 
   /// A sentence about `label` that names all of `from`: "label 1+2".
   std::string named(std::string sentence) const;
   std::vector<std::string> named(std::vector<std::string> sentences) const;
-  /// Says in a report which frame was taken, where there are several.
-  void report_frame(Json& values) const {
+  /// Says in a report which frame was taken, where there are several, and that the mask is soft.
+  void report(Json& values) const {
     if (volume.frames > 1) values["frame"] = frame;
+    if (level) values.update(Json{{"soft", true}, {"level", *level}});
   }
 };
 /// A label map, and which frame and label of it are meant. The frame: the one that is asked for, else the one that the
 /// mesh belongs to, else the first, with a warning where there are several. The label: what `label` names
-/// [choose_segments], together, or the only one where it is empty. Errors: a frame without them names those that hold
-/// some.
-Result<MaskRead> read_mask(const std::filesystem::path& path, const std::string& label, const MaskFrame& frame,
+/// [choose_segments], together, or the only one where it is empty; of a soft mask [soft_mask.h] there is only label 1.
+/// Errors: a frame without them names those that hold some.
+Result<MaskRead> read_mask(const std::filesystem::path& path, const std::string& label, const MaskAsked& asked,
                            Progress& progress);
 
 }  // namespace homolog

@@ -35,7 +35,7 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
     if (!boundary) return fail(path.string(), boundary.error().what);
     subject.boundary = std::move(*boundary);
   } else {
-    auto mask = read_mask(path, files.label, {files.frame, {}}, progress);
+    auto mask = read_mask(path, files.label, {files.frame, {}, files.level}, progress);
     if (!mask) return fail(mask.error());
     warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
     if (mask->volume.frames > 1) frame = mask->frame;
@@ -79,10 +79,11 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
       return fail(path.string(), "holds no surfaces and no label maps; name the files themselves");
   if (paths.empty())
     return fail(files.files.front().string(), "holds no surfaces and no label maps; name the files themselves");
-  if ((!files.label.empty() || files.closing_mm || files.frame) &&
+  if ((!files.label.empty() || files.closing_mm || files.frame || files.level) &&
       std::all_of(paths.begin(), paths.end(), is_mesh_name))
-    return fail(files.files.front().string(),
-                "is no label map, so --label, --frame and --closing-mm have no effect; leave them out");
+    return fail(files.files.front().string(), "is no label map, so --label, --frame" +
+                                                  std::string(files.level ? ", --level" : "") +
+                                                  " and --closing-mm have no effect; leave them out");
   SubjectsRead read;
   read.subjects.resize(paths.size());
   std::vector<std::vector<std::string>> warnings(paths.size());

@@ -17,6 +17,7 @@ struct SubjectFiles {
   std::filesystem::path landmarks;           ///< a folder with a file for each [landmark_file_in]; empty: none
   std::string label;                         ///< of label maps: see read_mask
   std::optional<int> frame;                  ///< of label maps with several: see read_mask
+  std::optional<double> level;               ///< of soft masks: see read_mask
   std::optional<double> closing_mm;          ///< see label_boundary
   int vertices = 2500;
   bool flip_mirrored = false;

@@ -191,16 +191,17 @@ Result<MadeTemplate> from_mesh(const TemplateJob& options, Progress& progress) {
 
 Result<MadeTemplate> make_template_of_one(const TemplateJob& options, bool choose_closing, Progress& progress) {
   if (is_mesh_name(options.in)) {
-    if (!options.label.empty() || options.frame)
-      return fail(options.in.string(), "is a mesh, on which --label and --frame have no effect; leave them out");
+    if (!options.label.empty() || options.frame || options.level)
+      return fail(options.in.string(),
+                  "is a mesh, on which --label, --frame and --level have no effect; leave them out");
     if (options.tube)
       return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
     return from_mesh(options, progress);
   }
-  const auto mask = read_mask(options.in, options.label, {options.frame, {}}, progress);
+  const auto mask = read_mask(options.in, options.label, {options.frame, {}, options.level, options.tube}, progress);
   if (!mask) return fail(mask.error());
   auto made = options.tube ? tube(options, *mask) : from_mask(options, *mask, choose_closing, progress);
-  if (made) mask->report_frame(made->values);
+  if (made) mask->report(made->values);
   return made;
 }
 
@@ -275,7 +276,7 @@ void check_effect(const TemplateJob& options, const CLI::App& verb) {
   if (!options.consensus.empty()) refuse_without_effect(verb, "--opening-mm", "a template of one subject");
   if (!of_many) refuse_without_effect(verb, "--flip-mirrored", "--consensus and --best-of");
   if (options.tube)
-    for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})
+    for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus", "--level"})
       refuse_without_effect(verb, name, "templates without --tube");
 }
 
@@ -307,6 +308,7 @@ void add_template(CLI::App& app, CommandLine& asked) {
   add_label_option(*verb, options->label,
                    "Which label of the mask, where it holds several, by number or name; 1,2: both together");
   add_mask_frame_option(*verb, options->frame);
+  add_level_option(*verb, options->level);
   verb->add_option("--vertices", options->vertices, "How many vertices")
       ->check(CLI::Range(100, 200000))
       ->capture_default_str();

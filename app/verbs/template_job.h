@@ -18,6 +18,7 @@ struct TemplateJob {
   bool flip_mirrored = false;
   std::string label;
   std::optional<int> frame;
+  std::optional<double> level;  ///< of soft masks
   int vertices = 2500;
   std::optional<double> closing_mm, opening_mm;
   std::string genus = "auto", parts = "largest";

@@ -38,7 +38,7 @@ Result<void> choose_closing_of(const TemplateJob& options, const std::vector<fs:
   for (const fs::path& path : paths) {
     if (is_mesh_name(path)) continue;
     members.push_back({case_name_of(path), [&options, path](Progress& reading) -> Result<CohortMap> {
-                         auto mask = read_mask(path, options.label, {options.frame, {}}, reading);
+                         auto mask = read_mask(path, options.label, {options.frame, {}, options.level}, reading);
                          if (!mask) return fail(mask.error());
                          return CohortMap{std::move(mask->volume), mask->label, mask->frame};
                        }});
@@ -63,9 +63,15 @@ Result<CohortRead> read_cohort(const TemplateJob& options, const std::vector<fs:
   if (!options.closing_mm)
     if (auto chosen = choose_closing_of(options, subject_paths(files), all, progress); !chosen)
       return fail(chosen.error());
-  auto read = read_subjects(
-      {files, {}, options.label, options.frame, all.cohort.closing_mm, options.vertices, options.flip_mirrored},
-      progress);
+  auto read = read_subjects({files,
+                             {},
+                             options.label,
+                             options.frame,
+                             options.level,
+                             all.cohort.closing_mm,
+                             options.vertices,
+                             options.flip_mirrored},
+                            progress);
   if (!read) return fail(read.error());
   all.read = std::move(*read);
   for (BiasSubject& subject : all.read.subjects) {
@@ -81,7 +87,7 @@ Result<MadeTemplate> template_of(const TemplateJob& options, const CohortRead& s
   TemplateJob one = options;
   one.in = subjects.read.paths[subject];
   if (is_mesh_name(one.in))
-    one.label.clear(), one.frame.reset(), one.closing_mm.reset();
+    one.label.clear(), one.frame.reset(), one.level.reset(), one.closing_mm.reset();
   else
     one.closing_mm = subjects.cohort.closing_mm;
   return make_template_of_one(one, false, progress);

@@ -137,8 +137,28 @@ Result<Mesh> marched(const VolumeGeometry& grid, FillSlice fill_slice, Crossing 
 
 }  // namespace
 
+namespace {
+
+/// 0.5 less the values of a soft mask's frame.
+std::vector<float> zero_at_level(const Volume& mask, int frame) {
+  const auto& shares = std::get<std::vector<float>>(mask.data);
+  const std::size_t count = mask.geometry.voxels();
+  std::vector<float> values(count);
+  std::transform(shares.begin() + static_cast<std::ptrdiff_t>(count * index(frame)),
+                 shares.begin() + static_cast<std::ptrdiff_t>(count * index(frame + 1)), values.begin(),
+                 [](float share) { return 0.5F - share; });
+  return values;
+}
+
+}  // namespace
+
 Result<Mesh> mask_surface(const Volume& mask, int label, int frame) {
   assert(frame >= 0 && frame < mask.frames);
+  if (mask.soft && (label == 1 || label == every_label)) {
+    const std::vector<float> values = zero_at_level(mask, frame);
+    if (std::any_of(values.begin(), values.end(), [](float value) { return value < 0; }))
+      return zero_surface(values, mask.geometry);
+  }
   const int size_i = mask.geometry.dims[0], size_j = mask.geometry.dims[1], size_k = mask.geometry.dims[2];
   bool occurs = false;
   const auto fill_slice = [&](int k, Slice& slice) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/base/index.h"
+#include "core/base/parallel.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/surface_search.h"
 #include "core/mesh/voxelise.h"
@@ -151,6 +152,43 @@ double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double e
 
 namespace {
 
+/// The mean value of a soft mask in each block; beyond the mask there is nothing.
+std::vector<float> mean_shares(const Volume& mask, int frame, const Blocks& blocks) {
+  const auto& dims = mask.geometry.dims;
+  const float* shares = std::get<std::vector<float>>(mask.data).data() + index(frame) * mask.geometry.voxels();
+  std::vector<float> means(index(blocks.dims[0]) * index(blocks.dims[1]) * index(blocks.dims[2]));
+  const auto all_of_block = static_cast<double>(blocks.size[0] * blocks.size[1] * blocks.size[2]);
+  std::size_t at = 0;
+  std::array<int, 3> first{}, last{};  // the voxels of a block that the mask has
+  const auto take = [&](std::size_t axis, int block) {
+    first[axis] = std::max(0, blocks.first[axis] + block * blocks.size[axis]);
+    last[axis] = std::min(dims[axis], blocks.first[axis] + (block + 1) * blocks.size[axis]) - 1;
+  };
+  for (int bk = 0; bk < blocks.dims[2]; ++bk)
+    for (int bj = 0; bj < blocks.dims[1]; ++bj)
+      for (int bi = 0; bi < blocks.dims[0]; ++bi, ++at) {
+        take(0, bi), take(1, bj), take(2, bk);
+        double sum = 0;
+        for (int k = first[2]; k <= last[2]; ++k)
+          for (int j = first[1]; j <= last[1]; ++j)
+            for (int i = first[0]; i <= last[0]; ++i)
+              sum += static_cast<double>(shares[(index(k) * index(dims[1]) + index(j)) * index(dims[0]) + index(i)]);
+        means[at] = static_cast<float>(sum / all_of_block);
+      }
+  return means;
+}
+
+/// Values whose zero is the surface of a soft mask, as far as `inside` goes: parts that were left out are outside, and
+/// cavities that were filled inside.
+std::vector<float> values_of(const LabelBody& region) {
+  std::vector<float> values(region.shares.size());
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const bool inside = region.inside[v] != 0;
+    values[v] = inside == (region.shares[v] > 0.5F) ? 0.5F - region.shares[v] : inside ? -0.5F : 0.5F;
+  }
+  return values;
+}
+
 /// A label with a margin around it: its largest part alone, cavities filled, or all of it.
 Result<LabelBody> label_cut_out(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
                                 double margin_mm, bool one_body) {
@@ -183,6 +221,11 @@ Result<LabelBody> label_cut_out(const Volume& mask, int label, int frame, const 
   region.inside.resize(count.size());
   std::transform(count.begin(), count.end(), region.inside.begin(),
                  [half](std::uint16_t n) { return static_cast<std::uint8_t>(n >= half); });
+  if (mask.soft) {
+    region.shares = mean_shares(mask, frame, blocks);
+    std::transform(region.shares.begin(), region.shares.end(), region.inside.begin(),
+                   [](float share) { return static_cast<std::uint8_t>(share > 0.5F); });
+  }
   if (one_body) region.body = make_one_body(region.inside, region.grid.dims);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int last = whole.dims[axis] - 1;
@@ -231,10 +274,42 @@ std::size_t voxels_off(const LabelBody& region, const Mesh& mesh) {
 }
 
 Result<Mesh> boundary_of(const LabelBody& region) {
+  if (!region.shares.empty()) return zero_surface(values_of(region), region.grid);
   Volume body;
   body.geometry = region.grid;
   body.data = region.inside;
   return mask_surface(body, 1);
+}
+
+LevelSet signed_distance(const LabelBody& region) {
+  LevelSet by_voxels = signed_distance(region.inside, region.grid);
+  const auto surface = region.shares.empty() ? fail("", "") : boundary_of(region);
+  if (!surface) return by_voxels;
+  // Beside the surface the distances are exact, so that it lies where the values say; farther off those of the voxels
+  // are near enough.
+  const SurfaceSearch search(*surface);
+  const auto& dims = region.grid.dims;
+  std::vector<float> values = by_voxels.values();
+  const auto at = [&](int i, int j, int k) {
+    return (index(k) * index(dims[1]) + index(j)) * index(dims[0]) + index(i);
+  };
+  const auto is_beside = [&](int i, int j, int k) {
+    for (int c = std::max(0, k - 1); c <= std::min(dims[2] - 1, k + 1); ++c)
+      for (int b = std::max(0, j - 1); b <= std::min(dims[1] - 1, j + 1); ++b)
+        for (int a = std::max(0, i - 1); a <= std::min(dims[0] - 1, i + 1); ++a)
+          if (region.inside[at(a, b, c)] != region.inside[at(i, j, k)]) return true;
+    return false;
+  };
+  in_parallel(dims[2], [&](int first, int last) {
+    for (int k = first; k < last; ++k)
+      for (int j = 0; j < dims[1]; ++j)
+        for (int i = 0; i < dims[0]; ++i) {
+          if (!is_beside(i, j, k)) continue;
+          const double mm = search.nearest(region.grid.to_mm(Vec3(i, j, k))).distance_mm;
+          values[at(i, j, k)] = static_cast<float>(region.inside[at(i, j, k)] != 0 ? -mm : mm);
+        }
+  });
+  return {region.grid, std::move(values)};
 }
 
 std::optional<std::string> several_parts(const LabelBody& region, int label) {

@@ -9,6 +9,7 @@
 
 #include "core/base/result.h"
 #include "core/mesh/topology.h"
+#include "core/template_making/level_set.h"
 #include "core/template_making/voxel_components.h"
 #include "core/volume/volume.h"
 
@@ -25,6 +26,7 @@ struct MapSide {
 struct LabelBody {
   VolumeGeometry grid;               ///< may reach beyond the label map's
   std::vector<std::uint8_t> inside;  ///< 1 or 0 a voxel of `grid`
+  std::vector<float> shares;         ///< of a soft mask: its values, the surface at 0.5; empty of others
   OneBody body;                      ///< counted in voxels of `grid`
   std::array<bool, 6> touches{};     ///< the label map's first and last plane of i, j and k: that part is cut off there
 };
@@ -57,8 +59,9 @@ inline constexpr double ball_share = 0.00625;
 double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double edge_mm, double margin_mm);
 
 /// `extent`: the label's own. `margin_mm`: left free on every side, at least two voxels. Where an axis has voxels
-/// smaller than half of `spacing_mm`, whole blocks of them are made one (inside where at least half are), larger ones
-/// where the grid would hold more than 16 million. Errors: the label does not occur.
+/// smaller than half of `spacing_mm`, whole blocks of them are made one (inside where at least half are; of a soft mask
+/// where their mean is above 0.5), larger ones where the grid would hold more than 16 million. Errors: the label does
+/// not occur.
 Result<LabelBody> label_body(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
                              double margin_mm);
 
@@ -70,8 +73,11 @@ Result<LabelBody> whole_label(const Volume& mask, int label, int frame, const La
 /// its longest axis).
 std::size_t voxels_off(const LabelBody& region, const Mesh& mesh);
 
-/// The boundary of a region's voxels, LPS mm. Errors: nothing is inside.
+/// The boundary of a region's voxels, or of a soft mask its surface, LPS mm. Errors: nothing is inside.
 Result<Mesh> boundary_of(const LabelBody& region);
+
+/// The signed distance to the boundary of a region's voxels. Of a soft mask: to its surface between the voxels.
+LevelSet signed_distance(const LabelBody& region);
 
 /// The warning that parts of the label are left out, which are a hundredth of it or more; none where they are not.
 std::optional<std::string> several_parts(const LabelBody& region, int label);

@@ -31,7 +31,7 @@ Result<Mesh> label_surface(const Volume& labels, int label, int frame, Progress*
   auto region = whole_label(labels, label, frame, extent, spacing_mm, margin_mm);
   if (!region) return fail(region.error());
   if (!goes_on(0.4)) return cancelled();
-  const LevelSet distance = signed_distance(region->inside, region->grid);
+  const LevelSet distance = signed_distance(*region);
   if (!goes_on(0.6)) return cancelled();
   const LevelSet fine = resampled(distance, spacing_mm);
   if (!goes_on(0.7)) return cancelled();

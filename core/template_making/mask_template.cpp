@@ -91,7 +91,7 @@ class Making {
     if (const std::string sides = sides_touched(region_); !sides.empty())
       made_.warnings.push_back(label_name(options_.label) + " touches the edge of the label map (" + sides +
                                "); the organ is closed flat there; use a map that holds the whole organ");
-    surface_ = resampled(signed_distance(region_.inside, region_.grid), spacing_mm);
+    surface_ = resampled(signed_distance(region_), spacing_mm);
     auto target = boundary_of(region_);
     if (!target) return fail(target.error());
     target_ = std::move(*target);

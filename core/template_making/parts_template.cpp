@@ -53,10 +53,20 @@ struct Parts {
   }
 
   /// One part alone.
-  Volume map_of(std::size_t part, const Volume& mask) const {
+  Volume map_of(std::size_t part, const Volume& mask, int frame) const {
     Volume map;
     map.geometry = mask.geometry;
     map.range_max = label;
+    if (mask.soft) {
+      const float* shares =
+          std::get<std::vector<float>>(mask.data).data() + static_cast<std::size_t>(frame) * found.part.size();
+      std::vector<float> own(shares, shares + found.part.size());
+      for (std::size_t v = 0; v < own.size(); ++v)
+        if (found.part[v] >= 0 && found.part[v] != static_cast<std::int32_t>(part)) own[v] = 0;
+      map.data = std::move(own);
+      map.soft = true;
+      return map;
+    }
     std::vector<std::uint16_t> voxels(found.part.size());
     std::ranges::transform(found.part, voxels.begin(), [&](std::int32_t of) {
       return static_cast<std::uint16_t>(of == static_cast<std::int32_t>(part) ? label : 0);
@@ -96,7 +106,7 @@ Result<MaskTemplate> make_parts_template(const Volume& mask, const MaskTemplateO
   if (parts.kept.size() < 2) return make_mask_template(mask, options, progress);
   std::vector<double> areas_mm2;
   for (const std::size_t part : parts.kept)
-    areas_mm2.push_back(label_extent(parts.map_of(part, mask), parts.label, 0).area_mm2);
+    areas_mm2.push_back(label_extent(parts.map_of(part, mask, options.frame), parts.label, 0).area_mm2);
   const double total_mm2 = std::accumulate(areas_mm2.begin(), areas_mm2.end(), 0.0);
   MaskTemplate whole;
   double volume = 0, missed = 0;
@@ -112,7 +122,7 @@ Result<MaskTemplate> make_parts_template(const Volume& mask, const MaskTemplateO
     making.label = parts.label;
     making.frame = 0;
     making.vertices = static_cast<int>(std::lround(share * options.vertices));
-    auto made = make_mask_template(parts.map_of(parts.kept[k], mask), making, own ? &*own : nullptr);
+    auto made = make_mask_template(parts.map_of(parts.kept[k], mask, options.frame), making, own ? &*own : nullptr);
     if (!made)
       return fail("", "part " + std::to_string(k + 1) + " of " + label_name(options.label) + ": " + made.error().what);
     const auto first = static_cast<std::int32_t>(whole.mesh.points.rows());

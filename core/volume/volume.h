@@ -63,6 +63,8 @@ struct Volume {
   std::optional<std::pair<double, double>> file_window;
   std::string series_uid;  ///< DICOM series instance UID; empty elsewhere
   std::string modality;    ///< "CT", "MR", …; empty where unknown
+  /// A mask of one structure, label 1, whose surface lies where values between voxels pass 0.5 [soft_mask.h].
+  bool soft = false;
 
   /// Value of a voxel; the index must be inside.
   double at(int i, int j, int k, int frame = 0) const;

@@ -61,7 +61,7 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::o
   if (!cut_out) return fail(cut_out.error());
   const LabelBody* const region = &cut_out->region;
 
-  LevelSet surface = resampled(signed_distance(region->inside, region->grid), spacing_mm);
+  LevelSet surface = resampled(signed_distance(*region), spacing_mm);
   surface = closed_from_outside(surface, closing_mm);
   if (!parts.all) make_one_body(surface);
   auto mesh = surface_of(surface);

@@ -305,7 +305,7 @@ TEST_CASE("an option that has no effect on its input is said") {
   check_refused(run(folder, "info ball-1.ply --spacing 1,1,1"), "--spacing has no effect");
   check_refused(run(folder, "convert ball-1.ply out.ply --spacing 1,1,1"), "--spacing has no effect");
   check_refused(run(folder, "convert noise.nii out.nii --series 1.2"), "--series has no effect");
-  check_refused(run(folder, "template ball-1.ply -o out.ply --label 2"), "--label and --frame have no effect");
+  check_refused(run(folder, "template ball-1.ply -o out.ply --label 2"), "--label, --frame and --level have no effect");
   CHECK(run(folder, "snap ball-1.ply --image noise.nii -o out.ply --sigma-mm 3").status == 2);
   CHECK(run(folder, "snap ball.homolog --frame 1").status == 2);
   CHECK(!fs::exists(folder.path / "out.ply"));

@@ -1,8 +1,11 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
+#include "tests/ball_folder.h"
 #include "tests/command_line.h"
 #include "tests/real_data.h"
 #include "tests/tiff_bytes.h"
@@ -150,7 +153,7 @@ TEST_CASE("every verb that takes a label map says that its values are no whole n
   for (int v = 0; v < 16 * 16 * 16; ++v) {
     const int i = v % 16, j = v / 16 % 16, k = v / 256;
     const bool within = i >= 4 && i < 12 && j >= 4 && j < 12 && k >= 4 && k < 12;
-    voxels.push_back(within ? 0.9882f : 0.0f);
+    voxels.push_back(within ? 1.9882f : 0.0f);
   }
   soft.data = voxels;
   REQUIRE(write_volume(soft, folder.path / "soft.nii"));
@@ -161,6 +164,49 @@ TEST_CASE("every verb that takes a label map says that its values are no whole n
     const Ran ran = run(folder, verb);
     INFO(ran.errors);
     CHECK(ran.status == 0);
-    CHECK(ran.errors.find("soft.nii: holds values that are no whole numbers, as 0.9882") != std::string::npos);
+    CHECK(ran.errors.find("soft.nii: holds values that are no whole numbers, as 1.988") != std::string::npos);
   }
+}
+
+TEST_CASE("a soft mask is a surface at its level for the verbs that take a mask") {
+  const BallFolder folder;
+  const auto put = [&](const char* name, auto top) {
+    Volume mask;
+    mask.geometry = folder.grid;
+    std::vector<decltype(top)> values;
+    for (int k = 0; k < 30; ++k)
+      for (int j = 0; j < 30; ++j)
+        for (int i = 0; i < 30; ++i) {
+          const double share = std::clamp(0.5 + (20 - folder.grid.to_mm(Vec3(i, j, k)).norm()) / 3, 0.0, 1.0);
+          values.push_back(static_cast<decltype(top)>(top * share));
+        }
+    mask.data = std::move(values);
+    REQUIRE(write_volume(mask, folder.path / name));
+  };
+  put("soft.nii.gz", 1.0F);
+  put("grey.nii.gz", std::uint8_t{255});
+  const Json by_voxels = run(folder, "compare ball.ply --mask good.nii.gz --json").json();
+  CHECK(!by_voxels.contains("soft"));
+  for (const char* arguments : {"compare ball.ply --mask soft.nii.gz", "compare ball.ply --mask soft.nii.gz --label 1",
+                                "compare ball.ply --mask grey.nii.gz --level 127.5"}) {
+    CAPTURE(arguments);
+    const Ran ran = run(folder, std::string(arguments) + " --json");
+    REQUIRE(ran.status == 0);
+    CHECK(ran.errors.empty());
+    CHECK(ran.json()["soft"] == true);
+    CHECK(ran.json()["level"].get<double>() > 0);
+    CHECK(ran.json()["assd_mm"].get<double>() < 0.5 * by_voxels["assd_mm"].get<double>());
+  }
+  const Json fitted = run(folder, "fit ball.ply --mask soft.nii.gz -o fitted.ply --json").json();
+  CHECK(fitted["soft"] == true);
+  CHECK(fitted["level"] == 0.5);
+  CHECK(fitted["assd_mm"].get<double>() < 0.2);
+  const Json higher = run(folder, "template soft.nii.gz --vertices 500 --level 0.8 -o t.ply --json").json();
+  CHECK(higher["level"] == 0.8);
+  CHECK(higher["volume_ml"] < run(folder, "info ball.ply --json").json()["volume_ml"]);
+  CHECK(run(folder, "info ball.ply --mask soft.nii.gz --json").json()["soft"] == true);
+  check_refused(run(folder, "compare ball.ply --mask soft.nii.gz --label 2"), "label 2 does not occur");
+  check_refused(run(folder, "compare ball.ply --mask grey.nii.gz --level 0.5"), "above 1 for those from 0 to 255");
+  check_refused(run(folder, "compare ball.ply --mask grey.nii.gz"), "holds several labels");
+  CHECK(run(folder, "template good.nii.gz --tube --level 0.5 -o out.ply").status == 2);
 }

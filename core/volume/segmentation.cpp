@@ -105,28 +105,6 @@ bool Segmentation::add(Segment segment) {
   return true;
 }
 
-std::array<std::uint8_t, 3> colour_by_name(const std::string& name) {
-  static constexpr std::array<std::array<std::uint8_t, 3>, 10> colours{{{230, 159, 0},
-                                                                        {86, 180, 233},
-                                                                        {0, 158, 115},
-                                                                        {240, 228, 66},
-                                                                        {0, 114, 178},
-                                                                        {213, 94, 0},
-                                                                        {204, 121, 167},
-                                                                        {136, 204, 238},
-                                                                        {153, 153, 51},
-                                                                        {221, 204, 119}}};
-  std::string key = lower_case(name);
-  for (const std::string_view side : {"left", "right"})
-    if (const auto at = key.find(side); at != key.npos) key.erase(at, side.size());
-  std::uint32_t hash = 2166136261;  // FNV-1a: the same on every machine
-  for (const char c : key) {
-    if ((c < 'a' || c > 'z') && (c < '0' || c > '9')) continue;
-    hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619;
-  }
-  return colours[hash % colours.size()];
-}
-
 std::string label_words(const Segment& segment) {
   const std::string number = "label " + std::to_string(segment.value);
   return segment.name.empty() ? number : number + " (" + excerpt(segment.name) + ")";

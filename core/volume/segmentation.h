@@ -32,8 +32,9 @@ struct Segmentation {
   bool add(Segment segment);
 };
 
-/// The colour of a structure to which the map gives none: by its name, one of a few that people who confuse red and
-/// green tell apart too [Okabe & Ito 2008; Tol 2021]. Those of the left and the right side are the same.
+/// The colour of a structure to which the map gives none: by its name one of twelve, which people who confuse colours
+/// tell apart too. Structures that are often in one map, neighbouring vertebrae and neighbours in a numbered row have
+/// unlike ones. The left one of a pair is lighter, the right one darker.
 std::array<std::uint8_t, 3> colour_by_name(const std::string& name);
 
 /// "label 3", or "label 3 (spleen)" where it has a name.

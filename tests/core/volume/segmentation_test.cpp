@@ -2,6 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
+#include <cmath>
+
+#include "core/base/geometry.h"
 #include "tests/refusal.h"
 
 using namespace homolog;
@@ -24,6 +28,21 @@ std::vector<int> values_asked(const std::string& asked) {
   std::vector<int> values;
   for (const Segment& segment : *segments) values.push_back(segment.value);
   return values;
+}
+
+/// A colour of sRGB in CIELAB, as seen by an eye that mixes the linear channels.
+Vec3 lab_of(const std::array<std::uint8_t, 3>& colour, const Mat3& eye) {
+  Vec3 linear;
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    const double share = colour[static_cast<std::size_t>(c)] / 255.0;
+    linear[c] = share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
+  }
+  const Mat3 to_xyz =
+      (Mat3() << 0.4124564, 0.3575761, 0.1804375, 0.2126729, 0.7151522, 0.0721750, 0.0193339, 0.1191920, 0.9503041)
+          .finished();
+  Vec3 f = (to_xyz * (eye * linear).cwiseMax(0).cwiseMin(1)).cwiseQuotient(Vec3(0.95047, 1, 1.08883));
+  for (double& v : f) v = v > 0.008856 ? std::cbrt(v) : 7.787 * v + 16.0 / 116;
+  return {116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])};
 }
 
 }  // namespace
@@ -52,10 +71,51 @@ TEST_CASE("a segment's name is UTF-8 without control characters") {
   CHECK(segment_name("N\xc3\xa4he") == "N\xc3\xa4he");
 }
 
-TEST_CASE("a structure without a colour has one by its name that both sides share") {
-  CHECK(colour_by_name("Kidney_Left") == colour_by_name("right kidney"));
-  CHECK(colour_by_name("kidney") != colour_by_name("aorta"));
-  CHECK(colour_by_name("vertebrae_L1") != colour_by_name("vertebrae_L2"));
+TEST_CASE("organs of the abdomen have colours that everybody tells apart") {
+  // CIELAB as all cones see it, and without those for long, middle or short waves [Machado et al. 2009].
+  const std::array<Mat3, 4> eyes{
+      Mat3::Identity(),
+      (Mat3() << 0.152286, 1.052583, -0.204868, 0.114503, 0.786281, 0.099216, -0.003882, -0.048116, 1.051998)
+          .finished(),
+      (Mat3() << 0.367322, 0.860646, -0.227968, 0.280085, 0.672501, 0.047413, -0.011820, 0.042940, 0.968881).finished(),
+      (Mat3() << 1.255528, -0.076749, -0.178779, -0.078411, 0.930809, 0.147602, 0.004733, 0.691367, 0.303900)
+          .finished()};
+  const std::vector<std::string> organs{"liver",    "bladder",  "gallbladder", "spleen",
+                                        "aorta",    "kidney",   "colon",       "inferior_vena_cava",
+                                        "duodenum", "pancreas", "stomach",     "adrenal_gland"};
+  for (std::size_t a = 0; a < organs.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      for (const Mat3& eye : eyes) {
+        CAPTURE(organs[a] + " and " + organs[b]);
+        CHECK((lab_of(colour_by_name(organs[a]), eye) - lab_of(colour_by_name(organs[b]), eye)).norm() > 20);
+      }
+}
+
+TEST_CASE("the left and the right of a pair have a lighter and a darker colour of one hue") {
+  const auto colour = colour_by_name("kidney");
+  const auto left = colour_by_name("Kidney_Left"), right = colour_by_name("right kidney");
+  for (std::size_t c = 0; c < 3; ++c) {
+    CHECK(left[c] >= colour[c]);
+    CHECK(right[c] <= colour[c]);
+  }
+  CHECK((lab_of(left, Mat3::Identity()) - lab_of(right, Mat3::Identity())).norm() > 15);
+  for (const char* same : {"kidney_left", "Left-Kidney", "LeftKidney", "kidney.l", "L kidneys"})
+    CHECK(colour_by_name(same) == left);
+  for (const char* same : {"ctx-rh-cuneus", "ctx cuneus right"})
+    CHECK(colour_by_name(same) == colour_by_name("ctx_R_cuneus"));
+}
+
+TEST_CASE("neighbours along the spine and in a numbered row have unlike colours") {
+  const std::vector<std::string> spine{"vertebrae_C7", "vertebrae_T1", "vertebrae_T12", "vertebrae_L1",
+                                       "vertebrae_L4", "vertebrae_L5", "sacrum"};
+  for (std::size_t k = 1; k < spine.size(); ++k) CHECK(colour_by_name(spine[k - 1]) != colour_by_name(spine[k]));
+  CHECK(colour_by_name("vertebrae_L1") == colour_by_name("L1"));
+  CHECK(colour_by_name("disc_L4_L5") != colour_by_name("vertebrae_L4"));
+  CHECK(colour_by_name("disc_L4_L5") != colour_by_name("vertebrae_L5"));
+  CHECK(colour_by_name("rib_left_3") != colour_by_name("rib_left_4"));
+  CHECK(colour_by_name("something else") == colour_by_name("Something-Else"));
+  CHECK(colour_by_name("") == colour_by_name("_"));
+  CHECK(colour_by_name("Label_99999999999999999999") == colour_by_name("label 99999999999999999999"));
 }
 
 TEST_CASE("a segmentation holds one segment of each value and layer") {

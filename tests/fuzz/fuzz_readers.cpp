@@ -14,6 +14,7 @@
 #include "core/model/statismo.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"
+#include "core/volume/label_tables.h"
 #include "tests/readers.h"
 
 // Feeds made-up files to one reader, by libFuzzer. The reader is chosen by the program's own name: fuzz_nii reads
@@ -38,6 +39,16 @@ void volume(const fs::path& path) {
 
 void mesh(const fs::path& path) {
   if (const auto file = read_mesh_file(path)) (void)sound_mesh(*file);
+}
+
+/// Every reader of names of labels, whatever the file's name would choose.
+void labels(const fs::path& path) {
+  const auto text = read_whole_file(path);
+  if (!text) return;
+  (void)labels_of_json(*text);
+  (void)labels_of_lines(*text);
+  (void)labels_of_table(*text);
+  (void)labels_of_xml(*text);
 }
 
 void landmarks(const fs::path& path) {
@@ -96,6 +107,8 @@ constexpr Reader readers[] = {{"nii", ".nii", volume},
                               {"niigz", ".nii.gz", volume},
                               {"nrrd", ".nrrd", volume},
                               {"mha", ".mha", volume},
+                              {"mgh", ".mgh", volume},
+                              {"labels", ".txt", labels},
                               {"dcm", ".dcm", volume},
                               {"png", ".png", png},
                               {"tif", ".tif", pages<tiff_pages, read_tiff_pages>},

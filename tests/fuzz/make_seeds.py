@@ -35,6 +35,28 @@ put("nrrd", "text.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 2 2\nenc
 put("nrrd", "raw.nrrd", b"NRRD0004\ntype: uchar\ndimension: 3\nspace: left-posterior-superior\nsizes: 4 3 2\n"
     b"space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\n" + voxels)
 
+# FreeSurfer's: version, size, frames, type, degrees of freedom, whether it is placed, spacing, axes, centre.
+placed = struct.pack(">15f", 1, 2, 3, -1, 0, 0, 0, 0, -1, 0, 1, 0, 10, 20, 30)
+for name, kind, good, frames, content in (("bytes.mgh", 0, 1, 1, voxels), ("shorts.mgh", 4, 1, 1, voxels * 2),
+                                          ("cine.mgh", 3, 1, 2, struct.pack(">48f", *range(48))), ("unplaced.mgh", 0, 0, 1, voxels)):
+    head_mgh = struct.pack(">7ih", 1, 4, 3, 2, frames, kind, 0, good) + (placed if good else b"")
+    put("mgh", name, head_mgh.ljust(284, b"\0") + content)
+
+# Names of labels, in every form that is read.
+put("labels", "values.json", '{"1":"spleen","2":"kidney left"}')
+put("labels", "names.json", '{"labels":{"background":0,"spleen":1,"kidney":[2,3]}}')
+put("labels", "list.json", '[{"value":1,"name":"spleen","colour":"#9d6ca2"},{"label":2,"name":"liver","color":[221,130,101]}]')
+put("labels", "itk-snap.label", '# ITK-SnAP Label Description File\n    0     0    0    0        0  0  0    "Clear Label"\n'
+    '    1   255    0    0        1  1  1    "spleen"\n')
+put("labels", "freesurfer.txt", "#No. Label Name:                            R   G   B   A\n\n0   Unknown                 0   0   0   0\n"
+    "17  Left-Hippocampus        220 216 20  0\n")
+put("labels", "plain.txt", "1 spleen\n2 left kidney\n")
+put("labels", "columns.csv", "value,name,colour\n1,spleen,#9d6ca2\n2,\"kidney, left\",#b9663d\n")
+put("labels", "channels.tsv", "index\tname\tr\tg\tb\n1\tspleen\t157\t108\t162\n")
+put("labels", "semicolons.csv", "1;spleen\n2;liver\n")
+put("labels", "table.xml", '<?xml version="1.0"?><CaretExtension><VolumeInformation Index="0"><LabelTable>'
+    '<Label Key="1" Red="0.6" Green="0.4" Blue="0.6" Alpha="1"><![CDATA[spleen]]></Label></LabelTable></VolumeInformation></CaretExtension>')
+
 
 def element(group, number, kind, value):
     if len(value) % 2:

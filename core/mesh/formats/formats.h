@@ -13,9 +13,9 @@ namespace homolog {
 /// All that the program knows of a mesh format. Each has one of these in the source of this folder that is named like
 /// it.
 struct MeshFormat {
-  const char* name;             ///< in docs/commands.md
+  const char* name;             ///< in docs/formats.md
   const char* extension;        ///< of its files, in lower case
-  const char* note = "";        ///< a remark for docs/commands.md
+  const char* note = "";        ///< a remark for docs/formats.md
   bool has_faces = true;        ///< false for a list of points
   bool keeps_numbers = true;    ///< a file that is written and read has the same vertices in the same order
   bool keeps_template = false;  ///< stiffness, regions and landmarks too

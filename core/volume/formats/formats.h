@@ -11,11 +11,11 @@ namespace homolog {
 /// All that the program knows of an image format. Each has one of these in the source of this folder that is named like
 /// it.
 struct VolumeFormat {
-  std::string name;                  ///< in sentences and in docs/commands.md
+  std::string name;                  ///< in sentences and in docs/formats.md
   std::vector<std::string> endings;  ///< of the names of its files, in lower case
   std::vector<std::string> written;  ///< those that write_volume takes, the usual one first; none where it writes none
   std::string in_folder;             ///< what a folder of it holds, in sentences; empty where a file holds it all
-  std::string note;                  ///< a remark for docs/commands.md
+  std::string note;                  ///< a remark for docs/formats.md
 
   /// Whether a file is of this format by its content. Null where the ending of its name decides; where it is not null,
   /// the endings are those that file dialogs show.

@@ -15,6 +15,7 @@
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/mirror.h"
 #include "core/volume/formats/formats.h"
+#include "core/volume/write_segmentation.h"
 #include "tests/docs_page.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
@@ -101,7 +102,59 @@ const std::vector<double> square_coordinates{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0.
 
 }  // namespace
 
+namespace {
+
+const char* yes_if(bool kept) {
+  return kept ? " yes |" : " |";
+}
+
+/// What a format that is written keeps, found by writing and reading.
+std::string row_of_kept(const VolumeFormat& format, const std::string& ending, const TemporaryFolder& folder) {
+  Volume cine;
+  cine.geometry.dims = {3, 2, 2};
+  cine.geometry.origin_mm = {-1 / 3.0, 2, 1e4 / 7};
+  cine.frames = 2;
+  cine.data = std::vector<float>(24, 0.25f);
+  cine.range_min = cine.range_max = 0.25;
+  const fs::path path = folder.path / ("cine" + ending), mapped = folder.path / ("map" + ending);
+  REQUIRE(write_volume(cine, path));
+  const VolumeRead back = test::must(read_volume(path));
+  VolumeRead map;
+  map.volume.geometry = cine.geometry;
+  map.volume.data = std::vector<std::uint8_t>{0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0};
+  map.volume.range_max = 1;
+  map.segmentation.add({.name = "spleen", .value = 1, .layer = 0, .colour = {{1, 2, 3}}});
+  REQUIRE(write_segmentation(map, mapped));
+  const VolumeRead again = test::must(read_volume(mapped));
+  const Segment* spleen = again.segmentation.find(1);
+  map.other_layers.push_back(map.volume);
+  map.segmentation.add({.name = "liver", .value = 1, .layer = 1});
+  const bool layers = write_segmentation(map, folder.path / ("layers" + ending)).has_value();
+  return "| " + format.name + " `" + ending + "` |" + yes_if(back.volume.frames == 2) +
+         yes_if(back.volume.data == cine.data) +
+         yes_if(spleen && spleen->name == "spleen" && spleen->colour == std::array<std::uint8_t, 3>{1, 2, 3}) +
+         yes_if(layers) + yes_if(same_grid(back.volume.geometry, cine.geometry)) + "\n";
+}
+
+std::string row_of_kept(const MeshFormat& format, const TemporaryFolder& folder) {
+  MeshFile file = template_file();
+  file.regions.list = {{"pole", 2, {1, 2, 3}}};
+  file.regions.of_vertex.assign(static_cast<std::size_t>(file.points.rows()), 1);
+  const fs::path path = folder.path / (std::string("kept") + format.extension);
+  REQUIRE(write_mesh_file(file, path));
+  const MeshFile back = test::must(read_mesh_file(path));
+  const bool same_order =
+      back.points.rows() == file.points.rows() && (back.points - file.points).cwiseAbs().maxCoeff() < 1e-3;
+  return std::string("| ") + format.name + " |" + yes_if(same_order) +
+         yes_if(back.triangles.rows() == file.triangles.rows()) + yes_if(back.stiffness.has_value()) +
+         yes_if(back.doubt_mm.has_value()) + yes_if(back.regions == file.regions) +
+         yes_if(back.landmarks.size() == file.landmarks.size()) + yes_if(back.comments == file.comments) + "\n";
+}
+
+}  // namespace
+
 TEST_CASE("the tables of formats in the docs are made from the formats") {
+  const MeshFolder folder;
   const auto cell = [](const std::string& text) { return text.empty() ? std::string(" |") : " " + text + " |"; };
   const auto code = [](std::vector<std::string> endings) {
     for (std::string& ending : endings) ending = "`" + ending + "`";
@@ -114,9 +167,21 @@ TEST_CASE("the tables of formats in the docs are made from the formats") {
   std::string meshes = "| meshes | names read and written | |\n|---|---|---|\n";
   for (const MeshFormat* format : mesh_formats)
     meshes += "|" + cell(format->name) + cell(code({format->extension})) + cell(format->note) + "\n";
-  test::DocsPage page("commands.md");
+  std::string of_images =
+      "| of images stays | frames | real values | names and colours | layers | place to a hundredth of a voxel |\n"
+      "|---|---|---|---|---|---|\n";
+  for (const VolumeFormat* format : volume_formats)
+    for (const std::string& ending : format->written) of_images += row_of_kept(*format, ending, folder);
+  of_images += row_of_kept(formats::nrrd, ".seg.nrrd", folder);
+  std::string of_meshes =
+      "| of meshes stays | order of vertices | faces | stiffness | doubt | regions | landmarks | comments |\n"
+      "|---|---|---|---|---|---|---|---|\n";
+  for (const MeshFormat* format : mesh_formats) of_meshes += row_of_kept(*format, folder);
+  test::DocsPage page("formats.md");
   page.has_table(volumes);
+  page.has_table(of_images);
   page.has_table(meshes);
+  page.has_table(of_meshes);
   page.check();
 }
 

@@ -3,6 +3,7 @@
 
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_of_fit.h"
+#include "app/verbs/read_image.h"
 #include "app/verbs/set_cases.h"
 #include "app/verbs/study_make.h"
 #include "app/verbs/verbs.h"
@@ -115,7 +116,7 @@ Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const Set
     fitted.image = job.image.empty() ? path : job.image;
     fitted.labels = mended;
     fitted.grid = grid_of(map.read.volume);
-    fitted.template_of_file = set.templates[k];
+    fitted.template_of_file = set.templates[repaired.structures[k].structure];
     fitted.points = fit.fit->mesh.points;
     fitted.placement = fit.fit->placement;
     fitted.doubt_mm = fit.fit->doubt_mm;
@@ -132,7 +133,17 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
                           std::vector<StudyCase>& worklist, Progress& progress) {
   auto map = read_subject(path, job.frame, progress);
   if (!map) return fail(map.error());
-  const auto repaired = repair_map(set, map->read, map->frame, &progress);
+  MapRepairOptions options;
+  options.progress = &progress;
+  std::optional<VolumeRead> image;
+  if (!job.image.empty()) {
+    auto read = read_image(job.image, map->frame, progress);
+    if (!read) return fail(read.error());
+    image = std::move(*read);
+    options.image = &image->volume;
+    options.image_frame = map->frame;
+  }
+  const auto repaired = repair_map(set, map->read, map->frame, options);
   if (!repaired) return fail(path.string(), repaired.error().what);
   Report report;
   report.warnings = map->read.warnings;
@@ -171,7 +182,7 @@ void add_repair(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "repair", "Finds what is wrong with the structures of label maps, and mends it");
   verb->add_option("MAP", job->maps, "Label maps of several structures, or folders of them")->required();
   verb->add_option("--templates", job->set, "The template set, NAME.set.json")->required();
-  verb->add_option("--image", job->image, "The scan, which the cases of the worklist show")->check(CLI::ExistingPath);
+  verb->add_option("--image", job->image, "The scan: what is filled in goes to the boundary that it shows")->check(CLI::ExistingPath);
   verb->add_option("--frame", job->frame, "Which frame of a label map with several")->check(CLI::Range(0, 100000));
   verb->add_option("-o,--output", job->out, "The folder for the mended maps, each under its own name")->required();
   verb->callback([job, &asked] {

@@ -8,6 +8,7 @@
 
 #include "core/base/index.h"
 #include "core/phantom/noise.h"
+#include "core/structures/level_names.h"
 #include "core/structures/template_set.h"
 #include "core/volume/label_boxes.h"
 
@@ -134,16 +135,27 @@ void Changing::relabel_bar(const Vec3& from, const Vec3& to, double radius_mm, i
 }
 
 Result<void> Changing::shift_levels() {
-  std::map<int, int> levels;  // to labels
+  const auto own = level_in_name(name_of(value_));
+  std::map<int, int> levels;  // of the same family, to labels
   for (const auto& [value, box] : label_boxes(map_.volume))
-    if (const auto level = level_of_name(name_of(value))) levels[*level] = value;
-  const auto own = level_of_name(name_of(value_));
-  if (!own || levels.size() < 3) return fail("", "has no levels to shift");
-  const int by = random_.uniform() < 0.5 ? 1 : -1;
+    if (const auto one = level_in_name(name_of(value)); one && own && one->family == own->family && !one->sacral)
+      levels[one->level] = value;
+  if (levels.size() < 3 || own->sacral) return fail("", "has no levels to shift");
+  int by = random_.uniform() < 0.5 ? 1 : -1;
+  // All of them, those from here on, or two that follow on each other.
+  const double extent = random_.uniform();
+  constexpr double all = 0.4, from_here = 0.8;
+  if (extent >= from_here && !levels.contains(own->level + by)) by = -by;
+  const auto moves = [&](int level) {
+    if (extent < all) return by;
+    if (extent < from_here) return (level - own->level) * by >= 0 ? by : 0;
+    return level == own->level ? by : level == own->level + by ? -by : 0;
+  };
   std::map<int, int> to;  // of each label
   int fresh = 1 + label_boxes(map_.volume).rbegin()->first;
   for (const auto& [level, value] : levels) {
-    const auto next = levels.find(level + by);
+    if (moves(level) == 0) continue;
+    const auto next = levels.find(level + moves(level));
     if (next == levels.end()) new_names_[fresh] = name_at_level(name_of(value), level + by);
     to[value] = next != levels.end() ? next->second : fresh++;
     add(name_of(value), DefectKind::level_shifted, next != levels.end() ? name_of(next->second) : std::string());

@@ -40,9 +40,4 @@ struct Defect {
   std::string with;  ///< the other structure's name; empty: none
 };
 
-/// Which level of the spine a name says, counted from C1 = 0: "vertebrae_L3", "L3", "T12". None where it says none.
-std::optional<int> level_of_name(const std::string& name);
-/// A name with another level: "vertebrae_L4" of "vertebrae_L3".
-std::string name_at_level(const std::string& name, int level);
-
 }  // namespace homolog

@@ -4,14 +4,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include "core/adapt/boundary/find_placement.h"
 #include "core/adapt/choose_closing.h"
 #include "core/base/parallel.h"
 #include "core/base/statistics.h"
-#include "core/structures/defects.h"
+#include "core/structures/level_names.h"
+#include "core/structures/level_places.h"
 
 namespace homolog {
 
@@ -40,28 +40,32 @@ double cost_of(const OnLabel& there, double usual_scale) {
   return std::hypot(there.distance_mm, there.radius_mm * std::log(there.scale / usual_scale));
 }
 
-}  // namespace
-
-std::optional<LevelEvidence> level_evidence(const SetOfTemplates& set, const SetInMap& subject,
-                                            const std::vector<char>& sound) {
-  std::map<int, std::size_t> levels;
-  for (std::size_t k = 0; k < set.templates.size(); ++k)
-    if (const auto level = level_of_name(set.set.structures[k].name); level && set.templates[k] != nullptr)
-      levels.emplace(*level, k);
-  std::vector<std::pair<int, std::size_t>> chain(levels.begin(), levels.end());
-  std::vector<LevelTries> tries(chain.size());
-  for_each_in_parallel(chain.size(), [&](std::size_t c) {
-    const auto [level, k] = chain[c];
-    const StructureInMap& there = subject.structures[k];
+/// How each structure of a chain lies on the templates of its level and those beside it.
+std::vector<LevelTries> tries_of(const SetOfTemplates& set, const SetInMap& subject, const std::vector<char>& sound,
+                                 const LevelChain& chain) {
+  const std::vector<std::pair<std::size_t, int>> members(chain.apart.begin(), chain.apart.end());
+  std::vector<LevelTries> tries(members.size());
+  for_each_in_parallel(members.size(), [&](std::size_t c) {
+    const auto [k, apart] = members[c];
     if (sound[k] == 0) return;
+    const StructureInMap& there = subject.structures[k];
     const auto boundary =
         label_boundary(*there.mask, there.segment.value, 0, usual_closing_mm(*there.mask, there.segment.value, 0),
                        set.templates[k]->points.rows());
     if (!boundary) return;
+    const int level = *level_of_name(set.set.structures[k].name) + apart;
     for (int by = -1; by <= 1; ++by)
-      if (const auto other = levels.find(level + by); other != levels.end())
+      if (const auto other = chain.by_level.find(level + by); other != chain.by_level.end())
         tries[c][static_cast<std::size_t>(by + 1)] = placed_on(*set.templates[other->second], *boundary);
   });
+  return tries;
+}
+
+/// How much likelier the shapes of a chain are if it is a level above (first) or below: the logarithm. None where fewer
+/// than three structures tell.
+std::array<std::optional<double>, 2> level_evidence_of_shapes(const SetOfTemplates& set, const SetInMap& subject,
+                                                              const std::vector<char>& sound, const LevelChain& chain) {
+  const std::vector<LevelTries> tries = tries_of(set, subject, sound, chain);
   // If all names are a level off, the others' sizes are those of the levels that they really are.
   const auto usual_scale = [&](int by) {
     std::vector<double> scales;
@@ -69,9 +73,7 @@ std::optional<LevelEvidence> level_evidence(const SetOfTemplates& set, const Set
       if (const double scale = one[static_cast<std::size_t>(by + 1)].scale; scale > 0) scales.push_back(scale);
     return scales.empty() ? 1 : median_of(scales);
   };
-  LevelEvidence evidence;
-  double least = std::numeric_limits<double>::infinity();
-  bool any = false;
+  std::array<std::optional<double>, 2> evidence;
   for (const int by : {-1, 1}) {
     double sum = 0, squares = 0;
     int count = 0;
@@ -87,17 +89,81 @@ std::optional<LevelEvidence> level_evidence(const SetOfTemplates& set, const Set
       ++count;
     }
     if (count < 3) continue;
-    any = true;
     const double mean = sum / count, deviation = std::sqrt(std::max(1e-6, squares / count - mean * mean));
-    const double t = mean / (deviation / std::sqrt(count));
-    if (t < least) {
-      least = t;
-      evidence.shift = by;
+    evidence[by < 0 ? 0 : 1] = -mean / (deviation / std::sqrt(count));
+  }
+  return evidence;
+}
+
+/// Which level a chain is likeliest of, beside what the most of its names say.
+struct ChainShift {
+  int by = 0;
+  double evidence = -std::numeric_limits<double>::infinity();  ///< the logarithm of its odds; that: nothing is known
+};
+
+ChainShift likeliest_shift(const LevelChain& chain, const std::array<std::optional<double>, 2>& shapes,
+                           const std::optional<std::array<double, 2>>& others) {
+  constexpr double rarely = 0.25;  // all names are a level off
+  ChainShift likeliest;
+  for (const std::size_t side : {0U, 1U}) {
+    const int by = side == 0 ? -1 : 1;
+    const double some = chain.share(-by), most = chain.share(0);
+    if (most == 0 || (some == 0 && !shapes[side] && !others)) continue;
+    const double evidence =
+        std::log(some > 0 ? some / most : rarely) + shapes[side].value_or(0) + (others ? (*others)[side] : 0);
+    if (evidence > likeliest.evidence) likeliest = {by, evidence};
+  }
+  return likeliest;
+}
+
+/// What the one says that is nearest by its name.
+int shift_of_nearest(const SetOfTemplates& set, const LevelChain& chain, int level) {
+  int shift = 0, nearest = std::numeric_limits<int>::max();
+  for (const auto& [k, apart] : chain.apart) {
+    const int away = std::abs(*level_of_name(set.set.structures[k].name) - level);
+    if (away < nearest) nearest = away, shift = apart;
+  }
+  return shift;
+}
+
+}  // namespace
+
+std::vector<LevelFound> find_levels(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
+                                    const std::vector<char>& placed, const std::vector<char>& sound) {
+  std::vector<LevelChain> chains = level_chains(set, fitted, placed);
+  std::vector<std::array<std::optional<double>, 2>> shapes;
+  for (const LevelChain& chain : chains) shapes.push_back(level_evidence_of_shapes(set, subject, sound, chain));
+  std::vector<double> p_as_most(chains.size(), 1);
+  std::vector<char> moved(chains.size());
+  // One after the other, that with the most against its names first: two of which one is wrong accuse each other.
+  for (;;) {
+    std::size_t worst = chains.size();
+    ChainShift shift;
+    for (std::size_t c = 0; c < chains.size(); ++c) {
+      if (moved[c] != 0) continue;
+      const ChainShift one =
+          likeliest_shift(chains[c], shapes[c], level_evidence_of_others(set, fitted, placed, chains, c));
+      p_as_most[c] = 1 / (1 + std::exp(one.evidence));
+      if (one.evidence > std::max(0.0, shift.evidence)) shift = one, worst = c;
+    }
+    if (worst == chains.size()) break;
+    moved[worst] = 1;
+    for (auto& [k, apart] : chains[worst].apart) apart += shift.by;
+  }
+  std::vector<LevelFound> found(set.templates.size());
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    const LevelChain& chain = chains[c];
+    for (const auto& [level, k] : chain.by_level) {
+      if (!subject.structures[k].is_there()) continue;
+      const auto own = chain.apart.find(k);
+      found[k].shift = own != chain.apart.end() ? own->second : shift_of_nearest(set, chain, level);
+      const double share = own != chain.apart.end() ? chain.share(own->second) : 1;
+      found[k].p_named = moved[c] != 0         ? found[k].shift == 0 ? 1 - p_as_most[c] : p_as_most[c]
+                                 : found[k].shift == 0 ? p_as_most[c]
+                                               : share;
     }
   }
-  if (!any) return std::nullopt;
-  evidence.p_as_named = 1 / (1 + std::exp(-least));
-  return evidence;
+  return found;
 }
 
 }  // namespace homolog

@@ -1,23 +1,23 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "core/structures/fit_set.h"
 
 namespace homolog {
 
-/// What the shapes of a spine say of its levels.
-struct LevelEvidence {
-  /// By how many levels all names should move: 1 where each vertebra is rather the next one down.
-  int shift = 0;
-  double p_as_named = 1;  ///< 0…1: that the names are right
+/// What is known of the name of a structure that says a level of the spine.
+struct LevelFound {
+  int shift = 0;       ///< by how many levels the name should move: 1 where it is rather the next one down
+  double p_named = 1;  ///< 0…1: that the name is right; 1 where nothing is known
 };
 
-/// Compares each vertebra with the templates of its level and of those above and below: the wrong ones lie farther
-/// from it, most of all where several say the same. `sound`: 1 for each structure whose form tells something. None
-/// where fewer than three vertebrae do.
-std::optional<LevelEvidence> level_evidence(const SetOfTemplates& set, const SetInMap& subject,
-                                            const std::vector<char>& sound);
+/// Tells which names are levels off: of each structure of the set, 0 for those that are of no level. Names of one kind
+/// that contradict each other by their places are set right by the most of them. Whether all of them are off is told by
+/// where other structures lie, and by the shapes: each vertebra is compared with the templates of its level and of
+/// those above and below, most of all where several say the same. `placed`: 1 for each structure whose place tells
+/// something, `sound`: whose form does too.
+std::vector<LevelFound> find_levels(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
+                                    const std::vector<char>& placed, const std::vector<char>& sound);
 
 }  // namespace homolog

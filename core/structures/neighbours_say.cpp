@@ -15,22 +15,6 @@ Points middle_of(const Points& points) {
   return points.colwise().mean();
 }
 
-/// The similarity of several templates to their fits.
-Similarity similarity_of(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
-                         const std::vector<std::size_t>& which) {
-  Eigen::Index rows = 0;
-  for (const std::size_t k : which) rows += set.templates[k]->points.rows();
-  Points from(rows, 3), to(rows, 3);
-  rows = 0;
-  for (const std::size_t k : which) {
-    const Points& own = set.templates[k]->points;
-    from.middleRows(rows, own.rows()) = own;
-    to.middleRows(rows, own.rows()) = fitted[k].fit->mesh.points;
-    rows += own.rows();
-  }
-  return nearest_similarity(from, to, {});
-}
-
 /// Structures and how far off they are.
 using NearStructures = std::vector<std::pair<double, std::size_t>>;
 
@@ -43,7 +27,7 @@ std::optional<Similarity> said_by(const SetOfTemplates& set, const std::vector<F
   std::vector<std::size_t> which;
   for (std::size_t k = 0; k < std::min(most, near.size()); ++k) which.push_back(near[k].second);
   for (;;) {
-    const Similarity said = similarity_of(set, fitted, which);
+    const Similarity said = similarity_of_fits(set, fitted, which);
     if (which.size() < enough) return said;
     std::vector<double> off_mm;
     for (const std::size_t k : which) {
@@ -61,6 +45,21 @@ bool has_a_say(const FittedStructure& one) {
 }
 
 }  // namespace
+
+Similarity similarity_of_fits(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                              const std::vector<std::size_t>& which) {
+  Eigen::Index rows = 0;
+  for (const std::size_t k : which) rows += set.templates[k]->points.rows();
+  Points from(rows, 3), to(rows, 3);
+  rows = 0;
+  for (const std::size_t k : which) {
+    const Points& own = set.templates[k]->points;
+    from.middleRows(rows, own.rows()) = own;
+    to.middleRows(rows, own.rows()) = fitted[k].fit->mesh.points;
+    rows += own.rows();
+  }
+  return nearest_similarity(from, to, {});
+}
 
 std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
                                              std::size_t of) {

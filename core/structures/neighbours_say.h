@@ -8,6 +8,10 @@
 
 namespace homolog {
 
+/// The similarity of several templates of a set to their fits, which there must be: how the body lies, and its size.
+Similarity similarity_of_fits(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                              const std::vector<std::size_t>& which);
+
 /// Where a structure's neighbours say that it is: the similarity that carries the nearest four that are not doubtful,
 /// as they lie in the set, to where they were fitted. One of them that lies far from what the others say has no say.
 /// None where there is no such neighbour.

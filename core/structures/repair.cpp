@@ -7,12 +7,14 @@
 #include <utility>
 
 #include "core/adapt/choose_closing.h"
+#include "core/adapt/snap.h"
 #include "core/base/index.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxelise.h"
 #include "core/placement/similarity_fit.h"
-#include "core/structures/name_levels.h"
+#include "core/structures/level_names.h"
 #include "core/structures/neighbours_say.h"
+#include "core/structures/right_names.h"
 #include "core/structures/structure_confidence.h"
 #include "core/structures/voxel_body.h"
 #include "core/volume/label_boxes.h"
@@ -29,22 +31,17 @@ constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.002
 /// The work on one map.
 class Repair {
  public:
-  Repair(const SetOfTemplates& set, VolumeRead& map, int frame, RepairedMap& result)
+  /// `result`: of the map as it is, with what is known of its names.
+  Repair(const SetOfTemplates& set, VolumeRead& map, int frame, const MapRepairOptions& options, RepairedMap& result)
       : set_(set),
         map_(map),
         frame_(frame),
+        options_(options),
         result_(result),
-        expected_(expected_shapes(set, result.subject, result.fitted)),
-        shapes_(expected_.size()) {
-    result.signs = structure_signs(set, map, frame, result.subject, result.fitted, expected_);
-    result.structures.resize(set.templates.size());
-    for (std::size_t k = 0; k < result.structures.size(); ++k)
-      result.structures[k].proposed_name = set.set.structures[k].name;
-  }
+        expected_(result.expected),
+        shapes_(expected_.size()) {}
 
   void find() {
-    find_exchanged_sides();
-    find_shifted_levels();
     for (std::size_t k = 0; k < result_.structures.size(); ++k) {
       if (set_.templates[k] == nullptr) continue;
       if (!result_.subject.structures[k].is_there()) find_missing(k);
@@ -53,9 +50,7 @@ class Repair {
       if (result_.fitted.structures[k].fit && expected_[k]) find_lost(k);
     for (std::size_t k = 0; k < result_.structures.size(); ++k)
       if (result_.fitted.structures[k].fit) find_in(k);
-    for (std::size_t k = 0; k < result_.structures.size(); ++k)
-      result_.structures[k].confidence =
-          structure_confidence(result_.fitted.structures[k], result_.signs[k], result_.structures[k]);
+    name_new();
   }
 
  private:
@@ -78,20 +73,22 @@ class Repair {
   const std::string& name(std::size_t k) const { return set_.set.structures[k].name; }
   Vec3 middle(std::size_t k) const { return result_.fitted.structures[k].fit->mesh.points.colwise().mean(); }
 
+  /// Names what has been filled in, where the map gives names.
+  void name_new();
   /// The volume that has a structure, and its first voxel of the frame.
   std::pair<Volume*, std::size_t> voxels_of(std::size_t k);
   /// Of a sign, what is left where other changes have mended some of its voxels.
   double share_left(std::size_t k, double share, const std::vector<VoxelChange>& changes);
   /// Changes the voxels that still have the label that they had.
   void change(std::size_t k, const std::vector<VoxelChange>& changes);
-  void find_exchanged_sides();
-  void find_shifted_levels();
   void find_in(std::size_t k);
   /// What a structure has lost, to a neighbour or to nobody.
   void find_lost(std::size_t k);
   void find_missing(std::size_t k);
   /// How a structure should be: its template fitted to what there is of it. Null: nobody knows.
   const Mesh* shape(std::size_t k);
+  /// A shape that others expect, drawn to the boundary that the image shows; itself where it shows too little.
+  Mesh as_the_image_shows(std::size_t k, const Mesh& expected) const;
   /// Gives voxels without a label that of a structure.
   void fill(std::size_t k, const Neighbourhood& there, const std::function<bool(std::size_t)>& is_its);
   void fill_up(std::size_t k);
@@ -101,9 +98,10 @@ class Repair {
   const SetOfTemplates& set_;
   VolumeRead& map_;
   int frame_;
+  const MapRepairOptions& options_;
   RepairedMap& result_;
-  std::vector<std::optional<Mesh>> expected_, shapes_;
-  bool shifted_ = false;  ///< all levels are named one off
+  const std::vector<std::optional<Mesh>>& expected_;
+  std::vector<std::optional<Mesh>> shapes_;
 };
 
 std::pair<Volume*, std::size_t> Repair::voxels_of(std::size_t k) {
@@ -140,45 +138,12 @@ void Repair::change(std::size_t k, const std::vector<VoxelChange>& changes) {
   volume->range_max = std::max(volume->range_max, static_cast<double>(result_.subject.structures[k].segment.value));
 }
 
-void Repair::find_exchanged_sides() {
-  for (std::size_t k = 0; k < set_.set.structures.size(); ++k) {
-    const TemplateOfSet& one = set_.set.structures[k];
-    if (one.side != Side::left || !result_.fitted.structures[k].fit) continue;
-    for (std::size_t other = 0; other < set_.set.structures.size(); ++other) {
-      if (name(other) != one.partner || !result_.fitted.structures[other].fit) continue;
-      // x grows to the patient's left, in the set as in the map.
-      const double in_set = (set_.templates[k]->points.col(0).mean() - set_.templates[other]->points.col(0).mean());
-      const double in_map = (middle(k) - middle(other)).x();
-      if (in_set * in_map >= 0) continue;
-      add(k, DefectKind::sides_exchanged, name(other));
-      add(other, DefectKind::sides_exchanged, name(k));
-      result_.structures[k].proposed_name = name(other);
-      result_.structures[other].proposed_name = name(k);
-      result_.structures[k].p_named = result_.structures[other].p_named = 0.05;
-    }
-  }
-}
-
-void Repair::find_shifted_levels() {
-  constexpr double likely = 0.2;
-  std::vector<char> sound(result_.structures.size());
-  for (std::size_t k = 0; k < sound.size(); ++k) {
-    const FittedStructure& one = result_.fitted.structures[k];
-    const bool is_sound = one.fit && !one.judgement.doubtful && std::abs(result_.signs[k].volume) < much_smaller;
-    sound[k] = is_sound ? 1 : 0;
-  }
-  const auto evidence = level_evidence(set_, result_.subject, sound);
-  if (!evidence) return;
-  for (std::size_t k = 0; k < set_.set.structures.size(); ++k) {
-    const auto level = level_of_name(name(k));
-    if (!level || !result_.subject.structures[k].is_there()) continue;
-    result_.structures[k].p_named = std::min(result_.structures[k].p_named, evidence->p_as_named);
-    shifted_ = evidence->p_as_named < likely;
-    if (!shifted_) continue;
-    const std::string other = name_at_level(name(k), *level + evidence->shift);
-    add(k, DefectKind::level_shifted, other);
-    result_.structures[k].proposed_name = other;
-  }
+void Repair::name_new() {
+  auto& known = map_.segmentation;
+  if (known.segments.empty()) return;
+  for (std::size_t k = 0; k < result_.structures.size(); ++k)
+    if (!result_.subject.structures[k].is_there() && result_.structures[k].changed_voxels > 0)
+      known.add(result_.subject.structures[k].segment);
 }
 
 void Repair::find_in(std::size_t k) {
@@ -258,10 +223,31 @@ void Repair::find_missing(std::size_t k) {
   if (held[0] < room) return;
   add(k, DefectKind::missing);
   // At the end of a spine the names may as well be a level off.
+  constexpr double sure = 0.75;
+  double p_levels = 1;
+  for (const RepairedStructure& one : result_.structures) p_levels = std::min(p_levels, one.p_named);
   const auto level = level_of_name(name(k));
-  if (level && shifted_ && !(has_level(*level - 1) && has_level(*level + 1))) return;
-  shapes_[k] = expected_[k];
-  fill(k, there, [&](std::size_t v) { return inside[v] != 0; });
+  if (level && p_levels < sure && !(has_level(*level - 1) && has_level(*level + 1))) return;
+  shapes_[k] = as_the_image_shows(k, *expected_[k]);
+  const Neighbourhood seen = around(bounds_of(shapes_[k]->points), *layer, of_layer, 1);
+  const auto body = voxelise(*shapes_[k], seen.grid);
+  fill(k, seen, [&](std::size_t v) { return body[v] != 0; });
+}
+
+Mesh Repair::as_the_image_shows(std::size_t k, const Mesh& expected) const {
+  constexpr double near_by_size = 0.2, hardly_seen = 0.2;
+  if (options_.image == nullptr) return expected;
+  const Eigen::Index count = expected.points.rows();
+  SnapStart start{.mesh = expected,
+                  .placed = expected.points,
+                  .stiffness = set_.templates[k]->stiffness,
+                  .free = VertexScalars::Ones(count)};
+  SnapOptions options;
+  options.progress = options_.progress;
+  options.edges.reach_mm = near_by_size * std::cbrt(1000 * std::abs(enclosed_volume_ml(expected)));
+  const auto drawn = snap(*options_.image, options_.image_frame, start, options);
+  if (!drawn || drawn->mean_confidence < hardly_seen) return expected;
+  return {expected.topology, drawn->points};
 }
 
 const Mesh* Repair::shape(std::size_t k) {
@@ -277,7 +263,7 @@ const Mesh* Repair::shape(std::size_t k) {
   FitOptions options;
   options.partial = true;
   options.placement = nearest_similarity(own.points, expected_[k]->points, {});
-  if (auto fit = fit_to_boundary(own, *boundary, options)) shapes_[k] = std::move(fit->mesh);
+  if (auto fit = fit_to_boundary(own, *boundary, options)) shapes_[k] = as_the_image_shows(k, fit->mesh);
   return &*shapes_[k];
 }
 
@@ -338,15 +324,77 @@ void Repair::take_back(std::size_t k, std::size_t other) {
   change(k, changes);
 }
 
-}  // namespace
-
-Result<RepairedMap> repair_map(const SetOfTemplates& set, VolumeRead& map, int frame, Progress* progress) {
+/// A map as it is, against its fits and what neighbours expect.
+Result<RepairedMap> look_at(const SetOfTemplates& set, const VolumeRead& map, int frame, Progress* progress) {
   RepairedMap result;
   result.subject = find_in_map(set.set, map, frame);
   auto fitted = fit_set(set, result.subject, {0, progress});
   if (!fitted) return fail(fitted.error());
   result.fitted = std::move(*fitted);
-  Repair(set, map, frame, result).find();
+  result.expected = expected_shapes(set, result.subject, result.fitted);
+  result.signs = structure_signs(set, map, frame, result.subject, result.fitted, result.expected);
+  result.structures.resize(set.templates.size());
+  for (std::size_t k = 0; k < result.structures.size(); ++k) {
+    result.structures[k].proposed_name = set.set.structures[k].name;
+    result.structures[k].structure = k;
+  }
+  return result;
+}
+
+/// Where the set has the structure of a name; none: it has no such.
+std::optional<std::size_t> place_of(const SetOfTemplates& set, const std::string& name) {
+  const TemplateOfSet* one = set.set.find(name);
+  if (one == nullptr) return std::nullopt;
+  return static_cast<std::size_t>(one - set.set.structures.data());
+}
+
+/// Repairs a map of which labels have been renamed, and puts what is found under the names that they had.
+Result<void> repair_renamed(const SetOfTemplates& set, VolumeRead& map, int frame, const MapRepairOptions& options,
+                            const std::vector<NameFound>& names, RepairedMap& result) {
+  auto renamed = look_at(set, map, frame, options.progress);
+  if (!renamed) return fail(renamed.error());
+  std::vector<std::optional<std::size_t>> came_from(names.size());
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto place = place_of(set, names[k].proposed);
+    if (!place || !result.subject.structures[k].is_there()) continue;
+    came_from[*place] = k;
+    renamed->structures[*place].p_named = *place == k ? names[k].p_named : 1 - names[k].p_named;
+  }
+  Repair(set, map, frame, options, *renamed).find();
+  for (std::size_t place = 0; place < names.size(); ++place) {
+    const bool is_free = !result.subject.structures[place].is_there();
+    if (!came_from[place] && !is_free) continue;
+    const std::size_t k = came_from[place].value_or(place);
+    result.structures[k] = renamed->structures[place];
+    result.fitted.structures[k] = renamed->fitted.structures[place];
+    result.signs[k] = renamed->signs[place];
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<RepairedMap> repair_map(const SetOfTemplates& set, VolumeRead& map, int frame, const MapRepairOptions& options) {
+  auto result = look_at(set, map, frame, options.progress);
+  if (!result) return fail(result.error());
+  const auto names = find_names(set, result->subject, result->fitted, result->signs);
+  std::vector<std::size_t> changed(names.size());
+  if (any_renamed(set, names)) {
+    changed = rename_labels(set, result->subject, names, map, frame);
+    if (auto repaired = repair_renamed(set, map, frame, options, names, *result); !repaired)
+      return fail(repaired.error());
+  } else {
+    for (std::size_t k = 0; k < names.size(); ++k) result->structures[k].p_named = names[k].p_named;
+    Repair(set, map, frame, options, *result).find();
+  }
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    RepairedStructure& one = result->structures[k];
+    one.p_named = names[k].p_named;
+    one.proposed_name = names[k].proposed;
+    one.changed_voxels += changed[k];
+    one.defects.insert(one.defects.begin(), names[k].defects.begin(), names[k].defects.end());
+    one.confidence = structure_confidence(result->fitted.structures[k], result->signs[k], one);
+  }
   return result;
 }
 

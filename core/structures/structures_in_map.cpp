@@ -64,6 +64,19 @@ std::pair<const Volume*, int> layer_of(const VolumeRead& map, std::size_t layer,
   return {&map.other_layers[layer - 1], 0};
 }
 
+int free_value(const VolumeRead& map, int frame, const SetInMap& subject) {
+  std::set<int> used;
+  for (std::size_t layer = 0; layer <= map.other_layers.size(); ++layer) {
+    const auto [volume, of_layer] = layer_of(map, layer, frame);
+    for (const auto& [value, box] : label_boxes(*volume, of_layer)) used.insert(value);
+  }
+  for (const Segment& segment : map.segmentation.segments) used.insert(segment.value);
+  for (const StructureInMap& one : subject.structures) used.insert(one.segment.value);
+  int value = 1;
+  while (used.contains(value)) ++value;
+  return value;
+}
+
 SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
   std::vector<Segment> segments = map.segmentation.segments;
   const std::size_t layers = map.other_layers.size() + 1;
@@ -99,6 +112,14 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
     there.segment.name = one.name;
     if (!there.segment.colour) there.segment.colour = one.colour;
     found.structures.push_back(std::move(there));
+  }
+  for (StructureInMap& one : found.structures) {
+    if (one.is_there()) continue;
+    const int value = one.segment.value;
+    const bool is_taken = std::ranges::any_of(segments, [&](const Segment& other) {
+      return other.value == value && !same_name(other.name, one.segment.name);
+    });
+    if (is_taken) one.segment.value = free_value(map, frame, found);
   }
   for (const Segment& segment : segments)
     if (!taken.contains(&segment) && boxes[segment.layer].contains(segment.value))

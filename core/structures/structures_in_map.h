@@ -25,7 +25,7 @@ Result<SetOfTemplates> load_set_of_templates(const std::string& source);
 
 /// Where a label map has a structure of a set.
 struct StructureInMap {
-  Segment segment;             ///< by its name, else by its value
+  Segment segment;  ///< by its name, else by its value; of one that the map lacks a value that no other label has
   std::optional<Volume> mask;  ///< the part of the map around it; none: the map has no voxel of it
 
   bool is_there() const { return mask.has_value(); }
@@ -43,5 +43,8 @@ std::pair<const Volume*, int> layer_of(const VolumeRead& map, std::size_t layer,
 /// Finds the structures of a set in a frame of a label map: each by its name where the map gives names, else by its
 /// value.
 SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame = 0);
+
+/// A value above 0 that no label of the map has in any layer, and no structure.
+int free_value(const VolumeRead& map, int frame, const SetInMap& subject);
 
 }  // namespace homolog

@@ -3,9 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "core/experiment/corrupt_labels.h"
 #include "core/mesh/icosphere.h"
+#include "core/structures/level_names.h"
 #include "core/structures/set_map.h"
 #include "tests/must.h"
 
@@ -113,6 +115,10 @@ struct Mended {
   }
 };
 
+void must_find_missing(const RepairedMap& found) {
+  CHECK(has_kind(found.structures[2], DefectKind::missing));
+}
+
 }  // namespace
 
 TEST_CASE("a map that is right has no defect and keeps every voxel") {
@@ -166,14 +172,102 @@ TEST_CASE("a neighbour that took a part is named, and gives it back") {
   CHECK(dice_of(mended.map, truth, 3) > dice_of(mended.wrong.map, truth, 3));
 }
 
-TEST_CASE("names that are a level off are told, and no voxel changes for it") {
-  const Mended mended(DefectKind::level_shifted, 1);
-  std::size_t told = 0;
-  for (std::size_t k = 0; k < mended.found.structures.size(); ++k)
-    told += has_kind(mended.found.structures[k], DefectKind::level_shifted) ? 1 : 0;
-  CHECK(told >= 3);
-  CHECK(mended.found.structures[2].p_named < 0.5);
-  CHECK(mended.found.structures[2].proposed_name != name_of_stone(2));
+TEST_CASE("labels of which some are a level off get their names back, by where they lie") {
+  const VolumeRead truth = stone_map();
+  const auto renamed = [&](const std::map<int, int>& to) {
+    VolumeRead map = truth;
+    std::visit(
+        [&](auto& voxels) {
+          using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
+          for (Voxel& voxel : voxels)
+            if (const auto found = to.find(static_cast<int>(voxel)); found != to.end())
+              voxel = static_cast<Voxel>(found->second);
+        },
+        map.volume.data);
+    return map;
+  };
+  struct Names {
+    const char* what;
+    std::map<int, int> to;
+    std::vector<std::size_t> wrong;  ///< which structures of the set
+  };
+  for (const auto& [what, to, wrong] :
+       {Names{"two exchanged", {{2, 3}, {3, 2}}, {1, 2}}, Names{"the first is one up", {{1, 9}}, {}},
+        Names{"the last are one down", {{4, 5}, {5, 6}}, {4}}, Names{"the last but one is missing", {{4, 0}}, {}}}) {
+    CAPTURE(std::string(what));
+    VolumeRead map = renamed(to);
+    const RepairedMap found = test::must(repair_map(the_set(), map, 0));
+    for (std::size_t k = 0; k < found.structures.size(); ++k) {
+      CAPTURE(k);
+      const bool is_wrong = std::ranges::find(wrong, k) != wrong.end();
+      CHECK(has_kind(found.structures[k], DefectKind::level_shifted) == is_wrong);
+      CHECK((found.structures[k].p_named <= 0.5) == is_wrong);
+    }
+    // The voxels too have the labels of their names.
+    for (const std::size_t k : wrong)
+      for (const auto& [value, other] : to)
+        if (other == static_cast<int>(k) + 1) CHECK(dice_of(map, truth, value) == 1);
+  }
+}
+
+TEST_CASE("with an image what is filled in goes to the boundary that it shows") {
+  // The third stone is a tenth larger than its neighbours make one expect.
+  VolumeGeometry grid = stone_map().volume.geometry;
+  std::vector<MeshOfSegment> meshes;
+  for (int k = 0; k < stones; ++k)
+    meshes.push_back(
+        {{name_of_stone(k), k + 1, 0, {}, {}}, stone_at(1.04 * place_of(k), radius_of(k), k == 2 ? 1.15 : 1.05)});
+  const VolumeRead truth = std::move(map_of_meshes(meshes, grid).map);
+  Volume image;
+  image.geometry = grid;
+  std::vector<std::int16_t> bright;
+  VolumeRead without = truth;
+  std::visit(
+      [&](auto& voxels) {
+        using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
+        for (Voxel& voxel : voxels) {
+          bright.push_back(voxel != Voxel{0} ? 300 : 40);
+          if (voxel == Voxel{3}) voxel = Voxel{0};
+        }
+      },
+      without.volume.data);
+  image.data = bright;
+  image.range_max = 300;
+  VolumeRead with = without;
+  must_find_missing(test::must(repair_map(the_set(), without, 0)));
+  must_find_missing(test::must(repair_map(the_set(), with, 0, {.image = &image})));
+  CHECK(dice_of(without, truth, 3) < 0.92);
+  CHECK(dice_of(with, truth, 3) > 0.97);
+}
+
+TEST_CASE("a label that is filled in has a value that no other label has, and its name") {
+  VolumeRead map = stone_map();
+  std::visit(
+      [&](auto& voxels) {
+        using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
+        for (std::size_t v = 0; v < voxels.size(); ++v)
+          if (voxels[v] == Voxel{3}) voxels[v] = v < 20 ? Voxel{3} : Voxel{0};
+        voxels[0] = Voxel{3};  // another thing, of the value that the set has for the third stone
+      },
+      map.volume.data);
+  for (Segment& segment : map.segmentation.segments)
+    if (segment.value == 3) segment.name = "liver";
+  const RepairedMap found = test::must(repair_map(the_set(), map, 0));
+  CHECK(has_kind(found.structures[2], DefectKind::missing));
+  const auto& segments = map.segmentation.segments;
+  const auto third = std::ranges::find(segments, name_of_stone(2), &Segment::name);
+  REQUIRE(third != segments.end());
+  CHECK(third->value != 3);
+  const VolumeRead truth = stone_map();
+  VolumeRead by_name = map;
+  std::visit(
+      [&](auto& voxels) {
+        using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
+        for (Voxel& voxel : voxels)
+          if (static_cast<int>(voxel) == third->value) voxel = Voxel{3};
+      },
+      by_name.volume.data);
+  CHECK(dice_of(by_name, truth, 3) > 0.85);
 }
 
 TEST_CASE("a label that the scan cuts is told, and stays as it is") {
@@ -192,6 +286,12 @@ TEST_CASE("levels are read from names and written into them") {
   CHECK_FALSE(level_of_name("L77"));
   CHECK(name_at_level("vertebrae_L1", 18) == "vertebrae_T12");
   CHECK(name_at_level("t12 arch", 19) == "l1 arch");
+  CHECK(name_at_level("disc_L5_S1", 22) == "disc_L4_L5");
+  CHECK(name_at_level("rib_left_12", 17) == "rib_left_11");
+  CHECK(level_in_name("vertebrae_L3")->family == level_in_name("Vertebrae_T9")->family);
+  CHECK(level_in_name("disc_L2_L3")->family != level_in_name("vertebrae_L2")->family);
+  CHECK(level_in_name("vertebrae_S1")->sacral);
+  CHECK_FALSE(level_of_name("tribe_4"));
 }
 
 }  // namespace homolog

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/structures/fit_set.h"
+
+namespace homolog {
+
+/// The structures of a set whose names say a level in the same way, as all vertebrae.
+struct LevelChain {
+  std::map<int, std::size_t> by_level;  ///< to their places in the set
+  /// Of those that a map has and whose fit tells where they are: what must be added to the level that the name says, so
+  /// that all agree with the most of them. 0 for nearly all.
+  std::map<std::size_t, int> apart;
+
+  /// How many of them need `by` levels added, as a share of all.
+  double share(int by) const;
+};
+
+/// The chains of a set, and how their structures lie in a map: two that are one level apart by their names, but two by
+/// their places, contradict each other. What a scan has of the border of chest and loin is a variant (11 or 13 ribs),
+/// and no contradiction. `placed`: 1 for each structure whose place tells something.
+std::vector<LevelChain> level_chains(const SetOfTemplates& set, const FittedSet& fitted,
+                                     const std::vector<char>& placed);
+
+/// How much likelier a chain lies, beside the placed structures that do not belong to it, if it is a level above
+/// (first) or below (second) what `apart` leaves of it: the logarithm. `chains`: all, by which others too may be of
+/// another level than their names say. None where no other structure is near enough to tell.
+std::optional<std::array<double, 2>> level_evidence_of_others(const SetOfTemplates& set, const FittedSet& fitted,
+                                                              const std::vector<char>& placed,
+                                                              const std::vector<LevelChain>& chains, std::size_t of);
+
+}  // namespace homolog

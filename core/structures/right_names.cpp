@@ -1,0 +1,121 @@
+#include "core/structures/right_names.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/structures/level_names.h"
+#include "core/structures/name_levels.h"
+
+namespace homolog {
+
+namespace {
+
+void find_exchanged_sides(const SetOfTemplates& set, const FittedSet& fitted, std::vector<NameFound>& names) {
+  constexpr double hardly = 0.05;
+  const auto x_of = [](const Points& points) { return points.col(0).mean(); };
+  for (std::size_t left = 0; left < names.size(); ++left) {
+    const TemplateOfSet& one = set.set.structures[left];
+    if (one.side != Side::left || !fitted.structures[left].fit) continue;
+    for (std::size_t right = 0; right < names.size(); ++right) {
+      if (set.set.structures[right].name != one.partner || !fitted.structures[right].fit) continue;
+      // x grows to the patient's left, in the set as in the map.
+      const double in_set = x_of(set.templates[left]->points) - x_of(set.templates[right]->points);
+      const double in_map =
+          x_of(fitted.structures[left].fit->mesh.points) - x_of(fitted.structures[right].fit->mesh.points);
+      if (in_set * in_map >= 0) continue;
+      const auto exchange = [&](std::size_t k, std::size_t other) {
+        const std::string& name = set.set.structures[other].name;
+        names[k] = {name, hardly, {{DefectKind::sides_exchanged, name}}};
+      };
+      exchange(left, right);
+      exchange(right, left);
+    }
+  }
+}
+
+void find_shifted_levels(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
+                         const std::vector<StructureSigns>& signs, std::vector<NameFound>& names) {
+  constexpr double much_smaller = 0.2, cut = 0.002;
+  std::vector<char> placed(names.size()), sound(names.size());
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const FittedStructure& one = fitted.structures[k];
+    placed[k] = one.fit && !one.judgement.doubtful && signs[k].at_border <= cut ? 1 : 0;
+    sound[k] = placed[k] != 0 && std::abs(signs[k].volume) < much_smaller ? 1 : 0;
+  }
+  const auto levels = find_levels(set, subject, fitted, placed, sound);
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    names[k].p_named = std::min(names[k].p_named, levels[k].p_named);
+    if (levels[k].shift == 0) continue;
+    const std::string& name = set.set.structures[k].name;
+    names[k].proposed = name_at_level(name, *level_of_name(name) + levels[k].shift);
+    names[k].defects.push_back({DefectKind::level_shifted, names[k].proposed});
+  }
+}
+
+/// The value of the label with a name, a new one where the map has no such label. None: the map gives no names.
+std::optional<int> value_of_name(const SetOfTemplates& set, const SetInMap& subject, const std::string& name,
+                                 VolumeRead& map, int frame) {
+  for (std::size_t k = 0; k < subject.structures.size(); ++k)
+    if (set.set.structures[k].name == name) return subject.structures[k].segment.value;
+  if (map.segmentation.segments.empty()) return std::nullopt;
+  for (const Segment& segment : map.segmentation.segments)
+    if (segment.name == name) return segment.value;
+  const Segment segment{name, free_value(map, frame, subject), 0, colour_by_name(name), {}};
+  map.segmentation.add(segment);
+  return segment.value;
+}
+
+}  // namespace
+
+std::vector<NameFound> find_names(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
+                                  const std::vector<StructureSigns>& signs) {
+  std::vector<NameFound> names(set.templates.size());
+  for (std::size_t k = 0; k < names.size(); ++k) names[k].proposed = set.set.structures[k].name;
+  find_exchanged_sides(set, fitted, names);
+  find_shifted_levels(set, subject, fitted, signs, names);
+  return names;
+}
+
+bool any_renamed(const SetOfTemplates& set, const std::vector<NameFound>& names) {
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (names[k].proposed != set.set.structures[k].name) return true;
+  return false;
+}
+
+std::vector<std::size_t> rename_labels(const SetOfTemplates& set, const SetInMap& subject,
+                                       const std::vector<NameFound>& names, VolumeRead& map, int frame) {
+  std::vector<std::size_t> changed(names.size());
+  struct To {
+    int value = 0;
+    std::size_t k = 0;
+  };
+  std::map<std::size_t, std::map<int, To>> layers;  // all are known before one is changed: two may exchange their names
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const StructureInMap& one = subject.structures[k];
+    if (names[k].proposed == set.set.structures[k].name || !one.is_there()) continue;
+    if (const auto value = value_of_name(set, subject, names[k].proposed, map, frame))
+      layers[one.segment.layer][one.segment.value] = {*value, k};
+  }
+  for (const auto& [layer, values] : layers) {
+    Volume& volume = layer == 0 ? map.volume : map.other_layers[layer - 1];
+    const std::size_t voxels = volume.geometry.voxels();
+    const std::size_t first = map.other_layers.empty() ? voxels * static_cast<std::size_t>(frame) : 0;
+    std::visit(
+        [&, &to = values](auto& data) {
+          using Voxel = typename std::decay_t<decltype(data)>::value_type;
+          for (std::size_t v = first; v < first + voxels; ++v) {
+            const auto found = to.find(rounded_label(data[v]));
+            if (found == to.end()) continue;
+            data[v] = static_cast<Voxel>(found->second.value);
+            ++changed[found->second.k];
+          }
+        },
+        volume.data);
+    for (const auto& [value, to] : values) volume.range_max = std::max(volume.range_max, static_cast<double>(to.value));
+  }
+  return changed;
+}
+
+}  // namespace homolog

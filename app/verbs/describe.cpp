@@ -2,6 +2,7 @@
 
 #include "app/editor/work/opening/opener.h"
 #include "app/verbs/mending_report.h"
+#include "app/verbs/training.h"
 #include "core/base/colour.h"
 #include "core/mesh/inside_out.h"
 #include "core/mesh/landmark_io.h"
@@ -45,7 +46,7 @@ Result<Report> describe_model(const std::filesystem::path& path) {
   const Box box = bounds_of(points_of(model->mean));
   Json names = Json::array();
   for (const std::string& name : model->names) names.push_back(name);
-  return Report{{{"kind", "model"},
+  Report report{{{"kind", "model"},
                  {"vertices", model->mean.size() / 3},
                  {"faces", model->topology ? model->topology->triangles().rows() : 0},
                  {"modes", model->modes()},
@@ -54,6 +55,12 @@ Result<Report> describe_model(const std::filesystem::path& path) {
                  {"bounds_mm", Json::array({json_of(box.min()), json_of(box.max())})},
                  {"shapes", std::move(names)}},
                 {}};
+  if (!model->poses) return report;
+  report.values["alignment"] = model->poses->apart ? "each" : "common";
+  report.values["structures"] = json_of(model->parts, *model->poses);
+  report.values["pose_variances"] = std::vector<double>(model->poses->variances.begin(), model->poses->variances.end());
+  report.values["completed"] = json_of(model->completed, model->names, model->parts);
+  return report;
 }
 
 /// Points alone do not show that some are missing.

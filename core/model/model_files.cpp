@@ -1,5 +1,7 @@
 #include "core/model/model_files.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "core/base/file_stem.h"
@@ -91,6 +93,28 @@ Result<void> write_model_tables(const PrincipalComponents& components, const std
   if (auto done = write_whole_file(folder / "mean.csv", mean_table(components)); !done) return done;
   if (auto done = write_whole_file(folder / "variances.csv", variance_table(components)); !done) return done;
   return write_whole_file(folder / "scores.csv", score_table(components, names, sizes_mm, groups));
+}
+
+Result<void> write_pose_table(const StructurePoses& poses, const std::vector<StructurePart>& parts,
+                              const std::vector<std::string>& names, const std::vector<CompletedStructure>& completed,
+                              const fs::path& folder) {
+  const auto made = ResultFolder::make(folder);
+  if (!made) return fail(made.error());
+  std::string text =
+      "shape,structure,offset_x_mm,offset_y_mm,offset_z_mm,turn_x_deg,turn_y_deg,turn_z_deg,scale,completed\n";
+  for (Eigen::Index s = 0; s < poses.values.cols(); ++s)
+    for (Eigen::Index k = 0; k < std::ssize(parts); ++k) {
+      const bool is_completed = std::any_of(completed.begin(), completed.end(), [&](const CompletedStructure& one) {
+        return one.shape == s && one.part == k;
+      });
+      text += csv_field(names[static_cast<std::size_t>(s)]) + ',' + csv_field(parts[static_cast<std::size_t>(k)].name) +
+              ',';
+      Eigen::VectorXd row(StructurePoses::numbers + 1);
+      row << poses.values.block(StructurePoses::numbers * k, s, StructurePoses::numbers, 1), is_completed ? 1 : 0;
+      row[6] = std::exp(row[6]);
+      append_row(row, text);
+    }
+  return write_whole_file(folder / "poses.csv", text);
 }
 
 Result<void> write_aligned_shapes(const PrincipalComponents& components,

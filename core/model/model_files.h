@@ -21,6 +21,12 @@ Result<void> write_model_tables(const PrincipalComponents& components, const std
                                 const std::filesystem::path& folder, const std::vector<double>& sizes_mm = {},
                                 const std::vector<std::string>& groups = {});
 
+/// Writes `poses.csv` into `folder` (made where absent): a row a shape and structure with its offset (mm), turn (axis
+/// times angle, degrees) and scale against the structure's mean place, and whether it was completed (1) or is its own.
+Result<void> write_pose_table(const StructurePoses& poses, const std::vector<StructurePart>& parts,
+                              const std::vector<std::string>& names, const std::vector<CompletedStructure>& completed,
+                              const std::filesystem::path& folder);
+
 /// Writes every shape as it was aligned into `folder` (made where absent): NAME.particles, and NAME.ply where there is
 /// a topology. Numbering is the files' own.
 Result<void> write_aligned_shapes(const PrincipalComponents& components,

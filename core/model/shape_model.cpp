@@ -93,6 +93,19 @@ ShapeModel make_model(const PrincipalComponents& components, double share, std::
   return model;
 }
 
+ShapeModel part_of(const ShapeModel& model, const StructurePart& part) {
+  ShapeModel alone;
+  if (model.topology)  // a part of a sound mesh is sound
+    alone.topology = Topology::make(part.vertices, triangles_of(part, model.topology->triangles())).value();
+  alone.mean = rows_of(part, model.mean);
+  alone.basis = rows_of(part, model.basis);
+  alone.variances = model.variances;
+  alone.noise_variance = model.noise_variance;
+  alone.scores = model.scores;
+  alone.names = model.names;
+  return alone;
+}
+
 Eigen::VectorXd clamped(const ShapeModel& model, const Eigen::VectorXd& b, double limit) {
   const Eigen::VectorXd reach = limit * model.variances.head(b.size()).cwiseSqrt();
   return b.cwiseMax(-reach).cwiseMin(reach);

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/mesh/topology.h"
 #include "core/model/procrustes.h"
+#include "core/model/structure_parts.h"
 
 namespace homolog {
 
@@ -38,19 +40,26 @@ Eigen::Index modes_holding(const Eigen::VectorXd& variances, double share);
 
 /// A statistical shape model x = mean + basis · b [Erdt 2009, §2.3].
 struct ShapeModel {
-  std::shared_ptr<const Topology> topology;  ///< null for a model of points alone
-  Eigen::VectorXd mean;                      ///< 3n, mm
-  Eigen::MatrixXd basis;                     ///< 3n×t, orthonormal columns
-  Eigen::VectorXd variances;                 ///< λ of the t modes, mm², descending
-  double noise_variance = 0;                 ///< mm², of every coordinate, beside the modes
-  Eigen::MatrixXd scores;                    ///< t×M coefficients of the training shapes, mm; may be empty
-  std::vector<std::string> names;            ///< of the training shapes; may be empty
+  std::shared_ptr<const Topology> topology;     ///< null for a model of points alone
+  Eigen::VectorXd mean;                         ///< 3n, mm
+  Eigen::MatrixXd basis;                        ///< 3n×t, orthonormal columns
+  Eigen::VectorXd variances;                    ///< λ of the t modes, mm², descending
+  double noise_variance = 0;                    ///< mm², of every coordinate, beside the modes
+  Eigen::MatrixXd scores;                       ///< t×M coefficients of the training shapes, mm; may be empty
+  std::vector<std::string> names;               ///< of the training shapes; may be empty
+  std::vector<StructurePart> parts;             ///< of a joint model of several structures; else empty
+  std::optional<StructurePoses> poses;          ///< of a joint model
+  std::vector<CompletedStructure> completed{};  ///< of a joint model: training shapes of which parts were predicted
   Eigen::Index modes() const { return variances.size(); }
 };
 
 /// The model whose modes hold `share` of the variance.
 ShapeModel make_model(const PrincipalComponents& components, double share, std::shared_ptr<const Topology> topology,
                       std::vector<std::string> names);
+
+/// The vertices of one structure of a joint model, in all of its modes. The rows of the basis are those of the joint
+/// model, so its columns are not orthonormal: for pictures and tables of the same modes.
+ShapeModel part_of(const ShapeModel& model, const StructurePart& part);
 
 /// Every b_i moved into ±limit·√λ_i [Erdt 2009, §2.3].
 Eigen::VectorXd clamped(const ShapeModel& model, const Eigen::VectorXd& b, double limit = 3);

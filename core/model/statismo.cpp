@@ -10,38 +10,43 @@
 
 #include "core/base/text.h"
 #include "core/model/hdf_tree.h"
+#include "core/model/statismo_parts.h"
+#include "core/model/statismo_values.h"
 
 namespace homolog {
 
 namespace fs = std::filesystem;
 
+using statismo::FloatMatrix;
+using statismo::floats_of;
+using statismo::matrix_at;
+using statismo::shrink;
+using statismo::text_of;
+
+namespace statismo {
+
+Result<FloatMatrix> matrix_at(const HdfTree& tree, const std::string& path, Eigen::Index rows, Eigen::Index columns) {
+  const std::vector<float>* values = tree.floats(path);
+  if (values == nullptr)
+    return fail(shrink("holds no " + path + ", so it is not a shape model of statismo or scalismo"));
+  const auto& dims = tree.datasets.at(path).dims;
+  const Eigen::Index r = dims.empty() ? 1 : static_cast<Eigen::Index>(dims[0]);
+  const Eigen::Index c = dims.size() < 2 ? 1 : static_cast<Eigen::Index>(dims[1]);
+  if (dims.size() > 2 || r * c != std::ssize(*values) || (rows >= 0 && r != rows) || (columns >= 0 && c != columns))
+    return fail(shrink(path + " does not fit the other parts of the model"));
+  const FloatMatrix matrix = Eigen::Map<const FloatMatrix>(values->data(), r, c);
+  if (!matrix.allFinite()) return fail(shrink(path + " holds a number that is not finite"));
+  return matrix;
+}
+
+}  // namespace statismo
+
 namespace {
 
-using Floats = std::vector<float>;
 constexpr const char* names_start = "/modelinfo/modelBuilder-0/dataInfo/URI_";  // before the number of a shape
-using FloatMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 bool name_ends_with(const fs::path& path, const std::string& ending) {
   const std::string name = lower_case(path.filename().string());
   return name.size() > ending.size() && name.ends_with(ending);
-}
-
-/// Row-major floats of any matrix.
-template <class Derived>
-HdfTree::Dataset floats_of(const Eigen::MatrixBase<Derived>& matrix, bool as_vector = false) {
-  HdfTree::Dataset dataset;
-  const auto rows = static_cast<std::size_t>(matrix.rows()), columns = static_cast<std::size_t>(matrix.cols());
-  dataset.dims = as_vector ? std::vector<std::size_t>{rows * columns} : std::vector<std::size_t>{rows, columns};
-  Floats values(rows * columns);
-  Eigen::Map<FloatMatrix>(values.data(), matrix.rows(), matrix.cols()) = matrix.template cast<float>();
-  dataset.values = std::move(values);
-  return dataset;
-}
-
-HdfTree::Dataset text_of(std::string text) {
-  HdfTree::Dataset dataset;
-  dataset.values = std::move(text);
-  return dataset;
 }
 
 HdfTree::Dataset number_of(std::int32_t number) {
@@ -107,26 +112,8 @@ HdfTree tree_of(const ShapeModel& model) {
   datasets["/modelinfo/modelBuilder-0/builderName"] = text_of("Homolog");
   for (std::size_t i = 0; i < model.names.size(); ++i)
     datasets[names_start + std::to_string(i)] = text_of(model.names[i]);
+  statismo::add_structures(model, tree);
   return tree;
-}
-
-Error shrink(const std::string& what) {
-  return {"", what + "; export the model again"};
-}
-
-/// A dataset of floats as a matrix. Errors: absent, or not of this size (−1: any).
-Result<FloatMatrix> matrix_at(const HdfTree& tree, const std::string& path, Eigen::Index rows, Eigen::Index columns) {
-  const Floats* values = tree.floats(path);
-  if (values == nullptr)
-    return fail(shrink("holds no " + path + ", so it is not a shape model of statismo or scalismo"));
-  const auto& dims = tree.datasets.at(path).dims;
-  const Eigen::Index r = dims.empty() ? 1 : static_cast<Eigen::Index>(dims[0]);
-  const Eigen::Index c = dims.size() < 2 ? 1 : static_cast<Eigen::Index>(dims[1]);
-  if (dims.size() > 2 || r * c != std::ssize(*values) || (rows >= 0 && r != rows) || (columns >= 0 && c != columns))
-    return fail(shrink(path + " does not fit the other parts of the model"));
-  const FloatMatrix matrix = Eigen::Map<const FloatMatrix>(values->data(), r, c);
-  if (!matrix.allFinite()) return fail(shrink(path + " holds a number that is not finite"));
-  return matrix;
 }
 
 Result<std::shared_ptr<const Topology>> topology_of(const HdfTree& tree, Eigen::Index vertices) {
@@ -194,16 +181,19 @@ Result<ShapeModel> model_of(const HdfTree& tree) {
   const auto noise = matrix_at(tree, "/model/noiseVariance", 1, 1);
   if (noise) model.noise_variance = static_cast<double>((*noise)(0, 0));
   read_training(tree, model);
+  statismo::read_structures(tree, model);
   return model;
 }
 
 }  // namespace
 
 HdfParts model_parts() {
-  return {.attributes = {{"/representer", "datasetType"}},
-          .datasets = {"/version/majorVersion", "/version/minorVersion", "/representer/cells", "/model/mean",
-                       "/model/pcaBasis", "/model/pcaVariance", "/model/noiseVariance", "/modelinfo/scores"},
-          .numbered = {names_start}};
+  HdfParts parts{.attributes = {{"/representer", "datasetType"}},
+                 .datasets = {"/version/majorVersion", "/version/minorVersion", "/representer/cells", "/model/mean",
+                              "/model/pcaBasis", "/model/pcaVariance", "/model/noiseVariance", "/modelinfo/scores"},
+                 .numbered = {names_start}};
+  statismo::add_structure_parts(parts);
+  return parts;
 }
 
 bool is_model_name(const fs::path& path) {

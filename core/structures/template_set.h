@@ -10,7 +10,7 @@
 
 #include "core/base/result.h"
 #include "core/mesh/topology.h"
-#include "core/structures/relative_pose.h"
+#include "core/placement/relative_pose.h"
 
 namespace homolog {
 

@@ -1,4 +1,4 @@
-#include "core/structures/relative_pose.h"
+#include "core/placement/relative_pose.h"
 
 #include <doctest/doctest.h>
 

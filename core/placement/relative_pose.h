@@ -8,7 +8,8 @@
 
 namespace homolog {
 
-/// How a structure lies among subjects against where its neighbours say that it is, in the set's space.
+/// How a structure lies among subjects: against where its neighbours say that it is, in a set's space, or against its
+/// mean place in a joint model's.
 struct RelativePose {
   std::size_t subjects = 1;
   Vec3 offset_mm = Vec3::Zero();                           ///< of its middle, the mean
@@ -16,6 +17,9 @@ struct RelativePose {
   double scale = 1;                                        ///< the geometric mean
   double offset_sd_mm = 0, turn_sd_deg = 0, scale_sd = 0;  ///< the spread; 0 of one subject
 };
+
+/// The axis times the angle, in degrees; the angle is 0…180°.
+Vec3 turn_deg_of(const Eigen::Quaterniond& rotation);
 
 /// The mean and the spread of similarities that carry a template from where its neighbours say to where it is.
 /// `middle`: of the template, about which they turn. There must be one similarity.

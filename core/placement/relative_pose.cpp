@@ -1,4 +1,4 @@
-#include "core/structures/relative_pose.h"
+#include "core/placement/relative_pose.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -12,12 +12,6 @@ namespace homolog {
 namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
-
-/// The axis times the angle, in degrees.
-Vec3 turn_of(const Eigen::Quaterniond& rotation) {
-  const Eigen::AngleAxisd turn(rotation);
-  return turn.angle() * degrees * turn.axis();
-}
 
 /// The similarity of a subject: from the mean places to where its structures lie. None: it has no structure.
 std::optional<Similarity> similarity_of_subject(const std::vector<Points>& templates,
@@ -40,6 +34,11 @@ std::optional<Similarity> similarity_of_subject(const std::vector<Points>& templ
 }
 
 }  // namespace
+
+Vec3 turn_deg_of(const Eigen::Quaterniond& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.angle() * degrees * turn.axis();
+}
 
 Similarity mean_similarity(const std::vector<Similarity>& of, const Vec3& middle) {
   Eigen::Matrix4d products = Eigen::Matrix4d::Zero();
@@ -64,7 +63,7 @@ RelativePose relative_pose(const std::vector<Similarity>& relative, const Vec3& 
   RelativePose pose;
   pose.subjects = relative.size();
   pose.offset_mm = mean.apply(middle) - middle;
-  pose.turn_deg = turn_of(mean.rotation);
+  pose.turn_deg = turn_deg_of(mean.rotation);
   pose.scale = mean.scale;
   if (relative.size() < 2) return pose;
   double offset = 0, turn = 0, scale = 0;

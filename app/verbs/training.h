@@ -1,0 +1,65 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/verbs/verb.h"
+#include "core/model/shape_model.h"
+#include "core/model/training_set.h"
+
+namespace homolog {
+
+/// What `model` and `evaluate` are told of their training set.
+struct TrainingVerb {
+  std::vector<std::filesystem::path> files;
+  bool keep_scale = false, no_align = false;
+  TrainingOptions reading;
+  // Of several structures.
+  std::vector<std::string> structures;  ///< empty: shapes of one
+  std::string together = "common";      ///< or "each"
+  bool complete = false, world = false;
+
+  Alignment alignment() const {
+    return no_align ? Alignment::none : keep_scale ? Alignment::rigid : Alignment::similarity;
+  }
+};
+
+/// Adds the options that `model` and `evaluate` share.
+void add_training_options(CLI::App& verb, TrainingVerb& options);
+
+/// An aligned training set and its components.
+struct Training {
+  std::vector<std::string> names;  ///< as the set's; of several structures those of the cases
+  std::shared_ptr<const Topology> topology;
+  PrincipalComponents components;
+  std::vector<std::string> warnings;
+  std::vector<double> sizes_mm;  ///< centroid sizes before they were aligned
+  std::vector<std::string> groups;
+  std::vector<DoubtfulShape> doubtful, left_out;
+  // Of several structures.
+  std::vector<StructurePart> parts;
+  std::optional<StructurePoses> poses;
+  std::vector<CompletedStructure> completed;
+  ShapeMatrix in_scan;  ///< the shapes before they were aligned, where `keep_unaligned` asked for them
+
+  /// The names of the set's shapes, of shapes in doubt, of structures and how they vary.
+  void report(Json& values) const;
+};
+
+/// The structures of a joint model, with the spread of where each lies against its mean place.
+Json json_of(const std::vector<StructurePart>& parts, const StructurePoses& poses);
+/// Which structures of which shapes are completed. `names`: of the shapes.
+Json json_of(const std::vector<CompletedStructure>& completed, const std::vector<std::string>& names,
+             const std::vector<StructurePart>& parts);
+
+/// Aligns a set of shapes of one structure. Errors: shapes that differ by their pose alone.
+Result<Training> train(TrainingSetRead read, const TrainingVerb& options);
+
+/// Reads a set, of one structure or of several, and aligns it. Errors: those of read_training_set, structure_files and
+/// read_joint_set; the same.
+Result<Training> train(const TrainingVerb& options, Progress& progress, bool keep_unaligned = false);
+
+}  // namespace homolog

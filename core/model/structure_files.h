@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/model/structure_parts.h"
+
+namespace homolog {
+
+/// The files of one case, one for each structure that was asked for; empty where it has none.
+struct CaseFiles {
+  std::string name;
+  std::vector<std::filesystem::path> of_structure;
+};
+
+/// Which of ShapeWorks' two files of a shape: in the scan, or as ShapeWorks aligned them.
+enum class ShapeWorksFrame { local, world };
+
+/// The meshes of these structures in folders, case by case in the order of the cases' names. A folder is
+/// - one of cases, CASE/STRUCTURE.ply [fit_set.h] or of another format that keeps vertices, or such a CASE itself,
+/// - or one of ShapeWorks' with several domains, SUBJECT_DOMAIN_local.particles and _world.particles.
+/// Names of structures are found in any case; a mesh .ply is taken before others of its name. Errors: fewer than two
+/// structures, one twice, one that no case has (with the nearest names), two files of one case and structure, a folder
+/// that cannot be read.
+Result<std::vector<CaseFiles>> structure_files(const std::vector<std::filesystem::path>& folders,
+                                               const std::vector<std::string>& structures,
+                                               ShapeWorksFrame frame = ShapeWorksFrame::local);
+
+/// Writes shapes of several structures (columns of `local`, in the scan, and of `world`, aligned; mm, LPS) into
+/// `folder`, made where absent: NAME_STRUCTURE_local.particles and NAME_STRUCTURE_world.particles as ShapeWorks'
+/// projects with several domains have them, and where there are triangles NAME/STRUCTURE.ply as aligned. Each file
+/// whole or not at all. Errors: a name that cannot be a file's, the folder.
+Result<void> write_structures(const ShapeMatrix& local, const ShapeMatrix& world, const Triangles& triangles,
+                              const std::vector<StructurePart>& parts, const std::vector<std::string>& names,
+                              const std::filesystem::path& folder);
+
+}  // namespace homolog

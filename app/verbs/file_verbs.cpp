@@ -1,8 +1,10 @@
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 
 #include "app/verbs/describe.h"
+#include "app/verbs/model_part.h"
 #include "app/verbs/read_image.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
@@ -12,6 +14,7 @@
 #include "core/mesh/mirror.h"
 #include "core/model/observers.h"
 #include "core/model/shape_files.h"
+#include "core/model/statismo.h"
 #include "core/phantom/phantom_files.h"
 #include "core/volume/volume_io.h"
 #include "core/volume/write_segmentation.h"
@@ -51,6 +54,20 @@ Result<std::vector<std::string>> check_effect(const fs::path& path, const std::s
   if (spacing && !is_picture_stack(path))
     warnings.push_back(path.string() + ": has a spacing of its own, so --spacing has no effect");
   return warnings;
+}
+
+/// A model's mean or random shape as a mesh.
+Result<Report> convert_model(const fs::path& in, const fs::path& out, const std::string& structure,
+                             std::optional<std::uint64_t> seed) {
+  if (!is_mesh_name(out)) return fail(out.string(), "is no mesh's name; a model's shape is one, so use .ply or .vtk");
+  const auto mesh = mesh_of_model(in, structure, seed);
+  if (!mesh) return fail(mesh.error());
+  if (mesh->triangles.rows() == 0 && out.extension() != ".particles")
+    return fail(out.string(), "needs faces, and " + in.string() + " is a model of points alone; use .particles");
+  auto report = describe(*mesh, in);
+  if (!report) return report;
+  if (auto written = write_mesh_file(*mesh, out); !written) return fail(written.error());
+  return report;
 }
 
 /// The 0.5 isosurface of the label that is meant, as it is.
@@ -132,10 +149,13 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     std::vector<double> spacing_mm;
     double times = 1;
     bool from_ras = false;
+    std::string structure;
+    std::optional<std::uint64_t> sample;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "convert", "Any readable volume or mesh to any writable format");
-  verb->add_option("IN", options->in, "A volume or mesh")->required();
+  verb->add_option("IN", options->in, "A volume or mesh, or a model (.h5, .h5.json), whose mean becomes a mesh")
+      ->required();
   verb->add_option("OUT", options->out, "The file to write; its extension chooses the format")->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
   add_spacing(*verb, options->spacing_mm);
@@ -143,7 +163,14 @@ void add_convert(CLI::App& app, CommandLine& asked) {
                    "Multiply a mesh's coordinates, which are in another unit than mm: 1000 for metres, 10 for cm")
       ->check(CLI::Range(1e-9, 1e9));
   verb->add_flag("--from-ras", options->from_ras, "A mesh's coordinates are RAS, though its file does not say so");
-  const auto convert = [options](Progress& progress) -> Result<Report> {
+  auto* structure = verb->add_option("--structure", options->structure, "Of a joint model this structure alone");
+  auto* sample =
+      verb->add_option("--sample", options->sample, "Of a model the random shape of this seed, not the mean");
+  const auto convert = [options, structure, sample](Progress& progress) -> Result<Report> {
+    if (is_model_name(options->in))
+      return convert_model(options->in, options->out, options->structure, options->sample);
+    if (structure->count() + sample->count() > 0)
+      return fail(options->in.string(), "is no model, so --structure and --sample have no effect; leave them out");
     if (is_mesh_name(options->in) != is_mesh_name(options->out)) {
       return fail(options->out.string(),
                   "is not of the same kind as " + options->in.string() +

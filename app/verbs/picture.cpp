@@ -9,12 +9,14 @@
 #include "app/editor/window/editor_picture.h"
 #include "app/editor/window/picture_captions.h"
 #include "app/pictures/pictures.h"
+#include "app/verbs/model_part.h"
 #include "app/verbs/verb.h"
 #include "core/base/file_stem.h"
 #include "core/base/picture_io.h"
 #include "core/mesh/mirror.h"
+#include "core/model/joint_set.h"
 #include "core/model/shape_files.h"
-#include "core/model/statismo.h"
+#include "core/model/structure_files.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"
 #include "render/offscreen.h"
@@ -31,7 +33,9 @@ struct PictureVerb {
   std::string size = "1280x960", view = "anterior";
   double glyph_spacing_mm = 0;
   bool transparent = false, all_frames = false, captions = false;
-  std::string ground, only;  ///< empty: as it always was
+  std::string ground, only;             ///< empty: as it always was
+  std::vector<std::string> structures;  ///< joined; empty: shapes of one
+  std::string structure;                ///< of those this one alone; empty: all
   int modes = 2;
 };
 
@@ -142,8 +146,35 @@ Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
   return report;
 }
 
+/// The structures of each case as one shape, or one of them.
+Result<Report> joint_correspondence(const PictureVerb& verb, Progress& progress) {
+  const auto cases = structure_files(verb.in, verb.structures);
+  if (!cases) return fail(cases.error());
+  const auto joint = read_joint_set(*cases, verb.structures, {}, &progress);
+  if (!joint) return fail(joint.error());
+  const TrainingSet& set = joint->read.set;
+  if (!set.topology) return fail(verb.in.front().string(), "holds points only; a picture needs faces, so give meshes");
+  std::shared_ptr<const Topology> topology = set.topology;
+  ShapeMatrix points = set.shapes;
+  if (!verb.structure.empty()) {
+    const StructurePart* part = part_named(joint->parts, verb.structure);
+    if (part == nullptr)
+      return fail("--structure " + verb.structure,
+                  "is none of the structures that are joined; name " + listed(verb.structures, " or "));
+    auto own = Topology::make(part->vertices, triangles_of(*part, topology->triangles()));
+    if (!own) return fail(part->name, own.error().what);
+    topology = std::move(*own);
+    points = rows_of(*part, set.shapes);
+  }
+  std::vector<Mesh> shapes;
+  for (Eigen::Index s = 0; s < points.cols(); ++s) shapes.push_back({topology, points_of(points, s)});
+  auto report = write(correspondence_picture(shapes, set.names, montage_options(verb)), verb);
+  if (report) report->warnings = joint->read.warnings;
+  return report;
+}
+
 Result<Report> of_model(const PictureVerb& verb) {
-  const auto model = read_model(verb.in.front());
+  const auto model = read_model_part(verb.in.front(), verb.structure);
   if (!model) return fail(model.error());
   return write(modes_picture(*model, verb.modes, montage_options(verb)), verb);
 }
@@ -238,11 +269,22 @@ void add_picture(CLI::App& app, CommandLine& asked) {
                   "Shapes in correspondence: meshes, case files (.homolog), a study (.study.json)")
       ->required();
   all->add_flag("--all-frames", options->all_frames, "Show every edited frame of a cine");
+  auto* structures =
+      all->add_option("--structures", options->structures,
+                      "Join several structures, as A,B, of a folder with CASE/A.ply as fit SET writes it")
+          ->delimiter(',')
+          ->excludes("--all-frames");
+  all->add_option("--structure", options->structure, "Of those this one alone")->needs(structures);
   add_options(*all, *options);
-  all->callback(
-      [options, &asked] { asked.run = [options](Progress& progress) { return correspondence(*options, progress); }; });
+  all->callback([options, &asked] {
+    asked.run = [options](Progress& progress) {
+      return options->structures.empty() ? correspondence(*options, progress)
+                                         : joint_correspondence(*options, progress);
+    };
+  });
   CLI::App* modes = add_verb(*picture, "modes", "Modes of a model: -3, 0 and +3 standard deviations");
   modes->add_option("MODEL", options->in, "The model (.h5.json or .h5)")->required()->expected(1);
+  modes->add_option("--structure", options->structure, "Of a joint model this structure alone");
   modes->add_option("--modes", options->modes, "How many modes to show, a row for each")->check(CLI::Range(1, 20));
   add_options(*modes, *options);
   modes->callback([options, &asked] { asked.run = [options](Progress&) { return of_model(*options); }; });

@@ -156,7 +156,7 @@ void carry(const std::vector<Similarity>& places, SetInMaking& making) {
   }
 }
 
-std::vector<Points> points_of(const SetInMaking& making) {
+std::vector<Points> template_points_of(const SetInMaking& making) {
   std::vector<Points> points;
   for (const MeshFile& file : making.files) points.push_back(file.points);
   return points;
@@ -178,7 +178,7 @@ Result<void> bring_to_mean_places(const SetJob& job, SetInMaking& making, Progre
                                                                              : std::nullopt);
     fitted.push_back(std::move(*one));
   }
-  const std::vector<Similarity> places = mean_places(points_of(making), placed);
+  const std::vector<Similarity> places = mean_places(template_points_of(making), placed);
   carry(places, making);
   for (std::size_t s = 0; s < fitted.size(); ++s)
     for (std::size_t k = 0; k < places.size(); ++k) {
@@ -215,7 +215,7 @@ Result<void> add_consensus(const SetJob& job, const std::vector<std::vector<Segm
   }
   if (making.files.empty()) return {};  // said where the set is written
   for (auto& relative : making.relative) relative.clear();
-  carry(mean_places(points_of(making), roughly), making);
+  carry(mean_places(template_points_of(making), roughly), making);
   part.emplace(progress, 0.3);
   return bring_to_mean_places(job, making, *part);
 }

@@ -4,6 +4,7 @@
 import json
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -117,6 +118,16 @@ run("template", one, "-o", "template.ply", "--vertices", "500")
 run("model", one, two, "fitted.ply", "-o", "model.h5")
 run("info", "model.h5")
 run("evaluate", one, two, "fitted.ply", "--samples", "2")
+for subject, file in ("1", one), ("2", two), ("3", "fitted.ply"):
+    (folder / "joint" / subject).mkdir(parents=True)
+    for structure in "AB":
+        shutil.copy(folder / file, folder / "joint" / subject / f"{structure}.ply")
+shutil.copytree(folder / "joint" / "1", folder / "joint" / "4")
+(folder / "joint" / "4" / "B.ply").unlink()
+run("model", "joint", "--structures", "A,B", "--complete", "-o", "joint.h5")
+run("info", "joint.h5")
+run("evaluate", "joint", "--structures", "A,B", "--structure", "A", "--samples", "2")
+run("convert", "joint.h5", "mean.ply")
 run("picture correspondence", one, two, "-o", "both.png", "--size", "200x200")
 for line in (folder / "case.homolog").read_text().splitlines():
     check(json.loads(line), "case-line", f"a case that was written, {line[:100]}")

@@ -76,6 +76,32 @@ TEST_CASE("measures are of all structures or of one") {
   CHECK(none.errors.find("name low or high") != std::string::npos);
 }
 
+TEST_CASE("a joint model's mean and random shapes and pictures are of all structures or of one") {
+  const TemporaryFolder folder;
+  put_cases(folder);
+  REQUIRE(run(folder, "model fits --structures low,high -o m.h5").status == 0);
+  CHECK(run(folder, "convert m.h5 all.ply --json").json()["components"] == 2);
+  REQUIRE(run(folder, "convert m.h5 high.ply --structure high").status == 0);
+  REQUIRE(run(folder, "convert m.h5 random.ply --structure high --sample 3").status == 0);
+  const MeshFile all = read_mesh_file(folder.path / "all.ply").value(),
+                 high = read_mesh_file(folder.path / "high.ply").value(),
+                 random = read_mesh_file(folder.path / "random.ply").value();
+  CHECK(all.points.rows() == 324);
+  CHECK((high.points - all.points.bottomRows(162)).norm() == 0);
+  CHECK(high.triangles == icosphere(2, 1).topology->triangles());
+  const double moved = (random.points - high.points).rowwise().norm().mean();
+  CHECK(moved > 0.1);
+  CHECK(moved < 10);
+  check_refused(run(folder, "convert m.h5 x.ply --structure hihg"), "m.h5");
+  check_refused(run(folder, "convert m.h5 x.nii.gz"), "x.nii.gz");
+  check_refused(run(folder, "convert all.ply x.ply --structure high"), "all.ply");
+  const Ran gallery =
+      run(folder, "picture correspondence fits --structures low,high --structure low -o g.png --size 200x200");
+  if (gallery.errors.find("OpenGL") != std::string::npos) return;
+  CHECK_MESSAGE(gallery.status == 0, gallery.errors);
+  CHECK(run(folder, "picture modes m.h5 --structure high -o modes.png --size 200x200").status == 0);
+}
+
 TEST_CASE("a case that lacks a structure is left out or completed and marked") {
   const TemporaryFolder folder;
   put_cases(folder, true);

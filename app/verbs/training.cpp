@@ -124,7 +124,8 @@ Json json_of(const std::vector<CompletedStructure>& completed, const std::vector
   for (const CompletedStructure& one : completed)
     list.push_back({{"name", names[static_cast<std::size_t>(one.shape)]},
                     {"structure", parts[static_cast<std::size_t>(one.part)].name},
-                    {"expected_error_mm", one.expected_error_mm}});
+                    {"expected_error_mm", one.expected_error_mm},
+                    {"mean_error_mm", one.mean_error_mm}});
   return list;
 }
 

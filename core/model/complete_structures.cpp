@@ -14,6 +14,7 @@ namespace homolog {
 namespace {
 
 constexpr std::array noises_mm{1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0};
+constexpr double deaf_mm = 1e9;  ///< a noise with which what is known tells nothing: the mean
 
 std::vector<Eigen::Index> vertices_of(const std::vector<StructurePart>& parts, const std::vector<bool>& has) {
   std::vector<Eigen::Index> vertices;
@@ -64,29 +65,32 @@ CompletedShape completed_shape(const ShapeMatrix& complete, const std::vector<St
                                const IncompleteShape& shape, Alignment alignment) {
   assert(complete.cols() >= 3);
   const std::vector<Eigen::Index> known = vertices_of(parts, shape.has);
-  // Squares by noise and structure, for each shape that is left out.
+  // Squares by noise and structure, for each shape that is left out; in the last row those of the mean.
+  const auto tries = std::ssize(noises_mm);
   std::vector<Eigen::MatrixXd> squares(static_cast<std::size_t>(complete.cols()));
   for_each_in_parallel(squares.size(), [&](std::size_t s) {
     const auto left_out = static_cast<Eigen::Index>(s);
     const Completer others(without(complete, left_out), alignment);
     const Points truth = points_of(complete, left_out);
-    squares[s].setZero(std::ssize(noises_mm), std::ssize(parts));
-    for (Eigen::Index j = 0; j < std::ssize(noises_mm); ++j) {
-      const Points found = others.expected(truth, known, noises_mm[static_cast<std::size_t>(j)]);
+    squares[s].setZero(tries + 1, std::ssize(parts));
+    for (Eigen::Index j = 0; j <= tries; ++j) {
+      const double noise_mm = j < tries ? noises_mm[static_cast<std::size_t>(j)] : deaf_mm;
+      const Points found = others.expected(truth, known, noise_mm);
       for (std::size_t k = 0; k < parts.size(); ++k)
         if (!shape.has[k]) squares[s](j, static_cast<Eigen::Index>(k)) = square_mm2(parts[k], found, truth);
     }
   });
-  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(std::ssize(noises_mm), std::ssize(parts));
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(tries + 1, std::ssize(parts));
   for (const Eigen::MatrixXd& one : squares) mean += one / static_cast<double>(squares.size());
   Eigen::Index best = 0;
-  mean.rowwise().sum().minCoeff(&best);
+  mean.topRows(tries).rowwise().sum().minCoeff(&best);
   CompletedShape result;
   result.noise_mm = noises_mm[static_cast<std::size_t>(best)];
   result.points = shape.points;
   const Points found = Completer(complete, alignment).expected(points_of(shape.points), known, result.noise_mm);
   for (std::size_t k = 0; k < parts.size(); ++k) {
     result.expected_error_mm.push_back(std::sqrt(mean(best, static_cast<Eigen::Index>(k))));
+    result.mean_error_mm.push_back(std::sqrt(mean(tries, static_cast<Eigen::Index>(k))));
     if (shape.has[k]) continue;
     const Points missing = found.middleRows(parts[k].first_vertex, parts[k].vertices);
     result.points.segment(3 * parts[k].first_vertex, 3 * parts[k].vertices) =

@@ -17,6 +17,7 @@ struct CompletedShape {
   Eigen::VectorXd points;                 ///< what it has is as it was
   double noise_mm = 0;                    ///< σ of every known coordinate that was taken
   std::vector<double> expected_error_mm;  ///< of each structure; 0 of those that it has
+  std::vector<double> mean_error_mm;      ///< the same where the others' mean, laid onto what is known, is taken
 };
 
 /// Completes a shape by what the joint model of the complete ones (columns, as they lie in their scans) expects given

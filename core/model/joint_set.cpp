@@ -146,7 +146,8 @@ Result<void> settle(std::vector<OneCase> cases, const JointOptions& options, Joi
     set.shapes.col(shape) = found.points;
     for (std::size_t k = 0; k < joint.parts.size(); ++k)
       if (!one.shape.has[k])
-        joint.completed.push_back({shape, static_cast<Eigen::Index>(k), found.expected_error_mm[k]});
+        joint.completed.push_back(
+            {shape, static_cast<Eigen::Index>(k), found.expected_error_mm[k], found.mean_error_mm[k]});
   }
   set.shapes.conservativeResize(Eigen::NoChange, std::ssize(set.names));
   return {};

@@ -86,13 +86,14 @@ void add_structures(const ShapeModel& model, HdfTree& tree) {
   datasets[std::string(parts_group) + "/ranges"] = integers_of(ranges, 4);
   if (!model.completed.empty()) {
     std::vector<std::array<Eigen::Index, 2>> which;
-    Eigen::VectorXd errors(std::ssize(model.completed));
+    Eigen::MatrixXd errors(std::ssize(model.completed), 2);
     for (std::size_t k = 0; k < model.completed.size(); ++k) {
       which.push_back({model.completed[k].shape, model.completed[k].part});
-      errors[static_cast<Eigen::Index>(k)] = model.completed[k].expected_error_mm;
+      errors.row(static_cast<Eigen::Index>(k)) << model.completed[k].expected_error_mm,
+          model.completed[k].mean_error_mm;
     }
     datasets[std::string(parts_group) + "/completed"] = integers_of(which, 2);
-    datasets[std::string(parts_group) + "/completedError"] = floats_of(errors, true);
+    datasets[std::string(parts_group) + "/completedError"] = floats_of(errors);
   }
   if (!model.poses) return;
   const StructurePoses& poses = *model.poses;
@@ -112,10 +113,13 @@ void read_structures(const HdfTree& tree, ShapeModel& model) {
   if (model.parts.empty()) return;
   model.poses = poses_in(tree, std::ssize(model.parts));
   const auto* which = tree.integers(std::string(parts_group) + "/completed");
-  const auto* errors = tree.floats(std::string(parts_group) + "/completedError");
-  if (which == nullptr || errors == nullptr || which->size() != 2 * errors->size()) return;
-  for (std::size_t k = 0; k < errors->size(); ++k) {
-    const CompletedStructure one{(*which)[2 * k], (*which)[2 * k + 1], static_cast<double>((*errors)[k])};
+  if (which == nullptr) return;
+  const auto errors = matrix_at(tree, std::string(parts_group) + "/completedError", std::ssize(*which) / 2, 2);
+  if (!errors) return;
+  for (Eigen::Index k = 0; k < errors->rows(); ++k) {
+    const auto at = static_cast<std::size_t>(2 * k);
+    const CompletedStructure one{(*which)[at], (*which)[at + 1], static_cast<double>((*errors)(k, 0)),
+                                 static_cast<double>((*errors)(k, 1))};
     if (one.shape >= 0 && one.shape < std::ssize(model.names) && one.part >= 0 && one.part < std::ssize(model.parts))
       model.completed.push_back(one);
   }

@@ -44,9 +44,16 @@ class Finder {
   Result<void> add(const fs::path& folder) {
     const auto entries = entries_of(folder);
     if (!entries) return fail(entries.error());
-    const bool of_shapeworks = std::any_of(entries->begin(), entries->end(), [&](const fs::path& file) {
-      return file.extension() == ".particles" && file_stem(file).ends_with(ending_of(frame_));
-    });
+    const auto holds = [&](ShapeWorksFrame frame) {
+      return std::any_of(entries->begin(), entries->end(), [&](const fs::path& file) {
+        return file.extension() == ".particles" && file_stem(file).ends_with(ending_of(frame));
+      });
+    };
+    const bool of_shapeworks = holds(frame_);
+    if (!of_shapeworks && frame_ == ShapeWorksFrame::world)
+      return fail(folder.string(), "holds no _world.particles of ShapeWorks; leave --world out");
+    if (!of_shapeworks && holds(ShapeWorksFrame::world))
+      return fail(folder.string(), "holds _world.particles but no _local.particles; use --world");
     const fs::path whole = folder.has_filename() ? folder : folder.parent_path();
     for (const fs::path& entry : *entries) {
       std::error_code ignored;

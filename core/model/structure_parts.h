@@ -36,6 +36,7 @@ struct CompletedStructure {
   Eigen::Index shape = 0;  ///< column of the training set
   Eigen::Index part = 0;
   double expected_error_mm = 0;  ///< root mean square over vertices, of complete shapes that were completed so
+  double mean_error_mm = 0;      ///< the same where the mean of the others is taken in its place
 };
 
 /// The part of this name, in any case; null where there is none.

@@ -126,6 +126,7 @@ TEST_CASE("a structure that a case lacks is what the others let expect") {
   CHECK(found.expected_error_mm[0] == 0);
   CHECK(found.expected_error_mm[1] > 0);
   CHECK(found.expected_error_mm[1] < 1);
+  CHECK(found.mean_error_mm[1] > 3 * found.expected_error_mm[1]);
 }
 
 TEST_CASE("a model's file keeps structures and poses and what was completed") {
@@ -136,7 +137,7 @@ TEST_CASE("a model's file keeps structures and poses and what was completed") {
   model.parts = joint_parts();
   for (StructurePart& part : model.parts) part.first_triangle = part.triangles = 0;
   model.poses = poses;
-  model.completed = {{2, 1, 1.5}};
+  model.completed = {{2, 1, 1.5, 2.5}};
   for (const std::string name : {"m.h5", "m.h5.json"}) {
     REQUIRE(write_model(model, folder.path / name));
     const auto read = read_model(folder.path / name);
@@ -151,6 +152,7 @@ TEST_CASE("a model's file keeps structures and poses and what was completed") {
     REQUIRE(read->completed.size() == 1);
     CHECK(read->completed[0].shape == 2);
     CHECK(read->completed[0].expected_error_mm == 1.5);
+    CHECK(read->completed[0].mean_error_mm == 2.5);
     const ShapeModel high = part_of(*read, read->parts[1]);
     CHECK((shape_of(high, read->scores.col(1)) - points_of(shapes, 1).bottomRows(162)).cwiseAbs().maxCoeff() < 1e-3);
   }
@@ -193,5 +195,12 @@ TEST_CASE("cases of structures are found in folders of meshes and of ShapeWorks"
   CHECK(structure_files({folder.path / "fits"}, {"L3", "l3"}).error().what ==
         "names l3 twice; name each structure once");
   CHECK_FALSE(structure_files({folder.path / "fits"}, {"L3"}));
+  const auto no_world = structure_files({folder.path / "fits"}, {"L3", "L4"}, ShapeWorksFrame::world);
+  REQUIRE_FALSE(no_world);
+  CHECK(no_world.error().what.starts_with("holds no _world.particles"));
+  put(folder.path / "aligned/k_1_L3_world.particles", "0 0 0\n");
+  const auto world_alone = structure_files({folder.path / "aligned"}, {"L3", "L4"});
+  REQUIRE_FALSE(world_alone);
+  CHECK(world_alone.error().what == "holds _world.particles but no _local.particles; use --world");
   CHECK_FALSE(structure_files({folder.path / "none"}, {"L3", "L4"}));
 }

@@ -9,8 +9,6 @@
 
 namespace homolog {
 
-namespace fs = std::filesystem;
-
 namespace {
 
 /// The shapes of one structure, by case.

@@ -67,11 +67,4 @@ std::shared_ptr<const Volume> grid_of(const Volume& volume) {
   return grid;
 }
 
-std::string reason_of_doubt(const std::vector<std::string>& warnings) {
-  if (warnings.empty()) return "The fit is doubtful.";
-  std::string reason = warnings.back();
-  if (!reason.empty()) reason[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(reason[0])));
-  return reason.ends_with('.') || reason.ends_with('?') ? reason : reason + '.';
-}
-
 }  // namespace homolog

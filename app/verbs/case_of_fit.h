@@ -36,7 +36,4 @@ Result<StudyCase> write_case_of_fit(const FittedCase& fitted, const std::filesys
 /// The grid of a volume without its voxels.
 std::shared_ptr<const Volume> grid_of(const Volume& volume);
 
-/// Why a fit is in doubt, of what is said of it; "The fit is doubtful." where nothing is.
-std::string reason_of_doubt(const std::vector<std::string>& warnings);
-
 }  // namespace homolog

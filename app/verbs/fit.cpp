@@ -14,6 +14,7 @@
 #include "app/verbs/fit_sets.h"
 #include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
+#include "app/verbs/set_cases.h"
 #include "app/verbs/snap_arguments.h"
 #include "app/verbs/study_make.h"
 #include "app/verbs/verb.h"
@@ -124,12 +125,6 @@ Result<std::vector<fs::path>> outputs_of(const FitJob& options) {
     outputs.push_back(options.out / (other->first + ".ply"));
   }
   return outputs;
-}
-
-/// The study of a folder of fits: "fits/fits.study.json".
-fs::path study_in(const fs::path& folder) {
-  const fs::path whole = absolute_path(folder / "x").parent_path();
-  return folder / (whole.filename().string() + ".study.json");
 }
 
 /// Says in the report that several cases are off at one place of the template.

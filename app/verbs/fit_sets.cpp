@@ -5,6 +5,7 @@
 
 #include "app/verbs/case_of_fit.h"
 #include "app/verbs/set_cases.h"
+#include "app/verbs/study_make.h"
 #include "core/base/files.h"
 #include "core/base/statistics.h"
 #include "core/mesh/mesh_frame.h"
@@ -91,7 +92,15 @@ Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set,
   return labels.contested_voxels;
 }
 
-Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, const fs::path& path, Progress& progress) {
+/// What the cases of a run become in a study: the structure that the most of them have is that of its model.
+struct CasesOfSet {
+  std::vector<StudyCase> cases;
+  std::vector<std::vector<std::size_t>> fitted;  ///< of each case, by the set's order
+};
+
+/// Fits the set to one map, writes what came of it, and adds its case to `made`.
+Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, const fs::path& path, CasesOfSet& made,
+                           Progress& progress) {
   using Clock = std::chrono::steady_clock;
   const auto map = read_subject(path, options.frame, progress);
   if (!map) return fail(map.error());
@@ -106,6 +115,12 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   const auto contested = write_fits(options, set, subject, *map, name, *fitted);
   if (!contested) return fail(contested.error());
   Report report;
+  auto one = write_case_of_set(set, path, *map, subject, *fitted, options.out, report.warnings);
+  if (!one) return fail(one.error());
+  made.cases.push_back(std::move(*one));
+  made.fitted.emplace_back();
+  for (std::size_t k = 0; k < fitted->structures.size(); ++k)
+    if (fitted->structures[k].fit) made.fitted.back().push_back(k);
   Json rows = Json::array();
   for (std::size_t k = 0; k < fitted->structures.size(); ++k)
     rows.push_back(row_of_fit(set.set.structures[k], subject.structures[k], fitted->structures[k]));
@@ -115,9 +130,26 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
                    {"overlap_mm", fitted->depth_mm},
                    {"seconds", std::chrono::duration<double>(Clock::now() - started).count()},
                    {"structures", std::move(rows)}};
-  report.warnings = map->read.warnings;
+  report.warnings.insert(report.warnings.end(), map->read.warnings.begin(), map->read.warnings.end());
   for (std::string& word : words_of(set, subject, *fitted)) report.warnings.push_back(path.string() + ": " + word);
   return report;
+}
+
+/// Writes the study of a folder of fits.
+Result<void> write_study_of(const fs::path& file, const SetOfTemplates& set, CasesOfSet made) {
+  std::vector<std::size_t> counts(set.templates.size(), 0);
+  for (const auto& fitted : made.fitted)
+    for (const std::size_t k : fitted) ++counts[k];
+  const auto most = static_cast<std::size_t>(std::ranges::max_element(counts) - counts.begin());
+  for (std::size_t c = 0; c < made.cases.size(); ++c) {
+    const auto& fitted = made.fitted[c];
+    const auto at = std::ranges::find(fitted, most) - fitted.begin();
+    // A case's structures are numbered as they were fitted.
+    if (at > 0 && at < std::ssize(fitted)) made.cases[c].structure = "s" + std::to_string(at + 1);
+  }
+  auto written = write_cases_into(file, set.templates[most]->source, std::move(made.cases));
+  if (!written) return fail(written.error());
+  return {};
 }
 
 }  // namespace
@@ -125,9 +157,15 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
 Result<Report> fit_sets(const FitJob& options, Progress& progress) {
   const auto set = load_set_of_templates(options.template_source);
   if (!set) return fail(set.error());
-  return run_set_cases(
+  CasesOfSet made;
+  auto report = run_set_cases(
       *set, maps_of(options.masks, set->set), options.out, "fitted",
-      [&](const fs::path& path, Progress& own) { return fit_subject(options, *set, path, own); }, progress);
+      [&](const fs::path& path, Progress& own) { return fit_subject(options, *set, path, made, own); }, progress);
+  if (!report) return report;
+  const fs::path study = study_in(options.out);
+  if (auto written = write_study_of(study, *set, std::move(made)); !written) return fail(written.error());
+  report->values["study"] = study.string();
+  return report;
 }
 
 }  // namespace homolog

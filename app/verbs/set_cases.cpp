@@ -4,10 +4,16 @@
 #include <set>
 
 #include "app/verbs/case_landmarks.h"
+#include "app/verbs/case_of_fit.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/input_folders.h"
 #include "core/base/file_stem.h"
 #include "core/base/files.h"
+#include "core/base/paths.h"
+#include "core/model/shape_folder.h"
+#include "core/session/case_file.h"
+#include "core/session/case_keeping.h"
+#include "core/structures/set_in_case.h"
 #include "core/volume/read_labels.h"
 
 namespace homolog {
@@ -49,6 +55,68 @@ std::string some_of(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t k = 0; k < std::min(most, names.size()); ++k) text += (k > 0 ? ", " : "") + names[k];
   return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
+}
+
+namespace {
+
+/// Why somebody has to look at the fits of a subject, as a sentence; empty where nobody has to.
+std::string doubt_of(const SetOfTemplates& set, const FittedSet& fitted) {
+  std::vector<std::string> doubtful;
+  for (std::size_t k = 0; k < fitted.structures.size(); ++k)
+    if (fitted.structures[k].fit && fitted.structures[k].judgement.doubtful)
+      doubtful.push_back(set.set.structures[k].name);
+  if (doubtful.empty()) return {};
+  return "Look at " + some_of(doubtful) + ": " + (doubtful.size() == 1 ? "its fit is" : "their fits are") +
+         " doubtful.";
+}
+
+/// A new case of the map with what was fitted. `first`: of the set, the structure that the case begins with.
+Result<EditSession> case_of_set(const SetOfTemplates& set, std::size_t first, const fs::path& image,
+                                const SubjectMap& map, const fs::path& file) {
+  const std::shared_ptr<const Volume> grid = grid_of(map.read.volume);
+  Document document = new_document(absolute_path(image).string(), grid, set.templates[first]);
+  document.change({}, [](Structure& one) { one.landmarks.hold = true; });
+  auto session = create_case(std::move(document), file);
+  if (session && map.frame > 0)
+    if (auto shown = session->apply(SetFrame{map.frame}); !shown) return fail(shown.error());
+  return session;
+}
+
+}  // namespace
+
+Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const fs::path& path, const SubjectMap& map,
+                                    const SetInMap& subject, const FittedSet& fitted, const fs::path& folder,
+                                    std::vector<std::string>& warnings) {
+  StudyCase one;
+  one.name = case_name_of(path);
+  one.file = absolute_path(folder / (one.name + case_extension));
+  one.from_scan = true;
+  one.state = CaseState::in_work;
+  one.labels = absolute_path(path);
+  one.doubt = doubt_of(set, fitted);
+  if (map.read.volume.frames > 1) one.frame = map.frame;
+  std::error_code ignored;
+  if (fs::exists(one.file, ignored) && goes_on_after_fit(one.file)) {
+    warnings.push_back(one.file.string() +
+                       ": was worked on since its fit, so it stays as it is; move it away to begin anew");
+    return one;
+  }
+  const auto first = std::ranges::find_if(fitted.structures,
+                                          [](const FittedStructure& structure) { return structure.fit.has_value(); });
+  if (first == fitted.structures.end()) return fail(path.string(), "has no structure that could be fitted");
+  auto session = case_of_set(set, static_cast<std::size_t>(first - fitted.structures.begin()), path, map, one.file);
+  if (!session) return fail(session.error());
+  for (EditStep& step : steps_of_fitted_set(session->document(), set, subject, fitted))
+    if (auto done = session->apply(std::move(step)); !done) return fail(path.string(), done.error().what);
+  // The case says itself that nobody worked on it since [goes_on_after_fit].
+  if (auto noted = session->apply(Note{"fit", {}, {}}); !noted) return fail(noted.error());
+  if (auto named = name_labels(*session, one.labels); !named) return fail(named.error());
+  return one;
+}
+
+fs::path study_in(const fs::path& folder) {
+  const fs::path whole = absolute_path(folder / "x").parent_path();
+  return folder / (whole.filename().string() + ".study.json");
 }
 
 Result<Report> run_set_cases(const SetOfTemplates& set, const std::vector<fs::path>& paths, const fs::path& out,

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "app/verbs/verb.h"
-#include "core/structures/structures_in_map.h"
+#include "core/model/study.h"
+#include "core/structures/fit_set.h"
 
 namespace homolog {
 
@@ -27,6 +28,16 @@ std::vector<std::filesystem::path> maps_of(const std::vector<std::filesystem::pa
 
 /// The first names with commas between them, and how many more there are.
 std::string some_of(const std::vector<std::string>& names);
+
+/// Writes CASE.homolog into a folder that is there: the label map with all structures that were fitted to it, and gives
+/// its entry in a study. One that somebody worked on since its fit stays as it is, with a warning. Errors:
+/// create_case's.
+Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const std::filesystem::path& path, const SubjectMap& map,
+                                    const SetInMap& subject, const FittedSet& fitted,
+                                    const std::filesystem::path& folder, std::vector<std::string>& warnings);
+
+/// The study of a folder of fits: "fits/fits.study.json".
+std::filesystem::path study_in(const std::filesystem::path& folder);
 
 /// Does `work` on one case after the other: each uses all threads, and a large scan need not be in memory twice. The
 /// report: `done`, `failed`, `cases`; a case that fails has an `error` and is a warning. Errors: two cases of one name;

@@ -1,6 +1,7 @@
 #include "core/adapt/judge_fit.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -239,6 +240,13 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
         "some triangles are turned or pass through each other, because the organ differs too much from the template "
         "there; look at them before you use the mesh");
   return judgement;
+}
+
+std::string reason_of_doubt(const std::vector<std::string>& warnings) {
+  if (warnings.empty()) return "The fit is doubtful.";
+  std::string reason = warnings.back();
+  if (!reason.empty()) reason[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(reason[0])));
+  return reason.ends_with('.') || reason.ends_with('?') ? reason : reason + '.';
 }
 
 }  // namespace homolog

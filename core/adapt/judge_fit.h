@@ -47,4 +47,7 @@ struct FitJudgement {
 FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, const FitOptions& options,
                        const FitResult& fit);
 
+/// Why a fit is in doubt, as a sentence, of what is said of it; "The fit is doubtful." where nothing is.
+std::string reason_of_doubt(const std::vector<std::string>& warnings);
+
 }  // namespace homolog

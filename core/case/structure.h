@@ -57,6 +57,8 @@ struct Structure {
   Paint paint;
   std::map<int, std::shared_ptr<const Shape>> shapes;  ///< by frame, never null; a static volume has frame 0 only
   LandmarkRules landmarks;
+  double confidence = -1;  ///< 0…1: that its mesh is right, as a fit of a set or a person says; below 0: nobody said
+  std::string doubt;       ///< why its mesh has to be looked at, as a sentence; empty: it need not
 
   /// The mesh of a frame; null: it has none.
   const Shape* shape(int frame) const;

@@ -12,6 +12,7 @@
 namespace homolog {
 
 inline constexpr const char* by_fit = "fit";
+inline constexpr const char* by_set_fit = "fit of the set";
 /// Values of SetPoints::by that say nothing of where the boundary is: a study's shape model moved the vertices, or they
 /// moved along the surface.
 inline constexpr const char* by_model = "model help";

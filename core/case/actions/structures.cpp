@@ -30,6 +30,8 @@ void spell_structure(Fields& line, SetStructure& action) {
   structure.optional("label", action.label);
   structure.optional("layer", action.layer);
   spell_colour(structure, action.colour);
+  structure.optional("confidence", action.confidence);
+  structure.optional("doubt", action.doubt);
   structure.optional("template", action.source, !action.source.empty());
   structure.optional("placement", action.placement);
 }
@@ -56,11 +58,15 @@ void describe(const SetStructure& action, Structure& structure) {
   structure.label = action.label.value_or(structure.label);
   structure.layer = action.layer.value_or(structure.layer);
   if (action.colour) structure.colour = action.colour;
+  structure.confidence = action.confidence.value_or(structure.confidence);
+  structure.doubt = action.doubt.value_or(structure.doubt);
 }
 
 Result<EditReport> apply_structure(const SetStructure& action, DocumentEdit& edit) {
   if (action.id.empty()) return fail("structure", "needs an id");
   if (action.layer && *action.layer < 0) return fail("layer", "must be 0 or more");
+  if (action.confidence && !(*action.confidence >= 0 && *action.confidence <= 1))
+    return fail("confidence", "must be from 0 to 1");
   if (edit.before.structure(action.id) == nullptr) {
     auto structure = begun(action, edit.before);
     if (!structure) return fail(structure.error());
@@ -89,10 +95,12 @@ const ActionKind<SetStructure>& action_kind(const SetStructure&) {
   static constexpr ActionKind<SetStructure> kind{
       .key = "structure",
       .example =
-          R"({"structure":{"id":"s2","name":"left kidney","label":"left kidney","layer":0,"colour":[96,165,214],"template":"kidney.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[12,-40,310]}}})",
+          R"({"structure":{"id":"s2","name":"left kidney","label":"left kidney","layer":0,"colour":[96,165,214],"confidence":0.97,"template":"kidney.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[12,-40,310]}}})",
       .meaning =
           "adds a structure: its template (a path as in the first line) and where it lies, what it is called, its "
-          "label in the label map, its colour. All but the id and the template may be missing. The same id again, "
+          "label in the label map, its colour. `confidence` is the probability (0 to 1) that its mesh is right, and "
+          "`doubt` a sentence that says why it has to be looked at. All but the id and the template may be missing. "
+          "The same id again, "
           "without template and placement, renames or recolours it. Lines of this structure have `\"of\":\"s2\"`",
       .needs_mesh = false,
       .name =

@@ -16,6 +16,8 @@ struct SetStructure {
   std::optional<std::string> name{}, label{};
   std::optional<int> layer{};
   std::optional<std::array<std::uint8_t, 3>> colour{};
+  std::optional<double> confidence{};  ///< 0…1 [Structure::confidence]
+  std::optional<std::string> doubt{};  ///< empty: it need not be looked at
   /// Where the template of a new structure is, as Template::source; empty for one that is there.
   std::string source{};
   std::optional<Similarity> placement{};  ///< of a new one; without it in the middle of the image
@@ -24,7 +26,8 @@ struct SetStructure {
 
   bool operator==(const SetStructure& other) const {
     return id == other.id && name == other.name && label == other.label && layer == other.layer &&
-           colour == other.colour && source == other.source && placement == other.placement;
+           colour == other.colour && confidence == other.confidence && doubt == other.doubt && source == other.source &&
+           placement == other.placement;
   }
 };
 const ActionKind<SetStructure>& action_kind(const SetStructure&);

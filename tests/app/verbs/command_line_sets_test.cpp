@@ -1,3 +1,6 @@
+#include "core/mesh/mesh_io.h"
+#include "core/model/study.h"
+#include "core/session/case_file.h"
 #include "core/structures/set_map.h"
 #include "core/structures/template_set.h"
 #include "core/volume/write_segmentation.h"
@@ -349,6 +352,25 @@ TEST_CASE("fit takes a set: a mesh for each structure and one label map") {
     CHECK(structure["missing"] == false);
   }
   CHECK(fs::exists(folder.path / "fits" / "body" / "kidney_left.ply"));
+  CHECK(report["study"] == "fits/fits.study.json");
+  const auto study = read_study(folder.path / "fits" / "fits.study.json");
+  REQUIRE(study);
+  REQUIRE(study->study.cases.size() == 1);
+  CHECK(study->warnings.empty());
+  CHECK(study->study.cases[0].doubt.empty());
+  const auto kept = read_case(study->study.cases[0].file);
+  REQUIRE(kept);
+  const Document& document = kept->session.document();
+  REQUIRE(document.structures.size() == 2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Structure& structure = *document.structures[k];
+    const auto mesh = read_mesh_file(folder.path / "fits" / "body" / (structure.name + ".ply"));
+    REQUIRE(mesh);
+    CHECK((*structure.shape(0)->points - mesh->points).cwiseAbs().maxCoeff() < 1e-4);  // what a case keeps of a place
+    CHECK(structure.confidence == doctest::Approx(one["structures"][k]["confidence"].get<double>()));
+    CHECK(structure.colour.has_value());
+    CHECK(structure.doubt.empty());
+  }
   const Ran told = run(folder, "info fits/body.seg.nrrd --json");
   REQUIRE(told.status == 0);
   const Json labels = told.json()["labels"];

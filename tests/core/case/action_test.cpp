@@ -65,6 +65,8 @@ std::vector<KnownLine> edits_of_the_mesh() {
        R"({"structure":{"id":"s2","name":"l","label":"5","layer":1,"colour":[1,255,16],"template":"a.ply"}})",
        "new structure l"},
       {SetStructure{.id = "s2", .name = "m"}, R"({"structure":{"id":"s2","name":"m"}})", "change of m"},
+      {SetStructure{.id = "s2", .confidence = 0.25, .doubt = "why"},
+       R"({"structure":{"id":"s2","confidence":0.25,"doubt":"why"}})", "change of s2"},
       {RemoveStructure{"s2"}, R"({"remove_structure":"s2"})", "removal of s2"},
   };
 }

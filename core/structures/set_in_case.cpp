@@ -1,0 +1,95 @@
+#include "core/structures/set_in_case.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "core/base/text.h"
+#include "core/case/placing.h"
+
+namespace homolog {
+
+namespace {
+
+/// Whether nobody named a structure or edited it: the template lies somewhere.
+bool is_untouched(const Structure& structure) {
+  return structure.name.empty() &&
+         std::ranges::all_of(structure.shapes, [](const auto& shape) { return shape.second->strokes == 0; });
+}
+
+/// The structure of the case that a template of a set is; null: it has none yet.
+const Structure* same_structure(const Document& document, const std::string& name, const Template& the_template) {
+  for (const auto& one : document.structures)
+    if (lower_case(one->name) == lower_case(name) && one->the_template->points.rows() == the_template.points.rows())
+      return one.get();
+  for (const auto& one : document.structures)
+    if (is_untouched(*one) && one->the_template->source == the_template.source) return one.get();
+  return nullptr;
+}
+
+SetStructure described(const std::string& id, const std::string& name, const Segment& segment,
+                       const FittedStructure& one) {
+  SetStructure action{.id = id, .name = name};
+  action.label = segment.name.empty() ? std::to_string(segment.value) : segment.name;
+  action.layer = static_cast<int>(segment.layer);
+  action.colour = segment.colour;
+  action.confidence = std::clamp(one.confidence, 0.0, 1.0);
+  if (one.judgement.doubtful) action.doubt = reason_of_doubt(one.judgement.warnings);
+  return action;
+}
+
+/// The mesh as an edit of a structure.
+SetPoints fitted_points(const Document& document, const Structure& structure, const FitResult& fit) {
+  const Shape shape = shape_of_frame(structure, document.frame, document.frame);
+  SetPoints edit = points_edit({structure, shape, document.frame}, fit.mesh.points, by_set_fit, fit.placement);
+  if (fit.doubt_mm.size() > 0) edit.doubt_mm = doubt_on_grid(fit.doubt_mm);
+  return edit;
+}
+
+}  // namespace
+
+std::string free_structure_id(const Document& document, const std::vector<std::string>& more) {
+  for (std::size_t k = 1;; ++k) {
+    std::string id = "s" + std::to_string(k);
+    if (std::ranges::none_of(document.structures, [&](const auto& one) { return one->id == id; }) &&
+        std::ranges::find(more, id) == more.end())
+      return id;
+  }
+}
+
+std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfTemplates& set, const SetInMap& subject,
+                                          const FittedSet& fitted) {
+  std::vector<EditStep> steps;
+  std::vector<std::string> used;
+  for (std::size_t k = 0; k < fitted.structures.size(); ++k) {
+    const FittedStructure& one = fitted.structures[k];
+    if (!one.fit) continue;
+    const auto& the_template = set.templates[k];
+    const std::string& name = set.set.structures[k].name;
+    const Structure* there = same_structure(document, name, *the_template);
+    if (there != nullptr && std::ranges::find(used, there->id) != used.end()) there = nullptr;
+    const std::string id = there != nullptr ? there->id : free_structure_id(document, used);
+    used.push_back(id);
+    SetStructure action = described(id, name, subject.structures[k].segment, one);
+    if (!action.colour) action.colour = set.set.structures[k].colour;
+    if (there != nullptr && !action.doubt) action.doubt = "";
+    std::optional<Structure> begun;
+    if (there == nullptr) {
+      action.source = the_template->source;
+      action.the_template = the_template;
+      action.placement = one.fit->placement;
+      begun = new_structure(the_template, one.fit->placement);
+    }
+    steps.push_back({std::move(action), {}, true});
+    steps.push_back({fitted_points(document, begun ? *begun : *there, *one.fit), id, true});
+  }
+  if (steps.empty()) return steps;
+  for (const auto& one : document.structures) {
+    if (std::ranges::find(used, one->id) != used.end() || !is_untouched(*one)) continue;
+    steps.insert(steps.end() - 1, EditStep{RemoveStructure{one->id}, {}, true});
+  }
+  steps.front().joined = false;
+  return steps;
+}
+
+}  // namespace homolog

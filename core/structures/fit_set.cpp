@@ -116,6 +116,12 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
   result.structures.resize(count);
   Progress unseen;
   Progress& progress = options.progress != nullptr ? *options.progress : unseen;
+  const auto tell = [&](std::size_t k, SetFitStep step) {
+    if (options.tell) options.tell(k, step);
+  };
+  const auto tell_result = [&](std::size_t k) {
+    tell(k, result.structures[k].fit ? SetFitStep::fitted : SetFitStep::failed);
+  };
   const auto fit_some = [&](const std::vector<std::size_t>& which, double share, const auto& work) {
     for_each_in_parallel(which.size(), [&](std::size_t k) {
       Progress own(progress, share / static_cast<double>(which.size()));
@@ -130,11 +136,13 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
   for (std::size_t k = 0; k < count; ++k)
     if (subject.structures[k].is_there() && set.templates[k] != nullptr) there.push_back(k);
   fit_some(there, 0.7, [&](std::size_t k, const FitOptions& fitting) {
+    tell(k, SetFitStep::runs);
     auto found = try_fit(*set.templates[k], subject.structures[k], fitting);
     if (found)
       take(std::move(*found), result.structures[k]);
     else
       result.structures[k].why_not = found.error().what;
+    tell_result(k);
   });
   std::vector<std::size_t> again;
   std::vector<std::optional<Similarity>> said(count);
@@ -146,7 +154,9 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
     if (!one.fit || one.judgement.doubtful || one.off_place > much_off_place) again.push_back(k);
   }
   fit_some(again, 0.3, [&](std::size_t k, const FitOptions& fitting) {
+    tell(k, SetFitStep::runs_again);
     fit_by_neighbours(*set.templates[k], subject.structures[k], *said[k], fitting, result.structures[k]);
+    tell_result(k);
   });
   if (progress.cancelled()) return fail("", "the fit was cancelled");
   for (const std::size_t k : there) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,9 +12,14 @@
 
 namespace homolog {
 
+/// How far a structure of a set that is being fitted is.
+enum class SetFitStep { waits, runs, fitted, runs_again, failed };
+
 struct FitSetOptions {
   double gap_mm = 0;  ///< that is left between neighbours
   Progress* progress = nullptr;
+  /// Called as a structure (by its place in the set) goes on, from any thread and from several at once.
+  std::function<void(std::size_t structure, SetFitStep step)> tell{};
 };
 
 /// What became of one structure of a set.

@@ -44,7 +44,9 @@ void draw_view_legend(const UiContext& ui, const RectPx& view, float bottom_px, 
   const Colouring colouring = shown_colouring(ui.state);
   const auto& show = ui.state.preferences.show;
   const bool coloured = show.surface || show.outline || show.wireframe;
-  if (colouring == Colouring::vertex_hue || !ui.has_shape() || ui.making_shown() || !coloured) return;
+  if (colouring == Colouring::vertex_hue || colouring == Colouring::structure || !ui.has_shape() || ui.making_shown() ||
+      !coloured)
+    return;
   const Legend legend = colouring_legend(ui.shown(), colouring);
   const bool scale = legend.names.empty();
   // Names take room that a small view has not; a scale is low.

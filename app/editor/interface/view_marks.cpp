@@ -206,6 +206,26 @@ void draw_hover(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   }
 }
 
+/// The name of a structure that the pointer is over and that is not worked on.
+void draw_name_at_pointer(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const Hover& hover = *ui.state.pointer.hover;
+  const Structure* structure = hover.structure.empty() ? nullptr : ui.document().structure(hover.structure);
+  if (structure == nullptr) return;
+  const Theme& theme = ui.theme;
+  const std::string name = structure_name(*structure);
+  const float side = theme.px(10), pad = theme.px(6), aside = theme.px(14);
+  const ImVec2 text = text_size(theme.small, name), size{text.x + side + 3 * pad, text.y + theme.px(8)};
+  const RectPx& rect = map.rect();
+  const auto x = static_cast<float>(hover.x_px), y = static_cast<float>(hover.y_px);
+  const ImVec2 low{std::floor(std::min(x + aside, rect.x + rect.width - size.x - pad)),
+                   std::floor(std::min(y + aside, rect.y + rect.height - size.y - pad))};
+  draw.AddRectFilled(low, {low.x + size.x, low.y + size.y}, IM_COL32(0x1A, 0x1C, 0x1F, 225), theme.px(4));
+  const Rgb colour = structure_colour(*structure);
+  colour_swatch(draw, theme, {low.x + pad, std::floor(low.y + (size.y - side) / 2)}, side,
+                ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], 1}));
+  text_at(draw, theme.small, {low.x + side + 2 * pad, low.y + theme.px(4)}, IM_COL32(0xE6, 0xE8, 0xEB, 255), name);
+}
+
 void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const Ruler& ruler = *ui.state.hand.ruler;
   const auto from = map.to_px(ruler.from), to = map.to_px(ruler.to);
@@ -341,7 +361,7 @@ void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const auto* stroke = ui.state.pointer.drag ? std::get_if<StrokeDrag>(&*ui.state.pointer.drag) : nullptr;
   if (stroke != nullptr && stroke->view == kind) draw_stroke(ui, *stroke, map, draw);
   if (!ui.state.pointer.drag && ui.state.pointer.hover && ui.state.pointer.hover->view == kind)
-    draw_hover(ui, map, draw);
+    draw_hover(ui, map, draw), draw_name_at_pointer(ui, map, draw);
   draw_hints(ui, kind, draw);
 }
 

@@ -106,12 +106,14 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
 // The sections of the side panel, each in the file panel_*.cpp of its name.
 void draw_case_section(const UiContext& ui, Outbox& out);
 void draw_cine_section(const UiContext& ui, Outbox& out);
+void draw_structures_section(const UiContext& ui, Outbox& out);
 void draw_template_section(const UiContext& ui, Outbox& out);
 void draw_place_section(const UiContext& ui, Outbox& out);
 void draw_deform_section(const UiContext& ui, Outbox& out);
 void draw_correspondence_section(const UiContext& ui, Outbox& out);
 void draw_export_section(const UiContext& ui, Outbox& out);
 // What some of them say while they are folded.
+std::string structures_in_words(const UiContext& ui);
 std::string template_in_words(const UiContext& ui);
 std::string placed_in_words(const UiContext& ui);
 
@@ -124,8 +126,19 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
   static constexpr auto is_own_scan = [](const UiContext& shown) {
     return shown.document().scan.image && !is_phantom(shown.document().scan.source);
   };
-  static constexpr std::array<PanelSection, 7> sections{
-      {{"Case", draw_case_section, true},
+  // With several structures their list is what one works with.
+  static constexpr auto has_several = [](const UiContext& shown) { return shown.document().structures.size() > 1; };
+  static constexpr auto has_structures = [](const UiContext& shown) {
+    return has_several(shown) || shown.labels().volume != nullptr;
+  };
+  static constexpr auto opens_structures = [](const UiContext& shown) {
+    return has_several(shown) || shown.work.set_fitter.busy() ||
+           (shown.structure() == nullptr && shown.labels().values.size() > 1);
+  };
+  static constexpr auto has_one = [](const UiContext& shown) { return !has_several(shown); };
+  static constexpr std::array<PanelSection, 8> sections{
+      {{"Case", draw_case_section, true, nullptr, has_one},
+       {structures_section, draw_structures_section, true, has_structures, opens_structures, structures_in_words},
        {"Cine", draw_cine_section, true, is_cine},
        {"Template", draw_template_section, false, nullptr, is_own_scan, template_in_words},
        {place_section, draw_place_section, false, nullptr, nullptr, placed_in_words},

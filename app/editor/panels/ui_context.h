@@ -100,6 +100,8 @@ void draw_model_help(const UiContext& ui, Outbox& out);
 /// In the section Place: the fit to the overlay.
 void draw_fit(const UiContext& ui, Outbox& out);
 void draw_refinement(const UiContext& ui, Outbox& out);
+/// In the section Structures: the fit of a template set to the overlay.
+void draw_set_fit(const UiContext& ui, Outbox& out);
 /// The figures of a mesh that a template is judged by. `fans`: it ends in fans of thin triangles, as tubes do.
 void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality, bool fans = false);
 /// The overlay's label at a point in mm; 0 where there is none.

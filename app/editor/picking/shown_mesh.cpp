@@ -1,8 +1,31 @@
 #include "app/editor/picking/shown_mesh.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "core/base/nearest_on_segment.h"
 
 namespace homolog {
+
+namespace {
+
+/// Whether a ray meets a box: the slabs between its sides have a length of it in common.
+bool meets(const Ray& ray, const Box& box) {
+  double from = 0, to = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double along = ray.direction[axis], low = box.min()[axis] - ray.from[axis],
+                 high = box.max()[axis] - ray.from[axis];
+    if (along == 0) {
+      if (low > 0 || high < 0) return false;
+      continue;
+    }
+    from = std::max(from, std::min(low / along, high / along));
+    to = std::min(to, std::max(low / along, high / along));
+  }
+  return from <= to;
+}
+
+}  // namespace
 
 std::optional<Vec3> ShownMesh::nearest_on_outline(const ShapeView& shown, const SliceView& slice, const Vec3& p_mm,
                                                   double radius_mm) const {
@@ -27,14 +50,20 @@ std::optional<Vec3> ShownMesh::nearest_on_outline(const ShapeView& shown, const 
 std::optional<Vec3> ShownMesh::first_on_surface(const ShapeView& shown, const Ray& ray) {
   const auto& topology = shown.the_template().topology;
   const auto& points = shown.shape.points;
-  if (!surface_ || topology_ != topology) {
-    surface_.emplace(Mesh{topology, *points});
-  } else if (points_ != points) {
-    surface_->refit(*points);
+  Searched& one = searched_[shown.structure.id];
+  if (one.topology != topology) one = {topology, nullptr, {}, std::nullopt, false};
+  if (one.points != points) {
+    one.points = points;
+    one.box = bounds_of(*points);
+    one.follows = false;
   }
-  topology_ = topology;
-  points_ = points;
-  const auto hit = surface_->first_hit(ray.from, ray.direction);
+  if (!meets(ray, one.box)) return std::nullopt;
+  if (!one.surface)
+    one.surface.emplace(Mesh{topology, *points});
+  else if (!one.follows)
+    one.surface->refit(*points);
+  one.follows = true;
+  const auto hit = one.surface->first_hit(ray.from, ray.direction);
   return hit ? std::optional<Vec3>(hit->position) : std::nullopt;
 }
 

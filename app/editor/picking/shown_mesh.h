@@ -1,7 +1,9 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "core/case/document.h"
 #include "core/mesh/surface_search.h"
@@ -18,7 +20,7 @@ class ShownMesh {
   /// `radius_mm`.
   std::optional<Vec3> nearest_on_outline(const ShapeView& shown, const SliceView& slice, const Vec3& p_mm,
                                          double radius_mm) const;
-  /// The first point of the mesh along a ray.
+  /// The first point of the mesh along a ray. What is built to find it is kept for each structure.
   std::optional<Vec3> first_on_surface(const ShapeView& shown, const Ray& ray);
 
   /// Shared with the scenes that are drawn.
@@ -26,9 +28,14 @@ class ShownMesh {
 
  private:
   std::shared_ptr<Outlines> outlines_ = std::make_shared<Outlines>();
-  std::optional<SurfaceSearch> surface_;
-  std::shared_ptr<const Topology> topology_;  ///< of `surface_`
-  std::shared_ptr<const Points> points_;      ///< of `surface_`
+  struct Searched {
+    std::shared_ptr<const Topology> topology;
+    std::shared_ptr<const Points> points;
+    Box box;                               ///< of `points`
+    std::optional<SurfaceSearch> surface;  ///< made when a ray first meets the box
+    bool follows = false;                  ///< `surface` is of `points`
+  };
+  std::map<std::string, Searched> searched_;  ///< by the structure's id
 };
 
 }  // namespace homolog

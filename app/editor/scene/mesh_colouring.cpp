@@ -183,6 +183,13 @@ Legend hue_legend(const ShapeView& shown) {
   return legend;
 }
 
+void colour_structure(const ColouringInput& of, std::vector<Rgb>& colours) {
+  std::fill(colours.begin(), colours.end(), structure_colour(of.shown.structure));
+}
+Legend structure_legend(const ShapeView& shown) {
+  return {"", "", "", {structure_colour(shown.structure)}, {structure_name(shown.structure)}};
+}
+
 double share_of_stretch(double ratio) {
   return 0.5 + std::log2(std::max(ratio, 1e-6)) / (2 * stretch_octaves);
 }
@@ -275,6 +282,13 @@ const std::array<ColouringKind, colourings>& colouring_kinds() {
        .tip = "Each vertex in its own hue, the same in all cases",
        .colour = colour_hues,
        .legend = hue_legend},
+      {.colouring = Colouring::structure,
+       .log_name = "structure",
+       .name = "Own",
+       .title = "Structure",
+       .tip = "Each structure in its own colour, as in the list (Structures)",
+       .colour = colour_structure,
+       .legend = structure_legend},
       {.colouring = Colouring::edge_stretch,
        .log_name = "edge stretch",
        .name = "Stretch",

@@ -101,22 +101,18 @@ void SceneBuilder::update_others(const Input& input) {
   std::map<std::string, Other> before = std::exchange(others_, {});
   for (const auto& structure : input.document->structures) {
     const Shape* shape = structure->shape(input.document->frame);
-    if (structure.get() == active || shape == nullptr) continue;
+    if (structure.get() == active || shape == nullptr || !input.state.look.structures.shows(structure->id)) continue;
     Other other = std::move(before[structure->id]);
     const auto& topology = structure->the_template->topology;
-    if (other.topology != topology || other.colour != structure->colour) {
-      other.colours.reset();
-      if (structure->colour) {
-        const auto [r, g, b] = *structure->colour;
-        const Rgb colour{static_cast<float>(r) / 255, static_cast<float>(g) / 255, static_cast<float>(b) / 255};
-        other.colours = std::make_shared<const std::vector<Rgb>>(index(topology->vertices()), colour);
-      }
+    const Rgb colour = structure_colour(*structure);
+    if (other.topology != topology || other.colour != colour) {
+      other.colours = std::make_shared<const std::vector<Rgb>>(index(topology->vertices()), colour);
       ++other.revision;
     }
     if (other.points != shape->points) ++other.revision;
     other.topology = topology;
     other.points = shape->points;
-    other.colour = structure->colour;
+    other.colour = colour;
     others_[structure->id] = std::move(other);
   }
 }
@@ -129,7 +125,8 @@ void SceneBuilder::update_glyphs(const Input& input) {
 
 GlyphLayer SceneBuilder::glyph_layer(const Input& input) const {
   GlyphLayer layer;
-  if (!input.state.preferences.show.glyphs || !points_ || making_) return layer;
+  if (!input.state.preferences.show.glyphs || !points_ || making_ || !active_is_shown(input.state, *input.document))
+    return layer;
   for (const auto vertex : glyphs_)
     layer.glyphs.push_back({points_->row(vertex), hsv_to_rgb(hues_[static_cast<std::size_t>(vertex)], 1, 1),
                             static_cast<float>(0.12 * input.state.look.glyph_spacing_mm)});
@@ -156,7 +153,7 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.outline = mesh.surface = true;
     mesh.wireframe = show.wireframe || making_->points.rows() < wireframe_below;
     scene.meshes.push_back(std::move(mesh));
-  } else if (points_) {
+  } else if (points_ && active_is_shown(state, *input.document)) {
     MeshLayer mesh;
     mesh.topology = template_->topology;
     mesh.points = points_;
@@ -178,7 +175,9 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.colours = other.colours;
     mesh.points_revision = mesh.colours_revision = other.revision;
     mesh.outline = show.outline;
+    mesh.outlines = input.outlines;
     mesh.outline_px = other_outline_px;
+    mesh.saturated_outline = false;
     mesh.surface = show.surface;
     mesh.surface_opacity = other_opacity;
     scene.meshes.push_back(std::move(mesh));

@@ -63,9 +63,9 @@ class SceneBuilder {
   struct Other {
     std::shared_ptr<const Topology> topology;
     std::shared_ptr<const Points> points;
-    std::optional<std::array<std::uint8_t, 3>> colour;
-    std::shared_ptr<const std::vector<Rgb>> colours;  ///< null: the mesh's own colour
-    std::uint64_t revision = 0;                       ///< of the points and the colours
+    Rgb colour{};
+    std::shared_ptr<const std::vector<Rgb>> colours;
+    std::uint64_t revision = 0;  ///< of the points and the colours
   };
   std::map<std::string, Other> others_;  ///< by id
   std::vector<std::int32_t> glyphs_;

@@ -39,6 +39,7 @@ enum class FilePurpose {
   open_stiffness,
   open_template_landmarks,
   open_model,
+  open_set,
   open_study,
   open_study_template,
   add_shapes,

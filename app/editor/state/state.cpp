@@ -26,6 +26,10 @@ void show_structure(EditorState& state, const Document& document, const std::str
   const Structure *before = active_structure(state, document), *now = document.structure(id);
   state.look.structure = now != nullptr && now != document.structure() ? now->id : std::string();
   if (before != nullptr && before == now) return;
+  begin_on_structure(state, document);
+}
+
+void begin_on_structure(EditorState& state, const Document& document) {
   state.hand.landmark.clear();
   state.hand.template_landmark.clear();
   state.hand.renaming.reset();
@@ -37,6 +41,41 @@ void show_structure(EditorState& state, const Document& document, const std::str
   state.hand.wheel_sigma_mm.reset();
   state.hand.sigma_presets_mm = default_sigmas_mm(*shown->shape.reference);
   follow_organ(state, bounds_of(*shown->shape.reference).diagonal().norm());
+}
+
+bool active_is_locked(const EditorState& state, const Document& document) {
+  const Structure* active = active_structure(state, document);
+  return active != nullptr && state.look.structures.locks(active->id);
+}
+
+bool active_is_shown(const EditorState& state, const Document& document) {
+  const Structure* active = active_structure(state, document);
+  return active != nullptr && state.look.structures.shows(active->id);
+}
+
+void bring_into_view(EditorState& state, const Document& document) {
+  const auto shown = active_shape(state, document);
+  if (!shown) return;
+  const Box box = bounds_of(*shown->shape.points);
+  if (!box.contains(state.look.crosshair_mm)) {
+    state.look.crosshair_mm = box.center();
+    settle_crosshair(state, document);
+  }
+  constexpr double seen_share = 0.4;  // of the shorter side of a view, from its middle
+  for (const ViewKind kind : slice_views) {
+    SlicePan& pan = state.look.slices[index_of(kind)];
+    const SliceView view = slice_view(state, kind, geometry_of(document));
+    const Vec3 off = state.look.crosshair_mm - view.centre;
+    const double reach_mm = seen_share * static_cast<double>(pan.side_px) * pan.mm_per_px;
+    if (std::max(std::abs(off.dot(view.right)), std::abs(off.dot(view.down))) > reach_mm)
+      pan.centre_mm = state.look.crosshair_mm;
+  }
+}
+
+void follow_structures(EditorState& state, const Document& document) {
+  const bool several = document.structures.size() > 1;
+  if (several && state.look.colouring == Colouring::vertex_hue) state.look.colouring = Colouring::structure;
+  if (!several && state.look.colouring == Colouring::structure) state.look.colouring = Colouring::vertex_hue;
 }
 
 bool paints_regions(const EditorState& state) {
@@ -163,6 +202,8 @@ void show_document(EditorState& state, const Document& document, const Layout& l
   if (document.scan.image && !same_image)
     std::tie(state.look.window_low, state.look.window_high) = default_window(*document.scan.image);
   state.look.structure.clear();
+  state.look.structures = {};
+  follow_structures(state, document);
   if (const auto shown = active_shape(state, document)) {
     state.look.crosshair_mm = bounds_of(*shown->shape.points).center();
     state.hand.wheel_sigma_mm.reset();
@@ -236,13 +277,16 @@ void show_all(EditorState& state, const Document& document, const Layout& layout
   }
   link_zoom(state, state.preferences.linked_zoom);
   const auto shown = active_shape(state, document);
-  const Box target = shown ? bounds_of(*shown->shape.points) : box;
+  Box target;
+  for (const auto& structure : document.structures)
+    if (const Shape* shape = structure->shape(document.frame)) target.extend(bounds_of(*shape->points));
+  if (target.isEmpty()) target = box;
   // From the front, a little from the patient's left and from above: the planes do not hide each other.
   constexpr double left_px = 70, up_px = 45;
   state.look.camera = turned(camera_from(LookFrom::anterior, target), -left_px, up_px);
   // A mesh leaves some room for the planes around it.
   if (shown && document.scan.image)
-    state.look.camera.distance_mm *= 1.5;
+    state.look.camera.distance_mm *= document.structures.size() > 1 ? 1.1 : 1.5;
   else
     state.look.camera.distance_mm = distance_to_hold(state.look.camera, target, document.scan.image != nullptr);
 }

@@ -16,10 +16,12 @@
 #include "app/editor/state/models/models_state.h"
 #include "app/editor/state/outcomes.h"
 #include "app/editor/state/settings.h"
+#include "app/editor/state/structure_looks.h"
 #include "app/editor/state/view_geometry.h"
 #include "core/assist/cine.h"
 #include "core/case/action.h"
 #include "core/deform/sigma_presets.h"
+#include "core/structures/structures_in_map.h"
 
 namespace homolog {
 
@@ -27,7 +29,18 @@ namespace homolog {
 enum class MouseTool { pull, grab, slide, relax, place, landmark, stiffness, confirm, ruler, template_landmark };
 
 /// What the colours of the mesh mean. Each has a row in app/editor/scene/mesh_colouring.cpp.
-enum class Colouring { vertex_hue, edge_stretch, moved, stiffness, regions, quality, known, doubt, confidence };
+enum class Colouring {
+  vertex_hue,
+  structure,
+  edge_stretch,
+  moved,
+  stiffness,
+  regions,
+  quality,
+  known,
+  doubt,
+  confidence
+};
 
 /// Where a slice view looks within its plane; the plane itself goes through the cross-hair.
 struct SlicePan {
@@ -76,6 +89,7 @@ struct Hover {
   std::optional<Vec3> p_mm;          ///< on the slice, or on the surface in the 3D view
   std::optional<Vec3> on_mesh;       ///< the surface point that a press would take hold of
   std::string landmark;              ///< name of the placed landmark under the pointer
+  std::string structure;             ///< id of another structure than the active one, that a click would choose
   PlacePart part = PlacePart::none;  ///< of the placement handles
 };
 
@@ -135,6 +149,8 @@ struct Hints {
   bool operator==(const Hints&) const = default;
 };
 
+/// The title of the section that lists the structures.
+inline constexpr const char* structures_section = "Structures";
 /// The title of the section that the tools of placing unfold.
 inline constexpr const char* place_section = "Place";
 /// The title of the section that holds the settings of the brushes.
@@ -162,6 +178,7 @@ struct Preferences {
 /// What is looked at, and how.
 struct Look {
   std::string structure;  ///< the one that is worked on, by its id; empty: the case's first
+  StructureLooks structures;
 
   Vec3 crosshair_mm = Vec3::Zero();
   double scrolled = 0;  ///< slices, less than one: what the wheel has turned towards the next
@@ -209,6 +226,7 @@ struct Hand {
 struct Pointer {
   std::optional<Hover> hover;
   LastPress last_press;
+  std::string pressed_structure;  ///< another one that the left button was pressed on; a release there chooses it
   std::optional<Drag> drag;
   MouseTool begun_with = MouseTool::pull;  ///< the tool that `drag` or `held_click` is of
   std::optional<HeldClick> held_click;
@@ -221,6 +239,8 @@ struct Automatic {
   FitSettings fit_settings;
   std::shared_ptr<const ShapeModel> fit_model;  ///< that was read from a file; null: none was
   std::filesystem::path fit_model_file;
+  std::string set_source;                     ///< of the template set that was chosen; empty: none was
+  std::shared_ptr<const SetOfTemplates> set;  ///< it, once it is read
   SnapSettings snap;
   double model_help = 0;  ///< 0…1: how far the study's model completes every stroke
 };
@@ -279,6 +299,18 @@ std::optional<ShapeView> active_shape(const EditorState& state, const Document& 
 
 /// Works on another structure from now on; the empty id is the first one's. What was found on the one before is over.
 void show_structure(EditorState& state, const Document& document, const std::string& id);
+/// What was found and is in hand of another structure is over; sizes follow the one that is worked on now.
+void begin_on_structure(EditorState& state, const Document& document);
+
+/// Whether edits of the structure that is worked on are refused, since it is locked.
+bool active_is_locked(const EditorState& state, const Document& document);
+/// Whether the structure that is worked on is drawn: its eye is open.
+bool active_is_shown(const EditorState& state, const Document& document);
+/// The cross-hair goes to the middle of the structure that is worked on, where its box does not hold it. Slices that
+/// do not show that place go there too.
+void bring_into_view(EditorState& state, const Document& document);
+/// With several structures each has its own colour, where no other colouring was chosen.
+void follow_structures(EditorState& state, const Document& document);
 
 /// Whether the brush in hand paints regions, or fills them.
 bool paints_regions(const EditorState& state);

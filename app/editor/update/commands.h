@@ -11,6 +11,7 @@
 #include "app/editor/update/commands/file_commands.h"
 #include "app/editor/update/commands/models_commands.h"
 #include "app/editor/update/commands/setting_commands.h"
+#include "app/editor/update/commands/structure_commands.h"
 #include "app/editor/update/commands/study_commands.h"
 #include "app/editor/update/commands/template_commands.h"
 #include "app/editor/update/commands/tool_commands.h"
@@ -30,7 +31,10 @@ struct TypeList {
 using AllCommands = TypeList<
     // edits of the case
     PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineAlongSurface, CancelFit, CancelFits,
-    BlendModel, CompleteByModel, ChooseStructure, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
+    BlendModel, CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
+    // structures
+    ChooseStructure, ClickStructure, NextStructure, ShowStructures, ShowOnlyStructures, LockStructures, ChooseSet,
+    FitSet, CancelSetFit, FilterStructures, SortStructures,
     // files
     OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, CancelOpening, CancelReading, CancelWriting, SaveCase,
     SaveCaseAs, ExportMesh, ExportLabelMap, ExportLandmarks, ExportTemplate, ExportTemplateLandmarks, ExportAllFrames,

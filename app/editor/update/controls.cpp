@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "app/editor/update/tools/tool.h"
 
@@ -72,6 +74,15 @@ bool ends_held_click(const EditorState& state, const InputEvent& event) {
   return press == nullptr || press->button != MouseButton::left || event.over_panel || !near_last_press(state, event);
 }
 
+/// A press on another structure that moved nothing works on that one from now on.
+void choose_pressed(EditorState& state, const InputEvent& event, Outbox& out) {
+  const std::string id = std::exchange(state.pointer.pressed_structure, {});
+  constexpr double still_px = 3;
+  const LastPress& press = state.pointer.last_press;
+  if (id.empty() || std::hypot(event.x_px - press.x_px, event.y_px - press.y_px) > still_px) return;
+  out.send(ChooseStructure{id});
+}
+
 /// Whether an event acts on what lies under the pointer now: a press that begins something, and a drag that follows the
 /// mesh.
 bool points(const EditorState& state, const InputEvent& event) {
@@ -100,6 +111,36 @@ std::optional<Vec3> mesh_at(const EditorState& state, const ControlsContext& con
   return hidden ? std::nullopt : hit;
 }
 
+namespace {
+
+/// The other structure that a click at a px would choose: in a slice the one whose outline is nearest, nearer than that
+/// of the active one; in space the first one on the ray where the active one is not. Empty: none.
+std::string other_structure_at(const EditorState& state, const ControlsContext& context, const ViewMap& map,
+                               const Hover& hover, double pick_mm) {
+  const Structure* active = context.document.structure(context.structure);
+  const bool in_space = !map.is_slice();
+  if (context.document.structures.size() < 2 || state.pointer.drag || (in_space && hover.on_mesh)) return {};
+  const Ray ray = map.ray(hover.x_px, hover.y_px);
+  const Vec3 from = in_space ? ray.from : *hover.p_mm;
+  double nearest = in_space        ? std::numeric_limits<double>::infinity()
+                   : hover.on_mesh ? std::min(pick_mm, (*hover.on_mesh - from).norm())
+                                   : pick_mm;
+  std::string found;
+  for (const auto& one : context.document.structures) {
+    const Shape* shape = one->shape(context.document.frame);
+    if (one.get() == active || shape == nullptr || !state.look.structures.shows(one->id)) continue;
+    const ShapeView view{*one, *shape, context.document.frame};
+    const auto at = in_space ? context.mesh.first_on_surface(view, ray)
+                             : context.mesh.nearest_on_outline(view, map.slice(), from, nearest);
+    if (!at || (*at - from).norm() >= nearest) continue;
+    nearest = (*at - from).norm();
+    found = one->id;
+  }
+  return found;
+}
+
+}  // namespace
+
 void update_hover(EditorState& state, const ControlsContext& context, double x_px, double y_px) {
   const auto kind = context.layout.view_at(x_px, y_px);
   if (!kind) {
@@ -112,10 +153,10 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
   hover.y_px = y_px;
   const ViewMap map = view_map(state, context.layout, context.document, *kind);
   if (map.is_slice()) hover.p_mm = map.on_facing_plane(x_px, y_px, state.look.crosshair_mm);
-  if (const auto shown = context.shape()) {
+  const float scale = context.layout.scale;
+  const double pick_mm = pick_reach_units * scale * map.mm_per_px(state.look.crosshair_mm);
+  if (const auto shown = context.shape(); shown && active_is_shown(state, context.document)) {
     const Points& points = *shown->shape.points;
-    const float scale = context.layout.scale;
-    const double pick_mm = pick_reach_units * scale * map.mm_per_px(state.look.crosshair_mm);
     const double reach_mm = is_brush(state.hand.tool) ? std::max(pick_mm, state.hand.brush.radius_mm) : pick_mm;
     hover.on_mesh = mesh_at(state, context, map, x_px, y_px, reach_mm);
     if (!map.is_slice()) hover.p_mm = hover.on_mesh;
@@ -126,6 +167,7 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
     if (kind_of(state.hand.tool).marks == ToolMarks::handles)
       if (const auto handles = placement_handles(map, points, scale)) hover.part = part_at(*handles, x_px, y_px, scale);
   }
+  hover.structure = other_structure_at(state, context, map, hover, pick_mm);
   state.pointer.hover = std::move(hover);
 }
 
@@ -160,6 +202,7 @@ void handle_event(EditorState& state, const InputEvent& event, const ControlsCon
     return;
   } else if (const auto* release = std::get_if<MouseRelease>(&event.what)) {
     if (state.pointer.drag && release->button == state.pointer.drag_button) finish_drag(state, event, context, out);
+    if (release->button == MouseButton::left) choose_pressed(state, event, out);
   } else if (const auto* wheel = std::get_if<Wheel>(&event.what)) {
     turn_wheel(state, event, wheel->steps, context, out);
   } else if (state.pointer.drag) {

@@ -10,9 +10,30 @@ namespace homolog {
 
 namespace {
 
+/// Whether a click of the tool in hand does nothing here, so that it may choose another structure.
+bool click_is_free(const EditorState& state) {
+  const ToolKind& tool = kind_of(state.hand.tool);
+  const Hover& hover = *state.pointer.hover;
+  const bool works_on_mesh = is_brush(tool.tool) || tool.marks == ToolMarks::handles;
+  return tool.stroke || (works_on_mesh && !hover.on_mesh && hover.part == PlacePart::none);
+}
+
+/// Whether a press of the tool in hand would edit the structure that is worked on.
+bool press_edits(const EditorState& state) {
+  const Hover& hover = *state.pointer.hover;
+  if (state.hand.tool == MouseTool::ruler) return false;
+  return hover.on_mesh || hover.part != PlacePart::none || state.hand.tool == MouseTool::landmark;
+}
+
 void start_left_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
   const Press press{state, event, context, out, *state.pointer.hover};
   state.pointer.begun_with = state.hand.tool;
+  state.pointer.pressed_structure = click_is_free(state) ? press.hover.structure : std::string();
+  if (active_is_locked(state, context.document) && press_edits(state)) {
+    if (state.pointer.pressed_structure.empty())
+      add_notice(state, locked_sentence(*context.document.structure(context.structure)), false);
+    return;
+  }
   if (!kind_of(state.hand.tool).begin(press) && press.in_space())
     state.pointer.drag = TurnDrag{event.x_px, event.y_px, state.look.camera};
 }

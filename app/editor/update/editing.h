@@ -19,6 +19,7 @@
 #include "app/editor/work/opening/recovery.h"
 #include "app/editor/work/propagator.h"
 #include "app/editor/work/quality_monitor.h"
+#include "app/editor/work/set_fitter.h"
 #include "app/editor/work/snaps.h"
 #include "app/editor/work/template_maker.h"
 #include "app/editor/work/worklist.h"
@@ -45,6 +46,7 @@ struct Work {
   Worker<Then> imports;
   Worker<ObserverComparison> observers;
   Fitter fitter;
+  SetFitter set_fitter;
   Propagator propagator;
   Snaps snaps;
   TemplateMaker template_maker;
@@ -60,6 +62,7 @@ struct Work {
   RecoveryOffer recovery_offer = RecoveryOffer::dialog;
   bool fit_seen = false;                              ///< a step of the fit that goes on was shown
   std::optional<StartFit> started_fit;                ///< the fit that goes on; none while it is a refinement
+  bool set_enters = false;                            ///< the structures of a set that was fitted come into the case
   std::optional<BlendModel> blend_wanted;             ///< as soon as the model's part is computed
   std::shared_ptr<const TemplateMaking> seen_making;  ///< of the template maker, when it was looked at last
 };
@@ -93,11 +96,13 @@ struct Editing {
             shown.snapshot().can_undo,
             shown.snapshot().can_redo,
             shown.snapshot().file,
-            work.fitter.busy() || work.propagator.busy(),
+            work.fitter.busy() || work.propagator.busy() || work.set_fitter.busy(),
             state.look.structure};
   }
   /// Does an edit of the case, or of the structure that is worked on. `joined`: see EditStep.
   void apply(Action action, bool joined = false) const;
+  /// Whether the structure that is worked on is locked; says so then.
+  bool refuses_edits() const;
   /// The structure that is worked on, as it is shown; null: the case has none.
   const Structure* structure() const { return active_structure(state, shown.document()); }
   /// Its mesh at the shown frame.

@@ -38,6 +38,10 @@ Command labels_of(const fs::path& chosen, const EditorState&) {
   return open_labels(chosen);
 }
 
+Command set_of(const fs::path& chosen, const EditorState&) {
+  return ChooseSet{chosen.string()};
+}
+
 Command shapes_folder(const fs::path& chosen, const EditorState& state) {
   return ExportShapes{chosen, state.models.export_extension};
 }
@@ -83,6 +87,7 @@ const std::vector<FilePurposeKind>& file_purposes() {
        "Import the template's landmarks",
        {false, landmarks},
        to<ImportTemplateLandmarks>},
+      {FilePurpose::open_set, "open set", "Choose a template set", {false, {".set.json"}}, set_of},
       {FilePurpose::open_model,
        "open model",
        "Choose a shape model for the fit",

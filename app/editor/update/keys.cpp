@@ -115,6 +115,12 @@ std::vector<KeyRow> rows_of_case() {
        [](const KeyMoment&) -> Given {
          return ShowFinding{std::nullopt, true};
        }},
+      {"E, W",
+       "structures: next, previous",
+       {{'E'}, {'W'}},
+       [](const KeyMoment& now) -> Given {
+         return NextStructure{now.code == 'W', false};
+       }},
       {"N", "snap here", {{'N'}}, snap_here},
       {"Shift+N",
        "snap while dragging",

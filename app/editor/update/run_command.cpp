@@ -11,6 +11,7 @@ Work::Work(const std::function<void()>& wake)
       imports(wake),
       observers(wake),
       fitter(wake),
+      set_fitter(wake),
       propagator(wake),
       template_maker(wake),
       label_surfaces(wake),
@@ -24,9 +25,9 @@ Work::Work(const std::function<void()>& wake)
 
 bool Work::busy() const {
   return opener.busy() || imports.busy() || exports.busy() || template_maker.busy() || fitter.busy() ||
-         propagator.busy() || observers.busy() || study_appearance.busy() || study_optimiser.busy() ||
-         model_help.busy() || label_surfaces.busy() || models.busy() || worklist.busy() || snaps.busy() ||
-         recovery.busy();
+         set_fitter.busy() || propagator.busy() || observers.busy() || study_appearance.busy() ||
+         study_optimiser.busy() || model_help.busy() || label_surfaces.busy() || models.busy() || worklist.busy() ||
+         snaps.busy() || recovery.busy();
 }
 
 void Outbox::apply(Action action, bool joined) {
@@ -47,7 +48,14 @@ void run(const Command& command, Editing& editing) {
   if (!done) add_notice(editing.state, done.error().sentence());
 }
 
+bool Editing::refuses_edits() const {
+  if (!active_is_locked(state, shown.document())) return false;
+  add_notice(state, locked_sentence(*structure()), false);
+  return true;
+}
+
 void Editing::apply(Action action, bool joined) const {
+  if (works_on_structure(action) && refuses_edits()) return;
   std::string of = works_on_structure(action) ? state.look.structure : std::string();
   shown.session().apply(std::move(action), joined, std::move(of));
 }

@@ -131,8 +131,12 @@ bool ShownCase::update_snapshot(EditorState& state) {
   const auto before = displayed_;
   displayed_ = at_frame(snapshot_->shown, frame);
   // A structure that was taken away is worked on no more.
-  if (!state.look.structure.empty() && displayed_->structure(state.look.structure) == nullptr)
-    show_structure(state, *displayed_, {});
+  const Structure* worked_on = active_structure(state, *before);
+  if (worked_on != nullptr && displayed_->structure(worked_on->id) == nullptr) {
+    state.look.structure.clear();
+    begin_on_structure(state, *displayed_);
+  }
+  if (before->structures.size() != displayed_->structures.size()) follow_structures(state, *displayed_);
   const auto view_before = active_shape(state, *before), view_now = active_shape(state, *displayed_);
   if (!view_before || !view_now) return view_before.has_value() != view_now.has_value();
   const Shape &was = view_before->shape, &now = view_now->shape;

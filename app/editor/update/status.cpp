@@ -28,6 +28,13 @@ std::string hold_hint(const EditorState& state, const Document& shown) {
   return {};
 }
 
+/// Of another structure under the pointer. Empty where there is none, or something is in hand.
+std::string choose_hint(const EditorState& state, const Document& shown) {
+  const bool over_other = state.pointer.hover && !state.pointer.hover->structure.empty() && !state.pointer.drag;
+  const Structure* other = over_other ? shown.structure(state.pointer.hover->structure) : nullptr;
+  return other != nullptr ? "Click to work on " + quoted(structure_name(*other)) + "." : std::string();
+}
+
 std::string hint(const EditorState& state, const Document& shown, bool making_shown) {
   if (state.unsaved_found > 0 && !state.pointer.drag)
     return std::to_string(state.unsaved_found) + (state.unsaved_found == 1 ? " case was" : " cases were") +
@@ -36,6 +43,7 @@ std::string hint(const EditorState& state, const Document& shown, bool making_sh
   if (!shown.scan.image && !has_shape) return "Open an image, or drop one on the window.";
   if (making_shown) return "You see the template that is being made. Close it (Template) to see the case's mesh again.";
   if (!has_shape) return why_no_mesh(state, shown);
+  if (const std::string other = choose_hint(state, shown); !other.empty()) return other;
   if (const std::string hold = hold_hint(state, shown); !hold.empty() && !state.pointer.drag) return hold;
   return kind_of(state.hand.tool).hint(state, shown);
 }
@@ -63,7 +71,7 @@ std::string through_itself(const EditorState& state, const Document& shown) {
 std::string why_no_mesh(const EditorState& state, const Document& shown) {
   const Structure* structure = active_structure(state, shown);
   if (active_shape(state, shown)) return {};
-  if (structure == nullptr) return "There is no mesh yet. Load a template first (Template).";
+  if (structure == nullptr) return "There is no mesh yet. Load a template (Template), or fit a set to a label map (Structures).";
   const bool any_before = structure->shapes.lower_bound(shown.frame) != structure->shapes.begin();
   return any_before ? "This frame has no mesh yet. Start from previous (Cine) copies one."
                     : "This frame has no mesh yet. Go to a frame that has one, and propagate it (Cine).";

@@ -145,7 +145,7 @@ TEST_CASE("the template of a demo is not taken into an image of one's own and on
     Driver driver(test::must(demo_document(Organ::kidney, 1)));
     open_own_image(driver);
     CHECK(driver.document().structures.empty());
-    CHECK(driver.shows("There is no mesh yet. Load a template first (Template)."));
+    CHECK(driver.shows("There is no mesh yet. Load a template (Template), or fit a set to a label map (Structures)."));
   }
   Driver driver(new_document("", nullptr, test::must(load_template("built-in:kidney"))));
   open_own_image(driver);

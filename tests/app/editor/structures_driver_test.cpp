@@ -92,4 +92,132 @@ TEST_CASE("a structure that undo takes away is worked on no more") {
   CHECK(driver.shows("There is no structure \"s2\" in this case."));
 }
 
+TEST_CASE("a click on another outline works on that structure and moves nothing") {
+  Driver driver(demo());
+  start_with_two(driver);
+  const Points first = points_of(driver, "s1"), second = points_of(driver, "s2");
+  const auto [x, y] = on_axial_outline(driver, "s2");
+  const Vec3 looked_at = driver.state().look.crosshair_mm;
+  driver.move(x, y);
+  driver.frame();
+  CHECK(driver.state().pointer.hover->structure == "s2");
+  CHECK(driver.shows("Click to work on \"small kidney\"."));
+  driver.button(MouseButton::left, true);
+  driver.button(MouseButton::left, false);
+  driver.settle();
+  CHECK(driver.state().look.structure == "s2");
+  CHECK(driver.state().pointer.hover->structure.empty());
+  CHECK(driver.state().look.crosshair_mm == looked_at);
+  CHECK(points_of(driver, "s1") == first);
+  CHECK(points_of(driver, "s2") == second);
+  CHECK_FALSE(driver.app().snapshot().undo_names.front().starts_with("pull"));
+}
+
+TEST_CASE("a row of the list works on its structure and its eye and lock are of all that are chosen") {
+  Driver driver(demo());
+  start_with_two(driver);
+  const StructureLooks& looks = driver.state().look.structures;
+  driver.click("small kidney/small kidney");
+  driver.settle();
+  CHECK(driver.state().look.structure == "s2");
+  const Points second = points_of(driver, "s2");
+  CHECK(bounds_of(second).contains(driver.state().look.crosshair_mm));
+
+  driver.click("small kidney/eye");
+  CHECK(looks.hidden == std::set<std::string>{"s2"});
+  const auto [x, y] = on_axial_outline(driver, "s2");
+  driver.move(x, y);
+  driver.frame();
+  CHECK_FALSE(driver.state().pointer.hover->on_mesh);
+  driver.hold_keys({.ctrl = true});
+  driver.click("kidney/kidney");
+  driver.hold_keys({});
+  CHECK(looks.chosen == std::set<std::string>{"s1", "s2"});
+  CHECK(driver.state().look.structure == "s2");
+  driver.click("small kidney/eye");
+  CHECK(looks.hidden.empty());
+  driver.click("small kidney/lock");
+  CHECK(looks.locked == std::set<std::string>{"s1", "s2"});
+  driver.click("Only this");
+  CHECK(looks.hidden.empty());
+  driver.click("small kidney/small kidney");
+  driver.click("Only this");
+  CHECK(looks.hidden == std::set<std::string>{"s1"});
+  driver.click("Show none");
+  CHECK(looks.hidden.size() == 2);
+  driver.click("Show all");
+  CHECK(looks.hidden.empty());
+}
+
+TEST_CASE("a locked structure refuses edits with a sentence and the others take them") {
+  Driver driver(demo());
+  start_with_two(driver);
+  driver.click("small kidney/small kidney");
+  driver.click("small kidney/lock");
+  const Points second = points_of(driver, "s2");
+  const auto [x, y] = on_axial_outline(driver, "s2");
+  driver.move(x, y);
+  driver.button(MouseButton::left, true);
+  driver.move(x + 12, y + 4);
+  driver.frame();
+  driver.button(MouseButton::left, false);
+  driver.settle();
+  CHECK(driver.shows("\"small kidney\" is locked."));
+  driver.app().send(ApplyEdit{SetStiffnessBase{7}});
+  driver.settle();
+  CHECK(points_of(driver, "s2") == second);
+  CHECK(driver.document().structure("s2")->paint.base == 3);
+  driver.press('E');
+  driver.settle();
+  CHECK(driver.state().look.structure.empty());
+  driver.app().send(ApplyEdit{SetStiffnessBase{7}});
+  driver.settle();
+  CHECK(driver.document().structure("s1")->paint.base == 7);
+}
+
+TEST_CASE("the list has the worst first and shows what the filter says, and two keys go through it") {
+  Driver driver(demo());
+  start_with_two(driver);
+  driver.app().send(ApplyEdit{SetStructure{.id = "s1", .name = "left kidney", .confidence = 0.9}});
+  driver.app().send(ApplyEdit{SetStructure{.id = "s2", .confidence = 0.2, .doubt = "It is too small."}});
+  driver.wait_until("both are judged", [&] { return driver.document().structure("s2")->confidence == 0.2; });
+  driver.settle();
+  const auto row_y = [&](const char* name) { return driver.control(name).rect.y; };
+  CHECK(row_y("small kidney/small kidney") < row_y("left kidney/left kidney"));
+  driver.click("Worst first");
+  CHECK(row_y("small kidney/small kidney") > row_y("left kidney/left kidney"));
+  CHECK(driver.shows("20 %"));
+  driver.press('W');
+  driver.settle();
+  CHECK(driver.state().look.structure == "s2");
+  driver.press('E');
+  driver.settle();
+  CHECK(driver.state().look.structure.empty());
+  driver.type_into("filter", "SMALL");
+  driver.settle();
+  CHECK_FALSE(driver.has("left kidney/left kidney"));
+  CHECK(driver.has("small kidney/small kidney"));
+}
+
+TEST_CASE("rows chosen with Shift are all between and Ctrl takes one away") {
+  Driver driver(demo());
+  Document document = driver.document();
+  for (const char* id : {"s2", "s3", "s4"}) {
+    Structure one = *document.structure();
+    one.id = one.name = id;
+    document.structures.push_back(std::make_shared<const Structure>(one));
+  }
+  StructureLooks looks;
+  looks.worst_first = false;
+  choose_rows(looks, document, "s2", false, false);
+  choose_rows(looks, document, "s4", false, true);
+  CHECK(looks.chosen == std::set<std::string>{"s2", "s3", "s4"});
+  choose_rows(looks, document, "s3", true, false);
+  CHECK(looks.chosen == std::set<std::string>{"s2", "s4"});
+  choose_rows(looks, document, "s1", false, true);
+  CHECK(looks.chosen == std::set<std::string>{"s1", "s2", "s3"});
+  CHECK(rows_with(looks, "s4") == std::vector<std::string>{"s4"});
+  CHECK(rows_with(looks, "s1").size() == 3);
+}
+
 }  // namespace homolog

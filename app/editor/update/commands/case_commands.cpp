@@ -32,6 +32,7 @@ void PreviewEdit::spell(Fields& line) {
   spell_action(line, *action);
 }
 void PreviewEdit::run(Editing& editing) const {
+  if (action && works_on_structure(*action) && active_is_locked(editing.state, editing.shown.document())) return;
   editing.shown.session().preview(action, action ? assistance(editing, *action) : std::vector<Compute>{},
                                   editing.state.look.structure);
 }
@@ -70,6 +71,7 @@ void SnapMesh::spell(Fields& line) {
   line.member("joined", joined);
 }
 void SnapMesh::run(Editing& editing) const {
+  if (editing.refuses_edits()) return;
   const Document& document = editing.shown.document();
   if (!document.scan.image || !editing.shape())
     return add_notice(editing.state,
@@ -90,6 +92,7 @@ void StartFit::spell(Fields& line) {
   spell_value(line, "", settings);
 }
 void StartFit::run(Editing& editing) const {
+  if (editing.refuses_edits()) return;
   const auto& labels = editing.shown.labels();
   if (!labels.volume || !editing.shape()) return;
   stop_playing(editing);
@@ -113,6 +116,7 @@ void StartFit::run(Editing& editing) const {
 }
 
 void RefineAlongSurface::run(Editing& editing) const {
+  if (editing.refuses_edits()) return;
   if (!editing.shape()) return;
   stop_playing(editing);
   editing.work.started_fit.reset();
@@ -125,10 +129,12 @@ void CancelFit::run(Editing& editing) const {
 
 void CancelFits::run(Editing& editing) const {
   cancel_fit(editing);
+  editing.work.set_fitter.cancel();
   editing.work.propagator.cancel();
 }
 
 void PropagateFrames::run(Editing& editing) const {
+  if (editing.refuses_edits()) return;
   const Document& document = editing.shown.document();
   if (!editing.shape() || !document.scan.image || document.scan.image->frames < 2) return;
   stop_playing(editing);
@@ -144,24 +150,13 @@ void BlendModel::spell(Fields& line) {
   line.member("commit", commit);
 }
 void BlendModel::run(Editing& editing) const {
+  if (editing.refuses_edits()) return;
   blend_model(editing, *this);
 }
 
 void CompleteByModel::run(Editing& editing) const {
   if (auto complete = editing.work.model_help.completion(editing.state.automatic.model_help))
     editing.shown.session().apply_computed(std::move(complete), true, editing.state.look.structure);
-}
-
-void ChooseStructure::spell(Fields& line) {
-  line.member("id", id);
-}
-void ChooseStructure::run(Editing& editing) const {
-  if (editing.shown.document().structure(id) == nullptr)
-    return add_notice(editing.state, "There is no structure \"" + id + "\" in this case.");
-  editing.work.snaps.cancel();
-  show_structure(editing.state, editing.shown.document(), id);
-  editing.work.quality.post(nullptr);
-  editing.work.quality.post(editing.shown.displayed(), editing.state.look.structure);
 }
 
 void ShowFrame::spell(Fields& line) {

@@ -85,7 +85,7 @@ struct CompleteByModel {
   static constexpr const char* key = "complete by model";
   void run(Editing& editing) const;
 };
-/// Of whatever fits go on: CancelFit and CancelPropagation in one, for the keys.
+/// Of whatever fits go on: CancelFit, CancelSetFit and CancelPropagation in one, for the keys.
 struct CancelFits {
   static constexpr const char* key = "cancel fits";
   static constexpr bool cancels = true;
@@ -102,13 +102,6 @@ struct CancelPropagation {
   static constexpr const char* key = "cancel propagation";
   static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::never;  ///< one that was given up is not logged either
-  void run(Editing& editing) const;
-};
-/// Works on another structure of the case.
-struct ChooseStructure {
-  static constexpr const char* key = "choose structure";
-  std::string id;  ///< empty: the first
-  void spell(Fields& line);
   void run(Editing& editing) const;
 };
 /// Commits the frame that a slider went to.

@@ -10,6 +10,7 @@
 #include "app/editor/update/results/opening.h"
 #include "app/editor/update/results/optimisation.h"
 #include "app/editor/update/results/quitting.h"
+#include "app/editor/update/results/set_fit.h"
 #include "app/editor/update/results/worklist.h"
 
 namespace homolog {
@@ -222,6 +223,7 @@ bool take_results(Editing& editing, double seconds) {
   bool changed = take_written(editing);
   update_fit(editing);
   update_propagation(editing);
+  changed |= update_set_fit(editing);
   update_model_help(editing);
   update_learning(editing);
   changed |= show_snap(editing);

@@ -1,0 +1,159 @@
+#include <algorithm>
+#include <cmath>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/state/icons.h"
+#include "app/editor/widgets/widgets.h"
+
+// The list of the case's structures.
+
+namespace homolog {
+
+namespace {
+
+constexpr float structure_units = 26, eye_units = 22, most_listed = 9;
+
+ImU32 structure_swatch(const Structure& structure) {
+  const Rgb colour = structure_colour(structure);
+  return ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], 1});
+}
+
+std::string edits_in_words(const Structure& structure, int frame) {
+  const Shape* shape = structure.shape(frame);
+  if (shape == nullptr) return "No mesh in this frame";
+  return format("%d vertices", static_cast<int>(shape->points->rows()));
+}
+
+/// All that is known of a structure, for its row's tip.
+std::string structure_tip(const Structure& structure, int frame) {
+  std::string tip = structure_name(structure) + "\n" + edits_in_words(structure, frame);
+  if (structure.confidence >= 0)
+    tip += format(". Confidence %.0f %%: the probability that it is right, as the fit of the set found",
+                  std::floor(100 * structure.confidence));
+  if (!structure.doubt.empty()) tip += ".\n" + structure.doubt;
+  return tip + "\nClick: work on it. Ctrl or Shift: choose several";
+}
+
+/// What lies under a row's text: whether it is worked on, chosen or pointed at.
+void draw_structure_ground(const Theme& theme, ImVec2 at, ImVec2 size, bool active, bool chosen, bool hovered) {
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float alpha = (active ? 0.25f : chosen ? 0.14f : 0.0f) + (hovered ? 0.08f : 0.0f);
+  if (alpha > 0)
+    draw.AddRectFilled(at, {at.x + size.x, at.y + size.y}, with_alpha(palette::accent, alpha), theme.px(3));
+  if (active) draw.AddRectFilled(at, {at.x + theme.px(3), at.y + size.y}, palette::accent, theme.px(1));
+}
+
+/// The eye and the lock at the right end of a row.
+void draw_eye_and_lock(const UiContext& ui, const Structure& structure, ImVec2 at, float width, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const StructureLooks& looks = ui.state.look.structures;
+  const float side = theme.px(eye_units), y = at.y + std::floor((theme.px(structure_units) - side) / 2);
+  const auto rows = rows_with(looks, structure.id);
+  const bool several = rows.size() > 1;
+  const bool shown = looks.shows(structure.id), locked = looks.locks(structure.id);
+  ImGui::SetCursorScreenPos({at.x + width - 2 * side, y});
+  if (icon_button(
+          theme, shown ? icon::eye : icon::eye_shut, "eye",
+          std::string(shown ? "Hides " : "Shows ") + (several ? "the chosen structures" : "it") + " in all views", {},
+          false, eye_units))
+    out.send(ShowStructures{rows, !shown});
+  ImGui::SetCursorScreenPos({at.x + width - side, y});
+  if (icon_button(theme, locked ? icon::confirm : icon::unlocked, "lock",
+                  locked ? (several ? "Unlocks the chosen structures" : "Unlocks it: it can be edited again")
+                         : (several ? "Locks the chosen structures against edits" : "Locks it: edits are refused"),
+                  {}, locked, eye_units))
+    out.send(LockStructures{rows, !locked});
+}
+
+void draw_structure(const UiContext& ui, const Structure& structure, float width, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const StructureLooks& looks = ui.state.look.structures;
+  const Part part(structure_name(structure), "structure");
+  const ImVec2 at = ImGui::GetCursorScreenPos(), size{width, theme.px(structure_units)};
+  const bool active = &structure == ui.structure(), shown = looks.shows(structure.id);
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::PushID(structure.id.c_str());
+  const ImVec2 named_px{width - theme.px(2 * eye_units), size.y};
+  const AreaState row =
+      area(theme, structure_name(structure), named_px, structure_tip(structure, ui.document().frame), {active});
+  if (row.clicked) out.send(ClickStructure{structure.id, io.KeyCtrl, io.KeyShift});
+  draw_structure_ground(theme, at, size, active, looks.chosen.contains(structure.id), row.hovered);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float swatch = theme.px(12), text_y = std::floor(at.y + (size.y - ImGui::GetFontSize()) / 2);
+  colour_swatch(draw, theme, {at.x + theme.px(8), std::floor(at.y + (size.y - swatch) / 2)}, swatch,
+                structure_swatch(structure));
+  const float right = at.x + width - theme.px(2 * eye_units + 6), left = at.x + theme.px(28);
+  float room = right - left;
+  if (structure.confidence >= 0) {
+    const EvenDigits digits(theme);
+    const std::string sure = format("%.0f %%", std::floor(100 * structure.confidence));
+    const ImVec2 wide = ImGui::CalcTextSize(sure.c_str());
+    text_at(draw, {right - wide.x, text_y}, is_doubtful(structure) ? palette::amber : palette::dim, sure);
+  }
+  room -= theme.px(46);
+  text_at(draw, {left, text_y}, shown ? palette::text : palette::faint, shortened(structure_name(structure), room));
+  draw_eye_and_lock(ui, structure, at, width, out);
+  ImGui::SetCursorScreenPos({at.x, at.y + size.y});
+  ImGui::PopID();
+}
+
+void draw_structure_filter(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const float width = ImGui::GetContentRegionAvail().x, sort_width = theme.px(96);
+  std::string filter = ui.state.look.structures.filter;
+  if (text_field(theme, "filter", filter, "Filter by name", width - sort_width - theme.px(4)))
+    out.send(FilterStructures{filter});
+  ImGui::SameLine(0, theme.px(4));
+  const bool worst = ui.state.look.structures.worst_first;
+  if (button(theme, worst ? "Worst first" : "By label",
+             worst ? "The least sure structure is on top. Click for the order of the case"
+                   : "The order of the case. Click to have the least sure structure on top",
+             {}, sort_width))
+    out.send(SortStructures{!worst});
+}
+
+void draw_eyes(const UiContext& ui, const std::vector<const Structure*>& listed, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const float third = (ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3;
+  std::vector<std::string> ids;
+  for (const Structure* one : listed) ids.push_back(one->id);
+  const std::string none_listed = listed.empty() ? "No name holds what you typed." : "";
+  if (button(theme, "Show all", "Opens the eyes of all structures in the list", none_listed, third))
+    out.send(ShowStructures{ids, true});
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "Show none", "Shuts the eyes of all structures in the list", none_listed, third))
+    out.send(ShowStructures{ids, false});
+  ImGui::SameLine(0, theme.px(4));
+  const Structure* active = ui.structure();
+  if (button(theme, "Only this", "Shows the structure that you work on (or all that are chosen) and hides the others",
+             active == nullptr ? "There is no structure." : "", third))
+    out.send(ShowOnlyStructures{rows_with(ui.state.look.structures, active->id)});
+}
+
+}  // namespace
+
+std::string structures_in_words(const UiContext& ui) {
+  const std::size_t count = ui.document().structures.size();
+  const Structure* active = ui.structure();
+  return count > 1 && active != nullptr ? format("%zu, ", count) + structure_name(*active) : std::string();
+}
+
+void draw_structures_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const auto& document = ui.document();
+  if (document.structures.size() < 2) return draw_set_fit(ui, out);
+  const auto listed = listed_structures(ui.state.look.structures, document);
+  draw_structure_filter(ui, out);
+  const float rows = std::clamp(static_cast<float>(document.structures.size()), 2.0f, most_listed);
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
+  ImGui::BeginChild("structures", {0, std::floor(rows * theme.px(structure_units))});
+  const float width = ImGui::GetContentRegionAvail().x;
+  for (const Structure* one : listed) draw_structure(ui, *one, width, out);
+  if (listed.empty()) explanation(theme, "No name holds what you typed.");
+  ImGui::EndChild();
+  ImGui::PopStyleVar();
+  draw_eyes(ui, listed, out);
+  if (ui.labels().volume || ui.work.set_fitter.busy()) draw_set_fit(ui, out);
+}
+
+}  // namespace homolog

@@ -1,0 +1,72 @@
+#include "app/editor/state/structure_looks.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "core/base/file_stem.h"
+#include "core/base/text.h"
+#include "core/catalogue/catalogue.h"
+#include "core/volume/segmentation.h"
+
+namespace homolog {
+
+std::string structure_name(const Structure& structure) {
+  if (!structure.name.empty()) return structure.name;
+  const std::string& source = structure.the_template->source;
+  if (is_built_in(source)) return source.substr(source.find(':') + 1);
+  return source.empty() ? structure.id : file_stem(source);
+}
+
+Rgb structure_colour(const Structure& structure) {
+  const auto [r, g, b] = structure.colour.value_or(colour_by_name(structure_name(structure)));
+  return {static_cast<float>(r) / 255, static_cast<float>(g) / 255, static_cast<float>(b) / 255};
+}
+
+bool is_doubtful(const Structure& structure) {
+  constexpr double least_confidence = 0.5;
+  return !structure.doubt.empty() || (structure.confidence >= 0 && structure.confidence < least_confidence);
+}
+
+std::string locked_sentence(const Structure& structure) {
+  return "\"" + structure_name(structure) + "\" is locked. The lock in its row (Structures) opens it.";
+}
+
+std::vector<const Structure*> listed_structures(const StructureLooks& looks, const Document& document) {
+  std::vector<const Structure*> listed;
+  const std::string wanted = lower_case(looks.filter);
+  for (const auto& one : document.structures)
+    if (wanted.empty() || lower_case(structure_name(*one)).find(wanted) != std::string::npos)
+      listed.push_back(one.get());
+  const auto worth = [](const Structure& one) {
+    return std::tuple(one.doubt.empty(), one.confidence < 0, one.confidence);
+  };
+  if (looks.worst_first)
+    std::ranges::stable_sort(listed, [&](const Structure* a, const Structure* b) { return worth(*a) < worth(*b); });
+  return listed;
+}
+
+void choose_rows(StructureLooks& looks, const Document& document, const std::string& id, bool ctrl, bool shift) {
+  const auto listed = listed_structures(looks, document);
+  const auto row_of = [&](const std::string& of) {
+    const auto is_it = [&](const Structure* one) { return one->id == of; };
+    return static_cast<std::size_t>(std::ranges::find_if(listed, is_it) - listed.begin());
+  };
+  const std::size_t from = row_of(looks.range_from), to = row_of(id);
+  if (shift && std::max(from, to) < listed.size()) {
+    if (!ctrl) looks.chosen.clear();
+    for (std::size_t k = std::min(from, to); k <= std::max(from, to); ++k) looks.chosen.insert(listed[k]->id);
+    return;
+  }
+  looks.range_from = id;
+  if (!ctrl)
+    looks.chosen = {id};
+  else if (looks.chosen.erase(id) == 0)
+    looks.chosen.insert(id);
+}
+
+std::vector<std::string> rows_with(const StructureLooks& looks, const std::string& id) {
+  if (!looks.chosen.contains(id)) return {id};
+  return {looks.chosen.begin(), looks.chosen.end()};
+}
+
+}  // namespace homolog

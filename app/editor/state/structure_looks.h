@@ -1,0 +1,41 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/case/document.h"
+#include "core/mesh/colours.h"
+
+namespace homolog {
+
+/// How the window shows the structures of a case, and which of them are chosen in the list. All by their ids.
+struct StructureLooks {
+  std::set<std::string> hidden, locked;
+  std::set<std::string> chosen;  ///< rows of the list that its eye and lock work on together
+  std::string range_from;        ///< the row at which a choice with Shift begins
+  std::string filter;            ///< part of a name, as it is typed
+  bool worst_first = true;
+
+  bool shows(const std::string& id) const { return !hidden.contains(id); }
+  bool locks(const std::string& id) const { return locked.contains(id); }
+};
+
+/// What a structure is called: its name, else its template's.
+std::string structure_name(const Structure& structure);
+/// Its own colour, else the one of its name [colour_by_name].
+Rgb structure_colour(const Structure& structure);
+/// Whether somebody has to look at it: it is in doubt, or more likely wrong than right.
+bool is_doubtful(const Structure& structure);
+/// The first sentence for a person who wants to edit it although it is locked.
+std::string locked_sentence(const Structure& structure);
+
+/// The structures that the list shows, in its order. Worst first: those in doubt, then by their confidence; those that
+/// nobody judged come last.
+std::vector<const Structure*> listed_structures(const StructureLooks& looks, const Document& document);
+/// What a click on a row chooses: it alone, with Ctrl it too (or no more), with Shift all from `range_from` on.
+void choose_rows(StructureLooks& looks, const Document& document, const std::string& id, bool ctrl, bool shift);
+/// The rows that an eye or a lock works on: all that are chosen where the row is one of several, else it alone.
+std::vector<std::string> rows_with(const StructureLooks& looks, const std::string& id);
+
+}  // namespace homolog

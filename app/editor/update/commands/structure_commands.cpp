@@ -1,0 +1,111 @@
+#include "app/editor/update/commands/structure_commands.h"
+
+#include <algorithm>
+
+#include "app/editor/update/editing.h"
+#include "app/editor/update/results/set_fit.h"
+#include "core/case/actions/fields.h"
+
+namespace homolog {
+
+void ChooseStructure::spell(Fields& line) {
+  line.member("id", id);
+}
+void ChooseStructure::run(Editing& editing) const {
+  EditorState& state = editing.state;
+  const Structure* chosen = editing.shown.document().structure(id);
+  if (chosen == nullptr) return add_notice(state, "There is no structure \"" + id + "\" in this case.");
+  editing.work.snaps.cancel();
+  state.look.structures.hidden.erase(chosen->id);
+  state.look.structures.chosen = {chosen->id};
+  state.look.structures.range_from = chosen->id;
+  show_structure(state, editing.shown.document(), id);
+  if (const auto hover = state.pointer.hover) update_hover(state, editing.controls(), hover->x_px, hover->y_px);
+  editing.work.quality.post(nullptr);
+  editing.work.quality.post(editing.shown.displayed(), state.look.structure);
+}
+
+void ClickStructure::spell(Fields& line) {
+  line.member("id", id);
+  line.member("ctrl", ctrl);
+  line.member("shift", shift);
+}
+void ClickStructure::run(Editing& editing) const {
+  if (ctrl || shift) return choose_rows(editing.state.look.structures, editing.shown.document(), id, ctrl, shift);
+  ChooseStructure{id}.run(editing);
+  bring_into_view(editing.state, editing.shown.document());
+}
+
+void NextStructure::spell(Fields& line) {
+  line.member("back", back);
+  line.member("doubtful", doubtful);
+}
+void NextStructure::run(Editing& editing) const {
+  EditorState& state = editing.state;
+  const Document& document = editing.shown.document();
+  auto listed = listed_structures(state.look.structures, document);
+  const Structure* active = editing.structure();
+  std::erase_if(listed, [&](const Structure* one) {
+    return one != active && (doubtful ? !is_doubtful(*one) : !state.look.structures.shows(one->id));
+  });
+  const std::size_t count = listed.size();
+  const auto at = static_cast<std::size_t>(std::ranges::find(listed, active) - listed.begin());
+  const bool alone = count == 0 || (count == 1 && at == 0);
+  if (alone && doubtful) return add_notice(state, "No other structure is doubtful.", false);
+  if (alone && document.structures.size() > 1)
+    return add_notice(state, "The list shows no other structure. Clear the filter, or open an eye.", false);
+  if (alone) return add_notice(state, "The case has no other structure. Fit a set to a label map (Structures).", false);
+  const std::size_t next = at == count ? (back ? count - 1 : 0) : (at + (back ? count - 1 : 1)) % count;
+  ClickStructure{listed[next]->id}.run(editing);
+}
+
+void ShowStructures::spell(Fields& line) {
+  line.member("ids", ids);
+  line.member("shown", shown);
+}
+void ShowStructures::run(EditorState& state) const {
+  for (const std::string& id : ids)
+    if (shown)
+      state.look.structures.hidden.erase(id);
+    else
+      state.look.structures.hidden.insert(id);
+}
+
+void ShowOnlyStructures::spell(Fields& line) {
+  line.member("ids", ids);
+}
+void ShowOnlyStructures::run(Editing& editing) const {
+  auto& hidden = editing.state.look.structures.hidden;
+  hidden.clear();
+  for (const auto& one : editing.shown.document().structures)
+    if (std::ranges::find(ids, one->id) == ids.end()) hidden.insert(one->id);
+}
+
+void LockStructures::spell(Fields& line) {
+  line.member("ids", ids);
+  line.member("locked", locked);
+}
+void LockStructures::run(EditorState& state) const {
+  for (const std::string& id : ids)
+    if (locked)
+      state.look.structures.locked.insert(id);
+    else
+      state.look.structures.locked.erase(id);
+}
+
+void ChooseSet::spell(Fields& line) {
+  line.member("source", source);
+}
+void ChooseSet::run(Editing& editing) const {
+  choose_set(editing, source);
+}
+
+void FitSet::run(Editing& editing) const {
+  start_set_fit(editing);
+}
+
+void CancelSetFit::run(Editing& editing) const {
+  editing.work.set_fitter.cancel();
+}
+
+}  // namespace homolog

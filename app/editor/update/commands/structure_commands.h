@@ -1,0 +1,87 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/editor/update/commands/logged.h"
+#include "app/editor/update/commands/setting.h"
+
+namespace homolog {
+
+class Fields;
+struct Editing;
+
+// The structures of a case: which one is worked on, and how the others are shown.
+
+/// Works on another structure of the case.
+struct ChooseStructure {
+  static constexpr const char* key = "choose structure";
+  std::string id;  ///< empty: the first
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// A click on a row of the list: works on that structure, and brings it into view. With Ctrl or Shift it chooses
+/// several rows instead.
+struct ClickStructure {
+  static constexpr const char* key = "click structure";
+  std::string id;
+  bool ctrl = false, shift = false;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Works on the next structure of the list that is shown, or the last one before.
+struct NextStructure {
+  static constexpr const char* key = "next structure";
+  bool back = false;
+  bool doubtful = false;  ///< the next one that somebody has to look at
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Opens or closes eyes.
+struct ShowStructures {
+  static constexpr const char* key = "show structures";
+  std::vector<std::string> ids;
+  bool shown = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Hides all others.
+struct ShowOnlyStructures {
+  static constexpr const char* key = "show only structures";
+  std::vector<std::string> ids;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+struct LockStructures {
+  static constexpr const char* key = "lock structures";
+  std::vector<std::string> ids;
+  bool locked = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Reads a template set, of a file or built in, to be fitted to the label map.
+struct ChooseSet {
+  static constexpr const char* key = "choose set";
+  static constexpr Logged logged = Logged::when_done;
+  std::string source;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Fits the chosen set to the label map that is shown: its structures come into the case as one step.
+struct FitSet {
+  static constexpr const char* key = "fit set";
+  static constexpr Logged logged = Logged::when_done;
+  void run(Editing& editing) const;
+};
+struct CancelSetFit {
+  static constexpr const char* key = "cancel set fit";
+  static constexpr bool cancels = true;
+  static constexpr Logged logged = Logged::never;  ///< a fit that was given up is not logged either
+  void run(Editing& editing) const;
+};
+using FilterStructures =
+    Setting<"filter structures", "text", &EditorState::look, &Look::structures, &StructureLooks::filter>;
+using SortStructures =
+    Setting<"sort structures", "worst_first", &EditorState::look, &Look::structures, &StructureLooks::worst_first>;
+
+}  // namespace homolog

@@ -1,0 +1,131 @@
+#include "app/editor/update/results/set_fit.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "app/editor/update/results/results.h"
+#include "core/base/text.h"
+#include "core/structures/set_in_case.h"
+
+namespace homolog {
+
+namespace {
+
+/// Whether a step works on one of these structures.
+bool is_of(const EditStep& step, const std::set<std::string>& ids) {
+  if (const auto* set = std::get_if<SetStructure>(&step.action)) return ids.contains(set->id);
+  return ids.contains(step.of);
+}
+
+std::string count_of(std::size_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+void say_fitted(EditorState& state, const SetFitted& found, std::size_t locked) {
+  std::size_t fitted = 0, doubtful = 0;
+  std::string failed;
+  for (std::size_t k = 0; k < found.fitted.structures.size(); ++k) {
+    const FittedStructure& one = found.fitted.structures[k];
+    fitted += one.fit ? 1 : 0;
+    doubtful += one.fit && one.judgement.doubtful ? 1 : 0;
+    if (!one.why_not.empty()) failed += (failed.empty() ? "" : ", ") + found.set->set.structures[k].name;
+  }
+  std::string said = count_of(fitted, "structure") + " fitted";
+  said += doubtful == 0 ? "; none is doubtful." : "; " + std::to_string(doubtful) + " to look at, on top of the list.";
+  if (locked > 0) said += " " + count_of(locked, "locked one") + " stayed as it was.";
+  if (!failed.empty()) said += " Not fitted: " + failed + ".";
+  add_notice(state, std::move(said), false);
+}
+
+void take_set_fit(Editing& editing, const SetFitted& found) {
+  EditorState& state = editing.state;
+  const Document& document = *editing.shown.snapshot().document;
+  auto steps = steps_of_fitted_set(document, *found.set, found.subject, found.fitted);
+  std::size_t locked = 0;
+  std::erase_if(steps, [&](const EditStep& step) {
+    const bool stays = is_of(step, state.look.structures.locked);
+    locked += stays && std::holds_alternative<SetStructure>(step.action) ? 1 : 0;
+    return stays;
+  });
+  bool joined = false;
+  for (EditStep& step : steps)
+    editing.shown.session().apply(std::move(step.action), std::exchange(joined, true), std::move(step.of));
+  for (const std::string& warning : found.warnings) add_notice(state, warning, false);
+  say_fitted(state, found, locked);
+  state.look.making_shown = false;
+  editing.work.set_enters = true;
+  editing.log.is_done(FitSet{});
+}
+
+}  // namespace
+
+void choose_set(Editing& editing, const std::string& source) {
+  editing.work.imports.queue(source, [source](Progress&) -> Result<Work::Then> {
+    auto read = load_set_of_templates(source);
+    if (!read) return fail(read.error());
+    const auto set = std::make_shared<const SetOfTemplates>(std::move(*read));
+    return Work::Then([source, set](Editing& then) {
+      then.state.automatic.set_source = source;
+      then.state.automatic.set = set;
+      for (const std::string& warning : set->warnings) add_notice(then.state, warning, false);
+      then.log.is_done(ChooseSet{source});
+    });
+  });
+}
+
+std::string set_fit_refusal(const EditorState& state, const ShownCase& shown, const Work& work) {
+  if (work.set_fitter.busy()) return "The set is being fitted.";
+  if (!shown.labels().volume) return "Open a label map first.";
+  if (!state.automatic.set) return "Choose a template set first.";
+  if (shown.labels().file.empty()) return "This label map is no file. Save it, and open it again.";
+  if (names_in_map(state.automatic.set->set, shown.labels()).empty())
+    return "The label map has no label of this set. Choose another set, or rename the labels.";
+  if (state.look.playing) return "Stop the cine first.";
+  return {};
+}
+
+void start_set_fit(Editing& editing) {
+  if (const std::string why = set_fit_refusal(editing.state, editing.shown, editing.work); !why.empty())
+    return add_notice(editing.state, why, false);
+  editing.work.set_fitter.start(editing.state.automatic.set,
+                                {editing.shown.labels().file, editing.shown.document().frame}, editing.shown.number());
+}
+
+bool update_set_fit(Editing& editing) {
+  SetFitter& fitter = editing.work.set_fitter;
+  const bool of_this =
+      fitter.case_number() == editing.shown.number() && fitter.frame() == editing.shown.snapshot().document->frame;
+  if (fitter.busy() && !of_this) {
+    fitter.cancel();
+    add_notice(editing.state, "The fit of the set was stopped by another frame or another case. Start it again.",
+               false);
+    return true;
+  }
+  // The list is brought into view once all of it is there.
+  if (editing.work.set_enters && editing.shown.at_rest()) {
+    editing.work.set_enters = false;
+    editing.state.wanted_section = structures_section;
+    ++editing.state.section_wanted;
+  }
+  auto done = fitter.take();
+  if (!done) return fitter.busy();
+  if (!*done)
+    add_notice(editing.state, done->error().sentence());
+  else if (of_this)
+    take_set_fit(editing, **done);
+  return true;
+}
+
+std::vector<std::string> names_in_map(const TemplateSet& set, const ShownLabels& labels) {
+  std::vector<std::string> names;
+  for (const TemplateOfSet& one : set.structures) {
+    const bool named = std::ranges::any_of(
+        labels.names, [&](const auto& label) { return lower_case(label.second) == lower_case(one.name); });
+    const bool numbered = !labels.names.contains(one.value) &&
+                          std::ranges::find(labels.values, one.value) != labels.values.end();
+    if (named || numbered) names.push_back(one.name);
+  }
+  return names;
+}
+
+}  // namespace homolog

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/editor/work/worker.h"
+#include "core/structures/fit_set.h"
+
+namespace homolog {
+
+/// A label map that a set is fitted to, in one of its frames.
+struct MapToFit {
+  std::filesystem::path file;  ///< read anew, with all its layers
+  int frame = 0;
+};
+
+/// How far a structure of the set is.
+struct StructureFitShown {
+  std::string name;
+  SetFitStep step = SetFitStep::waits;
+};
+
+/// What came of the fit of a set.
+struct SetFitted {
+  std::shared_ptr<const SetOfTemplates> set;
+  SetInMap subject;
+  FittedSet fitted;
+  std::vector<std::string> warnings;  ///< of the map
+};
+
+/// Fits a template set to a label map on a thread of its own. Called from the window's thread only.
+class SetFitter {
+ public:
+  /// `wake` is called from other threads as structures go on.
+  explicit SetFitter(std::function<void()> wake) : wake_(wake), work_(std::move(wake)) {}
+
+  /// `case_number`: of the case that gets the structures.
+  void start(std::shared_ptr<const SetOfTemplates> set, MapToFit map, std::uint64_t case_number);
+  void cancel() { work_.cancel(); }
+  bool busy() const { return work_.busy(); }
+  double fraction() const { return work_.fraction(); }
+  std::uint64_t case_number() const { return case_number_; }
+  int frame() const { return frame_; }
+  /// The structures of the map that the set has, in the set's order; empty until the map is read.
+  std::vector<StructureFitShown> structures() const;
+  /// The result, once.
+  std::optional<Result<SetFitted>> take() { return work_.take(); }
+  void finish() { work_.finish(); }
+
+ private:
+  struct Shared {
+    std::mutex mutex;
+    std::vector<std::size_t> there;  ///< of the set
+    std::vector<StructureFitShown> structures;
+  };
+  std::function<void()> wake_;
+  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+  std::uint64_t case_number_ = 0;
+  int frame_ = 0;
+  Worker<SetFitted> work_;
+};
+
+}  // namespace homolog

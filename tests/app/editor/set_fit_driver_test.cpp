@@ -1,0 +1,138 @@
+#include <doctest/doctest.h>
+
+#include "core/mesh/icosphere.h"
+#include "core/mesh/label_map.h"
+#include "core/structures/template_set.h"
+#include "core/volume/volume_io.h"
+#include "tests/driver.h"
+#include "tests/must.h"
+
+// A template set fitted to a label map in the window: several structures come into the case.
+
+namespace homolog {
+
+namespace {
+
+Mesh ball_at(double x_mm) {
+  Mesh ball = icosphere(3, 20);
+  ball.points.col(0).array() += x_mm;
+  return ball;
+}
+
+/// Two balls side by side: a label map with the values 3 and 5, an image of the same grid, and a set of their
+/// templates, which lie elsewhere.
+struct TwoBalls {
+  TemporaryFolder folder;
+  std::filesystem::path labels = folder.path / "labels.nii.gz", set = folder.path / "balls.set.json";
+  Document document;
+
+  TwoBalls() {
+    VolumeGeometry grid;
+    grid.dims = {60, 30, 30};
+    grid.spacing_mm.setConstant(2);
+    grid.origin_mm = Vec3(-31, -29, -29);
+    Volume map = label_map(ball_at(0), grid, 3);
+    const Volume second = label_map(ball_at(50), grid, 5);
+    auto& voxels = std::get<std::vector<std::uint8_t>>(map.data);
+    const auto& further = std::get<std::vector<std::uint8_t>>(second.data);
+    for (std::size_t i = 0; i < voxels.size(); ++i)
+      if (further[i] != 0) voxels[i] = further[i];
+    REQUIRE(write_volume(map, labels));
+    TemplateSet balls;
+    for (const auto& [name, value, x_mm] : {std::tuple("right ball", 3, 7.0), std::tuple("left ball", 5, 51.0)}) {
+      TemplateOfSet one;
+      one.name = name;
+      one.value = value;
+      one.file = folder.path / (std::string(name) + ".ply");
+      REQUIRE(write_mesh(ball_at(x_mm), one.file));
+      balls.structures.push_back(std::move(one));
+    }
+    REQUIRE(write_template_set(balls, set));
+    document = new_document(labels.string(), std::make_shared<const Volume>(map), nullptr);
+  }
+};
+
+void fit_two_balls(Driver& driver, const TwoBalls& balls) {
+  driver.app().send(open_labels(balls.labels));
+  driver.settle();
+  driver.app().send(ChooseSet{balls.set.string()});
+  driver.wait_until("the set is read", [&] { return driver.state().automatic.set != nullptr; });
+  driver.settle();
+}
+
+/// How far the farthest vertex lies from the surface of a ball.
+double off_ball_mm(const Document& document, std::size_t structure, double x_mm) {
+  const Points& points = *document.structures[structure]->shape(0)->points;
+  const Eigen::RowVector3d middle(x_mm, 0, 0);
+  const Eigen::VectorXd from_middle = (points.rowwise() - middle).rowwise().norm();
+  return (from_middle.array() - 20).abs().maxCoeff();
+}
+
+}  // namespace
+
+TEST_CASE("the window fits a set and one undo takes all of its structures back") {
+  const TwoBalls balls;
+  Driver driver(balls.document);
+  fit_two_balls(driver, balls);
+  CHECK(driver.shows("2 of 2"));
+  driver.click("Fit the set");
+  driver.wait_until("the set is fitted", [&] { return driver.document().structures.size() == 2; });
+  driver.settle();
+  const Document& document = driver.document();
+  CHECK(document.structures[0]->name == "right ball");
+  CHECK(document.structures[1]->name == "left ball");
+  CHECK(document.structures[1]->label == "left ball");
+  CHECK(off_ball_mm(document, 0, 0) < 1.2);  // of voxels of 2 mm
+  CHECK(off_ball_mm(document, 1, 50) < 1.2);
+  for (const auto& one : document.structures) CHECK(one->confidence > 0.5);
+  CHECK(driver.has("left ball/left ball"));
+  CHECK(driver.app().snapshot().undo_names == std::vector<std::string>{"fit of the set"});
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK(driver.document().structures.empty());
+  driver.press('Y', {.ctrl = true});
+  driver.settle();
+  CHECK(driver.document().structures.size() == 2);
+}
+
+TEST_CASE("a second fit of a set gives its structures new meshes and leaves locked ones alone") {
+  const TwoBalls balls;
+  Driver driver(balls.document);
+  fit_two_balls(driver, balls);
+  driver.click("Fit the set");
+  driver.wait_until("the set is fitted", [&] { return driver.document().structures.size() == 2; });
+  driver.settle();
+  const auto move_away = [&](const char* id) {
+    driver.app().send(ChooseStructure{id});
+    driver.settle();
+    const Shape& shape = *driver.document().structure(id)->shape(0);
+    const Points moved = shape.points->rowwise() + Eigen::RowVector3d(0, 4, 0);
+    driver.app().send(ApplyEdit{SetPoints{by_fit, std::nullopt, std::make_shared<const Points>(moved)}});
+    driver.settle();
+  };
+  move_away("s1");
+  move_away("s2");
+  const Points kept = *driver.document().structures[0]->shape(0)->points;
+  driver.app().send(LockStructures{{"s1"}, true});
+  driver.click("Fit the set");
+  driver.wait_until("the set is fitted again", [&] { return driver.shows("1 locked one stayed as it was."); });
+  driver.settle();
+  CHECK(driver.document().structures.size() == 2);
+  CHECK(*driver.document().structures[0]->shape(0)->points == kept);
+  CHECK(off_ball_mm(driver.document(), 0, 0) > 3);
+  CHECK(off_ball_mm(driver.document(), 1, 50) < 1.2);
+}
+
+TEST_CASE("a fit of a set that is stopped leaves the case as it was") {
+  const TwoBalls balls;
+  Driver driver(balls.document);
+  fit_two_balls(driver, balls);
+  driver.app().send(FitSet{});
+  driver.frame();
+  driver.app().send(CancelSetFit{});
+  driver.settle();
+  CHECK(driver.document().structures.empty());
+  CHECK_FALSE(driver.app().snapshot().can_undo);
+}
+
+}  // namespace homolog

@@ -4,6 +4,7 @@
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/structures/defects.h"
 
 // The list of the case's structures.
 
@@ -130,6 +131,42 @@ void draw_eyes(const UiContext& ui, const std::vector<const Structure*>& listed,
     out.send(ShowOnlyStructures{rows_with(ui.state.look.structures, active->id)});
 }
 
+/// The way to the next doubtful one, and a person's word that one is right.
+void draw_judging(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
+  const Structure* active = ui.structure();
+  const auto& all = ui.document().structures;
+  const bool other =
+      std::ranges::any_of(all, [&](const auto& one) { return one.get() != active && is_doubtful(*one); });
+  if (button(theme, "Next doubtful", "Works on the next structure that has to be looked at (K)",
+             other ? "" : "No other structure is doubtful.", half))
+    out.send(NextStructure{false, true});
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "It is right",
+             "You have looked at this structure: its confidence becomes 100 %. Goes on to the next doubtful one. One "
+             "step to undo",
+             active == nullptr                                  ? "There is no structure."
+             : active->confidence == 1 && active->doubt.empty() ? "You said so already."
+                                                                : "",
+             half))
+    out.send(AcceptStructure{});
+}
+
+/// Other names for a spine whose levels were counted wrongly.
+void draw_levels(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const Structure* active = ui.structure();
+  if (active == nullptr || !level_of_name(active->name)) return;
+  caption(theme, "Names of this level and all below");
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
+  if (button(theme, "One level up", "L3 becomes L2, L4 becomes L3 and so on. One step to undo", {}, half))
+    out.send(RenameLevels{-1});
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "One level down", "L3 becomes L4, L4 becomes L5 and so on. One step to undo", {}, half))
+    out.send(RenameLevels{1});
+}
+
 }  // namespace
 
 std::string structures_in_words(const UiContext& ui) {
@@ -153,6 +190,8 @@ void draw_structures_section(const UiContext& ui, Outbox& out) {
   ImGui::EndChild();
   ImGui::PopStyleVar();
   draw_eyes(ui, listed, out);
+  draw_judging(ui, out);
+  draw_levels(ui, out);
   if (ui.labels().volume || ui.work.set_fitter.busy()) draw_set_fit(ui, out);
 }
 

@@ -47,6 +47,8 @@ enum class FilePurpose {
   save_case,
   export_mesh,
   export_label_map,
+  export_structures_map,
+  export_structures_meshes,
   export_landmarks,
   export_template,
   export_template_landmarks,

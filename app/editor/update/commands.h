@@ -33,12 +33,13 @@ using AllCommands = TypeList<
     PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineAlongSurface, CancelFit, CancelFits,
     BlendModel, CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
     // structures
-    ChooseStructure, ClickStructure, NextStructure, ShowStructures, ShowOnlyStructures, LockStructures, ChooseSet,
-    FitSet, CancelSetFit, FilterStructures, SortStructures,
+    ChooseStructure, ClickStructure, NextStructure, AcceptStructure, RenameLevels, ShowStructures, ShowOnlyStructures,
+    LockStructures, ChooseSet, FitSet, CancelSetFit, FilterStructures, SortStructures,
     // files
     OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, CancelOpening, CancelReading, CancelWriting, SaveCase,
-    SaveCaseAs, ExportMesh, ExportLabelMap, ExportLandmarks, ExportTemplate, ExportTemplateLandmarks, ExportAllFrames,
-    ExportPicture, ExportVolumes, ImportLandmarks, OpenFitModel, ImportStiffness, ImportTemplateLandmarks,
+    SaveCaseAs, ExportMesh, ExportLabelMap, ExportStructuresMap, ExportStructuresMeshes, ExportLandmarks,
+    ExportTemplate, ExportTemplateLandmarks, ExportAllFrames, ExportPicture, ExportVolumes, ImportLandmarks,
+    OpenFitModel, ImportStiffness, ImportTemplateLandmarks,
     // the making of a template
     MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, ShowTemplateStage,
     // tools

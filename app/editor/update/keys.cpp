@@ -121,6 +121,12 @@ std::vector<KeyRow> rows_of_case() {
        [](const KeyMoment& now) -> Given {
          return NextStructure{now.code == 'W', false};
        }},
+      {"K",
+       "next doubtful structure",
+       {{'K'}},
+       [](const KeyMoment&) -> Given {
+         return NextStructure{false, true};
+       }},
       {"N", "snap here", {{'N'}}, snap_here},
       {"Shift+N",
        "snap while dragging",

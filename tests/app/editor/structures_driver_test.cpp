@@ -1,5 +1,8 @@
 #include <doctest/doctest.h>
 
+#include "core/mesh/mesh_io.h"
+#include "core/volume/read_labels.h"
+
 #include "tests/desk.h"
 #include "tests/driver.h"
 
@@ -218,6 +221,74 @@ TEST_CASE("rows chosen with Shift are all between and Ctrl takes one away") {
   CHECK(looks.chosen == std::set<std::string>{"s1", "s2", "s3"});
   CHECK(rows_with(looks, "s4") == std::vector<std::string>{"s4"});
   CHECK(rows_with(looks, "s1").size() == 3);
+}
+
+TEST_CASE("all structures are written as one label map and as meshes of their names") {
+  Driver driver(demo());
+  start_with_two(driver);
+  driver.app().send(ApplyEdit{SetStructure{.id = "s1", .name = "kidney", .colour = {{10, 20, 30}}}});
+  driver.settle();
+  const auto map = driver.folder() / "all.seg.nrrd", meshes = driver.folder() / "meshes";
+  driver.app().send(ExportStructuresMap{{map}});
+  driver.app().send(ExportStructuresMeshes{{meshes}});
+  driver.wait_until("both are written", [&] { return std::filesystem::exists(meshes / "small kidney.ply"); });
+  driver.settle();
+  const auto read = read_labels(map);
+  REQUIRE(read);
+  REQUIRE(read->segmentation.segments.size() == 2);
+  CHECK(read->segmentation.segments[0].name == "kidney");
+  CHECK(read->segmentation.segments[0].colour == std::array<std::uint8_t, 3>{10, 20, 30});
+  CHECK(read->segmentation.segments[1].name == "small kidney");
+  const Points points = points_of(driver, "s2");
+  const auto mesh = read_mesh_file(meshes / "small kidney.ply");
+  REQUIRE(mesh);
+  CHECK((mesh->points - points).cwiseAbs().maxCoeff() < 1e-3);
+  CHECK(std::filesystem::exists(meshes / "kidney.ply"));
+}
+
+TEST_CASE("a person's word ends a doubt and leads to the next doubtful structure") {
+  Driver driver(demo());
+  start_with_two(driver);
+  for (const char* id : {"s1", "s2"})
+    driver.app().send(ApplyEdit{SetStructure{.id = id, .confidence = 0.2, .doubt = "It is too small."}});
+  driver.settle();
+  driver.click("It is right");
+  driver.settle();
+  CHECK(driver.document().structure("s1")->confidence == 1);
+  CHECK(driver.document().structure("s1")->doubt.empty());
+  CHECK(driver.state().look.structure == "s2");
+  driver.click("It is right");
+  driver.settle();
+  CHECK_FALSE(is_doubtful(*driver.document().structure("s2")));
+  driver.press('K');
+  driver.settle();
+  CHECK(driver.shows("No other structure is doubtful."));
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK(is_doubtful(*driver.document().structure("s2")));
+}
+
+TEST_CASE("a level and all below get other names in one step and none is given twice") {
+  Driver driver(demo());
+  start_with_two(driver);
+  driver.app().send(ApplyEdit{SetStructure{.id = "s1", .name = "vertebrae_L1"}});
+  driver.app().send(ApplyEdit{SetStructure{.id = "s2", .name = "disc_L1_L2"}});
+  driver.settle();
+  driver.click("One level up");
+  driver.settle();
+  CHECK(driver.document().structure("s1")->name == "vertebrae_T12");
+  CHECK(driver.document().structure("s2")->name == "disc_T12_L1");
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK(driver.document().structure("s1")->name == "vertebrae_L1");
+  CHECK(driver.document().structure("s2")->name == "disc_L1_L2");
+  driver.app().send(ApplyEdit{SetStructure{.id = "s2", .name = "vertebrae_L2"}});
+  driver.app().send(ChooseStructure{"s2"});
+  driver.settle();
+  driver.click("One level up");
+  driver.settle();
+  CHECK(driver.shows("\"vertebrae_L1\" is there already"));
+  CHECK(driver.document().structure("s2")->name == "vertebrae_L2");
 }
 
 }  // namespace homolog

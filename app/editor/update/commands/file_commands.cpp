@@ -1,7 +1,10 @@
 #include "app/editor/update/commands/file_commands.h"
 
+#include <map>
 #include <memory>
+#include <set>
 #include <system_error>
+#include <utility>
 
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
@@ -15,7 +18,10 @@
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
 #include "core/session/unsaved_cases.h"
+#include "core/structures/set_map.h"
+#include "core/structures/template_set.h"
 #include "core/template_making/template_file.h"
+#include "core/volume/write_segmentation.h"
 
 namespace homolog {
 
@@ -51,6 +57,35 @@ std::string lost_in(const fs::path& path) {
     if (!format->has_faces) return std::string(format->name) + " keep the points alone, without faces.";
   }
   return {};
+}
+
+/// The structures as they go into a label map: each with the value that the shown map gives its name, else with one
+/// that is free.
+std::vector<MeshOfSegment> segments_of(const Document& document, const ShownLabels& labels) {
+  std::map<std::string, int> values;
+  std::set<int> taken;
+  for (const auto& [value, name] : labels.names) values.emplace(lower_case(name), value);
+  for (const auto& one : document.structures)
+    if (const auto known = values.find(lower_case(structure_name(*one))); known != values.end())
+      taken.insert(known->second);
+  std::vector<MeshOfSegment> meshes;
+  for (const auto& one : document.structures) {
+    const Shape* shape = one->shape(document.frame);
+    if (shape == nullptr) continue;
+    Segment segment;
+    segment.name = structure_name(*one);
+    segment.layer = static_cast<std::size_t>(one->layer);
+    segment.colour = one->colour.value_or(colour_by_name(segment.name));
+    if (const auto known = values.find(lower_case(segment.name)); known != values.end()) {
+      segment.value = known->second;
+      values.erase(known);
+    } else {
+      for (segment.value = 1; taken.contains(segment.value);) ++segment.value;
+      taken.insert(segment.value);
+    }
+    meshes.push_back({std::move(segment), {one->the_template->topology, *shape->points}});
+  }
+  return meshes;
 }
 
 /// Says so where there is nothing to save.
@@ -216,6 +251,41 @@ void ExportLabelMap::run(Editing& editing) const {
   if (!all) return write(document.frame, path);
   for (const auto& [frame, shape] : structure->shapes)
     write(frame, file_of_frame(FilePurpose::export_label_map, path, frame, document.scan.frames() - 1));
+}
+
+void ExportStructuresMap::run(Editing& editing) const {
+  const Document document = as_done(editing);
+  if (!document.scan.image)
+    return add_notice(editing.state, "A label map needs the voxels of an image. Open the image of this case first.");
+  auto meshes = segments_of(document, editing.shown.labels());
+  if (meshes.empty()) return no_mesh_to_export(editing);
+  write_beside(editing, path,
+               [meshes = std::move(meshes), grid = document.scan.image->geometry](const auto& to, Progress& progress) {
+                 return write_segmentation(map_of_meshes(meshes, grid).map, to, &progress);
+               });
+}
+
+void ExportStructuresMeshes::run(Editing& editing) const {
+  const Document document = as_done(editing);
+  std::vector<std::pair<std::string, MeshFile>> files;
+  std::map<std::string, int> taken;
+  for (const auto& one : document.structures) {
+    const Shape* shape = one->shape(document.frame);
+    if (shape == nullptr) continue;
+    std::string name = file_name_of_structure(structure_name(*one));
+    if (const int number = ++taken[lower_case(name)]; number > 1) name += "-" + std::to_string(number);
+    files.emplace_back(name + ".ply", to_mesh_file({*one, *shape, document.frame}, document.scan.frames() > 1));
+  }
+  if (files.empty()) return no_mesh_to_export(editing);
+  write_beside(editing, path, [files = std::move(files)](const fs::path& to, Progress& progress) -> Result<void> {
+    const auto folder = ResultFolder::make(to);
+    if (!folder) return fail(folder.error());
+    for (std::size_t k = 0; k < files.size() && !progress.cancelled(); ++k) {
+      if (auto written = write_mesh_file(files[k].second, to / files[k].first); !written) return written;
+      progress.report(static_cast<double>(k + 1) / static_cast<double>(files.size()));
+    }
+    return {};
+  });
 }
 
 void ExportLandmarks::run(Editing& editing) const {

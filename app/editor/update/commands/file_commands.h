@@ -101,6 +101,16 @@ struct ExportLabelMap : FileCommand {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
+/// One label map of all structures at the shown frame, with their names and colours.
+struct ExportStructuresMap : FileCommand {
+  static constexpr const char* key = "export map of structures";
+  void run(Editing& editing) const;
+};
+/// The meshes of all structures at the shown frame into a folder, each in a PLY of its name.
+struct ExportStructuresMeshes : FileCommand {
+  static constexpr const char* key = "export meshes of structures";
+  void run(Editing& editing) const;
+};
 struct ExportLandmarks : FileCommand {
   static constexpr const char* key = "export landmarks";
   void run(Editing& editing) const;

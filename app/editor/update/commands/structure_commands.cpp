@@ -1,10 +1,13 @@
 #include "app/editor/update/commands/structure_commands.h"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/set_fit.h"
 #include "core/case/actions/fields.h"
+#include "core/structures/defects.h"
 
 namespace homolog {
 
@@ -57,6 +60,63 @@ void NextStructure::run(Editing& editing) const {
   if (alone) return add_notice(state, "The case has no other structure. Fit a set to a label map (Structures).", false);
   const std::size_t next = at == count ? (back ? count - 1 : 0) : (at + (back ? count - 1 : 1)) % count;
   ClickStructure{listed[next]->id}.run(editing);
+}
+
+void AcceptStructure::run(Editing& editing) const {
+  const Structure* active = editing.structure();
+  if (active == nullptr) return;
+  editing.apply(SetStructure{.id = active->id, .confidence = 1, .doubt = ""});
+  const bool more = std::ranges::any_of(editing.shown.document().structures,
+                                        [&](const auto& one) { return one.get() != active && is_doubtful(*one); });
+  if (more) editing.out.send(NextStructure{false, true});
+}
+
+namespace {
+
+/// A name with each of its levels moved: "disc_L2_L3" of "disc_L1_L2".
+std::string with_levels_moved(const std::string& name, int steps) {
+  std::string moved;
+  for (std::size_t at = 0; at <= name.size();) {
+    const std::size_t end = std::min(name.find('_', at), name.size());
+    const std::string word = name.substr(at, end - at);
+    const auto level = level_of_name(word);
+    moved += (at > 0 ? "_" : "") + (level ? name_at_level(word, *level + steps) : word);
+    at = end + 1;
+  }
+  return moved;
+}
+
+}  // namespace
+
+void RenameLevels::spell(Fields& line) {
+  line.member("steps", steps);
+}
+void RenameLevels::run(Editing& editing) const {
+  const Document& document = *editing.shown.snapshot().document;
+  const Structure* active = active_structure(editing.state, document);
+  const auto from = active != nullptr ? level_of_name(active->name) : std::nullopt;
+  constexpr int most = 24;
+  if (!from || steps == 0 || steps < -most || steps > most) return;
+  std::vector<std::pair<const Structure*, std::string>> renamed;
+  std::set<std::string> kept;
+  for (const auto& one : document.structures) {
+    const auto level = level_of_name(one->name);
+    if (!level || *level < *from) {
+      kept.insert(one->name);
+      continue;
+    }
+    std::string name = with_levels_moved(one->name, steps);
+    if (name == one->name)
+      return add_notice(editing.state, "\"" + one->name + "\" has no level there. Rename fewer levels.", false);
+    renamed.emplace_back(one.get(), std::move(name));
+  }
+  for (const auto& [one, name] : renamed)
+    if (kept.contains(name))
+      return add_notice(editing.state, "\"" + name + "\" is there already, above. Begin the renaming at that level.",
+                        false);
+  bool joined = false;
+  for (auto& [one, name] : renamed)
+    editing.apply(SetStructure{.id = one->id, .name = name, .label = name}, std::exchange(joined, true));
 }
 
 void ShowStructures::spell(Fields& line) {

@@ -37,6 +37,20 @@ struct NextStructure {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
+/// A person says that the structure that is worked on is right: it is doubtful no more. Goes on to the next doubtful
+/// one.
+struct AcceptStructure {
+  static constexpr const char* key = "accept structure";
+  void run(Editing& editing) const;
+};
+/// Gives the structure that is worked on, and all at its level of the spine and below, the names of so many levels
+/// farther down (above 0) or up. One step.
+struct RenameLevels {
+  static constexpr const char* key = "rename levels";
+  int steps = 1;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
 /// Opens or closes eyes.
 struct ShowStructures {
   static constexpr const char* key = "show structures";

@@ -19,7 +19,13 @@ ImU32 structure_swatch(const Structure& structure) {
   return ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], 1});
 }
 
-std::string edits_in_words(const Structure& structure, int frame) {
+/// Never rounded up to a certainty.
+double whole_percent(double share) {
+  constexpr double of_rounding = 1e-6;
+  return std::floor(100 * share + of_rounding);
+}
+
+std::string vertices_in_words(const Structure& structure, int frame) {
   const Shape* shape = structure.shape(frame);
   if (shape == nullptr) return "No mesh in this frame";
   return format("%d vertices", static_cast<int>(shape->points->rows()));
@@ -27,10 +33,10 @@ std::string edits_in_words(const Structure& structure, int frame) {
 
 /// All that is known of a structure, for its row's tip.
 std::string structure_tip(const Structure& structure, int frame) {
-  std::string tip = structure_name(structure) + "\n" + edits_in_words(structure, frame);
+  std::string tip = structure_name(structure) + "\n" + vertices_in_words(structure, frame);
   if (structure.confidence >= 0)
     tip += format(". Confidence %.0f %%: the probability that it is right, as the fit of the set found",
-                  std::floor(100 * structure.confidence));
+                  whole_percent(structure.confidence));
   if (!structure.doubt.empty()) tip += ".\n" + structure.doubt;
   return tip + "\nClick: work on it. Ctrl or Shift: choose several";
 }
@@ -87,7 +93,7 @@ void draw_structure(const UiContext& ui, const Structure& structure, float width
   float room = right - left;
   if (structure.confidence >= 0) {
     const EvenDigits digits(theme);
-    const std::string sure = format("%.0f %%", std::floor(100 * structure.confidence));
+    const std::string sure = format("%.0f %%", whole_percent(structure.confidence));
     const ImVec2 wide = ImGui::CalcTextSize(sure.c_str());
     text_at(draw, {right - wide.x, text_y}, is_doubtful(structure) ? palette::amber : palette::dim, sure);
   }

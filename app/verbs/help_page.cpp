@@ -30,6 +30,7 @@ const std::map<std::string_view, Examples> examples{
       "label-map fits/case_1.ply --like ct.nii.gz --value 3 -o organ.nrrd"}},
     {"model", {"model fits/ -o kidney.h5.json", "model kidneys.study.json --without-doubtful --optimise -o kidney.h5"}},
     {"evaluate", {"evaluate fits/", "evaluate kidneys.study.json --modes 1,3,8 --csv measures.csv"}},
+    {"score", {"score new.ply --model kidney.h5", "score patients/*.nii.gz --label L3 --model L3.h5 -o scores"}},
     {"mirror", {"mirror left.ply -o right.ply", "mirror upper.ply --plane axial -o lower.ply"}},
     {"phantom", {"phantom kidney --subject 1 -o phantom/", "phantom spine --subject 4 -o phantom/"}},
     {"picture", {"picture correspondence fits/ -o shapes.png", "picture modes kidney.h5.json -o modes.png"}},

@@ -151,6 +151,7 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   const auto names = training->parts.empty() ? shape_names(training->names) : training->names;
   if (auto done = write_beside(options, *training, names); !done) return fail(done.error());
   ShapeModel model = make_model(components, options.variance, training->topology, names);
+  model.alignment = options.training.alignment();
   model.parts = training->parts;
   model.poses = training->poses;
   model.completed = training->completed;

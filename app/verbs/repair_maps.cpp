@@ -182,7 +182,8 @@ void add_repair(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "repair", "Finds what is wrong with the structures of label maps, and mends it");
   verb->add_option("MAP", job->maps, "Label maps of several structures, or folders of them")->required();
   verb->add_option("--templates", job->set, "The template set, NAME.set.json")->required();
-  verb->add_option("--image", job->image, "The scan: what is filled in goes to the boundary that it shows")->check(CLI::ExistingPath);
+  verb->add_option("--image", job->image, "The scan: what is filled in goes to the boundary that it shows")
+      ->check(CLI::ExistingPath);
   verb->add_option("--frame", job->frame, "Which frame of a label map with several")->check(CLI::Range(0, 100000));
   verb->add_option("-o,--output", job->out, "The folder for the mended maps, each under its own name")->required();
   verb->callback([job, &asked] {

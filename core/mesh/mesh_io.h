@@ -37,7 +37,8 @@ struct MeshFile {
   Regions regions;                    ///< `comment homolog.region {"name":…,"factor":…,"colour":"#rrggbb"}`
   std::vector<Landmark> landmarks;    ///< `comment homolog.landmark {"name":…,"position":[x,y,z]}`
   std::vector<std::string> comments;  ///< every other comment line, kept as it was
-  std::map<std::string, VertexScalars> arrays;  ///< further per-vertex values by name; read from PLY, not written
+  std::map<std::string, VertexScalars> arrays;  ///< further per-vertex values by name, as they were read; not written
+  std::map<std::string, VertexScalars> values;  ///< further ones to write, as properties of PLY and arrays of VTK, VTP
   std::vector<std::string> warnings;            ///< what was mended on reading, each a sentence
   bool may_be_cut = false;                      ///< `.particles` without a line break at the end: points may be missing
 };

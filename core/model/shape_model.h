@@ -49,6 +49,7 @@ struct ShapeModel {
   std::vector<std::string> names;               ///< of the training shapes; may be empty
   std::vector<StructurePart> parts;             ///< of a joint model of several structures; else empty
   std::optional<StructurePoses> poses;          ///< of a joint model
+  std::optional<Alignment> alignment{};         ///< how the training shapes were aligned; none: the file does not say
   std::vector<CompletedStructure> completed{};  ///< of a joint model: training shapes of which parts were predicted
   Eigen::Index modes() const { return variances.size(); }
 };

@@ -1,6 +1,7 @@
 #include "core/model/statismo.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -43,6 +44,9 @@ Result<FloatMatrix> matrix_at(const HdfTree& tree, const std::string& path, Eige
 
 namespace {
 
+constexpr const char* alignment_path = "/homolog/alignment";
+constexpr std::array<std::pair<const char*, Alignment>, 3> alignments{
+    {{"similarity", Alignment::similarity}, {"rigid", Alignment::rigid}, {"none", Alignment::none}}};
 constexpr const char* names_start = "/modelinfo/modelBuilder-0/dataInfo/URI_";  // before the number of a shape
 bool name_ends_with(const fs::path& path, const std::string& ending) {
   const std::string name = lower_case(path.filename().string());
@@ -112,6 +116,11 @@ HdfTree tree_of(const ShapeModel& model) {
   datasets["/modelinfo/modelBuilder-0/builderName"] = text_of("Homolog");
   for (std::size_t i = 0; i < model.names.size(); ++i)
     datasets[names_start + std::to_string(i)] = text_of(model.names[i]);
+  if (model.alignment) {
+    tree.groups["/homolog"];
+    for (const auto& [name, alignment] : alignments)
+      if (alignment == *model.alignment) datasets[alignment_path] = text_of(name);
+  }
   statismo::add_structures(model, tree);
   return tree;
 }
@@ -181,6 +190,9 @@ Result<ShapeModel> model_of(const HdfTree& tree) {
   const auto noise = matrix_at(tree, "/model/noiseVariance", 1, 1);
   if (noise) model.noise_variance = static_cast<double>((*noise)(0, 0));
   read_training(tree, model);
+  if (tree.datasets.contains(alignment_path))
+    for (const auto& [name, alignment] : alignments)
+      if (tree.text(alignment_path) == name) model.alignment = alignment;
   statismo::read_structures(tree, model);
   return model;
 }
@@ -190,7 +202,8 @@ Result<ShapeModel> model_of(const HdfTree& tree) {
 HdfParts model_parts() {
   HdfParts parts{.attributes = {{"/representer", "datasetType"}},
                  .datasets = {"/version/majorVersion", "/version/minorVersion", "/representer/cells", "/model/mean",
-                              "/model/pcaBasis", "/model/pcaVariance", "/model/noiseVariance", "/modelinfo/scores"},
+                              "/model/pcaBasis", "/model/pcaVariance", "/model/noiseVariance", "/modelinfo/scores",
+                              alignment_path},
                  .numbered = {names_start}};
   statismo::add_structure_parts(parts);
   return parts;

@@ -148,13 +148,15 @@ void Repair::name_new() {
 
 void Repair::find_in(std::size_t k) {
   const StructureSigns& signs = result_.signs[k];
-  if (share_left(k, signs.islands, signs.without_islands) >= some_islands) {
+  if (signs.at_border > some_at_border) add(k, DefectKind::cut_by_scan);
+  // What the scan cuts may well lie in several parts, and of two bodies the smaller one may be the right one.
+  const bool may_have_parts = has(k, DefectKind::cut_by_scan) || has(k, DefectKind::doubled);
+  if (!may_have_parts && share_left(k, signs.islands, signs.without_islands) >= some_islands) {
     add(k, DefectKind::island);
     change(k, signs.without_islands);
   }
-  if (signs.at_border > some_at_border) add(k, DefectKind::cut_by_scan);
   if (!expected_[k] && result_.fitted.structures[k].judgement.doubtful) return;  // with what to compare it?
-  if (has(k, DefectKind::half_missing) || has(k, DefectKind::doubled)) return;
+  if (has(k, DefectKind::half_missing) || may_have_parts) return;
   // A fit that does not reach everything leaves more outside, and more within.
   const double misfit = std::max(0.0, usual_dice - result_.fitted.structures[k].judgement.inside_scan.dice);
   const double holes_from = some_holes + misfit / 4, bridges_from = some_bridges + misfit / 2;

@@ -37,11 +37,14 @@ void find_exchanged_sides(const SetOfTemplates& set, const FittedSet& fitted, st
 
 void find_shifted_levels(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
                          const std::vector<StructureSigns>& signs, std::vector<NameFound>& names) {
-  constexpr double much_smaller = 0.2, cut = 0.002;
+  constexpr double much_smaller = 0.2, cut = 0.002, much_else = 0.1, hardly_dice = 0.9;
   std::vector<char> placed(names.size()), sound(names.size());
   for (std::size_t k = 0; k < names.size(); ++k) {
     const FittedStructure& one = fitted.structures[k];
-    placed[k] = one.fit && !one.judgement.doubtful && signs[k].at_border <= cut ? 1 : 0;
+    const StructureSigns& own = signs[k];
+    const bool is_whole = own.at_border <= cut && own.bridges < much_else && own.holes < much_else &&
+                          own.islands < much_else && one.judgement.inside_scan.dice >= hardly_dice;
+    placed[k] = one.fit && !one.judgement.doubtful && is_whole ? 1 : 0;
     sound[k] = placed[k] != 0 && std::abs(signs[k].volume) < much_smaller ? 1 : 0;
   }
   const auto levels = find_levels(set, subject, fitted, placed, sound);

@@ -129,7 +129,7 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
   // With several structures their list is what one works with.
   static constexpr auto has_several = [](const UiContext& shown) { return shown.document().structures.size() > 1; };
   static constexpr auto has_structures = [](const UiContext& shown) {
-    return has_several(shown) || shown.labels().volume != nullptr;
+    return has_several(shown) || shown.labels().values.size() > 1;
   };
   static constexpr auto opens_structures = [](const UiContext& shown) {
     return has_several(shown) || shown.work.set_fitter.busy() ||

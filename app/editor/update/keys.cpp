@@ -154,7 +154,7 @@ std::vector<KeyRow> rows_of_case() {
       {"Shift+A P L R S I", "look from that side", side_chords(),
        [](const KeyMoment& now) -> Given { return LookFromSide{side_of(now.code)}; }},
       {"Enter",
-       "case done, next of the study",
+       "done, next of the study",
        {{key::enter}, {key::keypad_enter}},
        [](const KeyMoment&) -> Given { return OpenNextCase{}; }},
       {"Escape", "cancels a drag, stops a fit", {{key::escape}}, [](const KeyMoment&) -> Given { return Escape{}; }},

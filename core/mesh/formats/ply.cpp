@@ -326,6 +326,7 @@ void write_ply(const MeshFile& mesh, std::ostream& out) {
   if (mesh.outlier) bytes += "property uchar outlier\n";
   const bool regions = !mesh.regions.list.empty();
   if (regions) bytes += "property uchar region\n";
+  for (const auto& [name, values] : mesh.values) bytes += "property float " + name + "\n";
   bytes += "element face " + std::to_string(mesh.triangles.rows()) +
            "\nproperty list uchar int vertex_indices\nend_header\n";
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
@@ -334,6 +335,7 @@ void write_ply(const MeshFile& mesh, std::ostream& out) {
     if (mesh.doubt_mm) store(static_cast<float>((*mesh.doubt_mm)[i]), std::endian::little, bytes);
     if (mesh.outlier) store(static_cast<std::uint8_t>((*mesh.outlier)[i] > 0), std::endian::little, bytes);
     if (regions) store(mesh.regions.of_vertex[static_cast<std::size_t>(i)], std::endian::little, bytes);
+    for (const auto& [name, values] : mesh.values) store(static_cast<float>(values[i]), std::endian::little, bytes);
   }
   for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {
     store(std::uint8_t{3}, std::endian::little, bytes);

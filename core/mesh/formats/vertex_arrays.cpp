@@ -14,6 +14,7 @@ std::vector<std::pair<std::string, VertexScalars>> vertex_arrays(const MeshFile&
     for (Eigen::Index i = 0; i < regions.size(); ++i) regions[i] = mesh.regions.of_vertex[static_cast<std::size_t>(i)];
     arrays.emplace_back("region", std::move(regions));
   }
+  for (const auto& [name, values] : mesh.values) arrays.emplace_back(name, values);
   return arrays;
 }
 

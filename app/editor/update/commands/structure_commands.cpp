@@ -7,7 +7,7 @@
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/set_fit.h"
 #include "core/case/actions/fields.h"
-#include "core/structures/defects.h"
+#include "core/structures/level_names.h"
 
 namespace homolog {
 

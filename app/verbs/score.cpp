@@ -1,0 +1,249 @@
+#include <algorithm>
+#include <sstream>
+
+#include "app/verbs/read_image.h"
+#include "app/verbs/verbs.h"
+#include "core/adapt/choose_closing.h"
+#include "core/adapt/fit.h"
+#include "core/adapt/judge_fit.h"
+#include "core/base/files.h"
+#include "core/base/listed.h"
+#include "core/mesh/formats/formats.h"
+#include "core/model/model_files.h"
+#include "core/model/score.h"
+#include "core/model/shape_files.h"
+#include "core/model/statismo.h"
+#include "core/model/structure_files.h"
+#include "core/template/template.h"
+
+// The verb `score`: subjects against a model that stays as it is.
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ScoreJob {
+  std::vector<fs::path> files;
+  fs::path model, out;
+  std::string label;
+  std::optional<int> frame;
+};
+
+/// A shape to score, in the model's numbering.
+struct NewShape {
+  std::string name;  ///< the file's
+  MeshFile mesh;
+  std::string doubt;  ///< why the fit is in doubt; empty: it is not, or it was none
+};
+
+/// Fits the model's mean to a label map, as `fit` does with one case.
+Result<NewShape> shape_of_map(const ScoreJob& job, const std::shared_ptr<const Template>& mean, const fs::path& path,
+                              std::vector<std::string>& warnings, Progress& progress) {
+  auto mask = read_mask(path, job.label, {job.frame, {}, {}}, progress);
+  if (!mask) return fail(mask.error());
+  warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
+  const auto boundary =
+      label_boundary(mask->volume, mask->label, mask->frame, usual_closing_mm(mask->volume, mask->label, mask->frame),
+                     mean->points.rows(), parts_for(*mean->topology));
+  if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
+  FitOptions options;
+  options.progress = &progress;
+  auto fit = fit_to_boundary(*mean, *boundary, options);
+  if (!fit) return fail(path.string(), fit.error().what);
+  const FitJudgement judgement = judge_fit(*mean, *boundary, options, *fit);
+  NewShape shape{path.string(), {}, {}};
+  shape.mesh.points = fit->mesh.points;
+  shape.mesh.triangles = fit->mesh.topology->triangles();
+  shape.mesh.doubt_mm = fit->doubt_mm;
+  if (judgement.doubtful) shape.doubt = "the fit is doubtful; look at it with fit";
+  return shape;
+}
+
+/// The structures of a joint model in a case's folder, joined.
+Result<NewShape> joined_shape(const ShapeModel& model, const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const StructurePart& part : model.parts) names.push_back(part.name);
+  const auto cases = structure_files({folder}, names);
+  if (!cases) return fail(cases.error());
+  if (cases->size() != 1) return fail(folder.string(), "holds several cases; give each case's folder");
+  NewShape shape{folder.string(), {}, {}};
+  shape.mesh.points.resize(model.mean.size() / 3, 3);
+  shape.mesh.triangles = model.topology ? model.topology->triangles() : Triangles();
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const StructurePart& part = model.parts[k];
+    const fs::path& file = cases->front().of_structure[k];
+    if (file.empty()) return fail(folder.string(), "has no " + names[k] + ", which the model has");
+    const auto read = read_mesh_file(file);
+    if (!read) return fail(read.error());
+    if (read->points.rows() != part.vertices)
+      return fail(file.string(), "has " + std::to_string(read->points.rows()) + " vertices and the model's " +
+                                     names[k] + " " + std::to_string(part.vertices) +
+                                     "; give a fit of the model's template");
+    shape.mesh.points.middleRows(part.first_vertex, part.vertices) = read->points;
+  }
+  return shape;
+}
+
+std::shared_ptr<const Template> mean_of(const ShapeModel& model) {
+  MeshFile mean;
+  mean.points = points_of(model.mean);
+  mean.triangles = model.topology->triangles();
+  auto made = make_template(std::move(mean), "the model's mean");
+  return made ? *made : nullptr;
+}
+
+/// All shapes, in the order in which they were named. What cannot be read becomes a warning.
+Result<std::vector<NewShape>> read_new_shapes(const ScoreJob& job, const ShapeModel& model,
+                                              std::vector<std::string>& warnings, Progress& progress) {
+  std::vector<NewShape> shapes;
+  const auto add = [&](Result<NewShape> shape) {
+    if (shape)
+      shapes.push_back(std::move(*shape));
+    else
+      warnings.push_back(shape.error().sentence());
+  };
+  std::shared_ptr<const Template> mean;
+  std::error_code error;
+  const auto count = static_cast<double>(job.files.size());
+  for (std::size_t k = 0; k < job.files.size(); ++k) {
+    const fs::path& path = job.files[k];
+    Progress own(progress, 1 / count);
+    if (progress.cancelled()) return fail("", "the scores were cancelled");
+    if (!model.parts.empty() && fs::is_directory(path, error)) {
+      add(joined_shape(model, path));
+    } else if (!fs::is_directory(path, error) && !is_mesh_name(path) && looks_like_volume(path)) {
+      if (mean == nullptr) mean = mean_of(model);
+      if (mean == nullptr) return fail(job.model.string(), "has a mean that is no surface, so nothing can be fitted");
+      add(shape_of_map(job, mean, path, warnings, own));
+    } else {
+      const auto sources = shape_sources({path});
+      if (!sources) {
+        add(fail(sources.error()));
+        continue;
+      }
+      const auto take = [&](ReadShape shape) -> Result<void> {
+        shapes.push_back({std::move(shape.name), *shape.mesh, std::move(shape.doubt)});
+        return {};
+      };
+      const auto read = read_shapes(*sources, {.doubts = true}, take, &own);
+      if (!read) {
+        add(fail(read.error()));
+        continue;
+      }
+      warnings.insert(warnings.end(), read->begin(), read->end());
+    }
+  }
+  return shapes;
+}
+
+Json described_part(const ScoreOfPart& part) {
+  return {{"z_rms", part.z_rms}, {"residual_mm", part.residual_mm}};
+}
+
+Json described_score(const std::string& name, const ShapeScore& score, const ShapeModel& model,
+                     const std::string& doubt) {
+  Json row{{"name", name},
+           {"distance", score.distance},
+           {"residual_mm", score.residual_mm},
+           {"percentile", score.percentile ? Json(*score.percentile) : Json()},
+           {"z_rms", score.all.z_rms},
+           {"size_mm", score.size_mm},
+           {"modes", std::vector<double>(score.modes.begin(), score.modes.end())},
+           {"doubt", doubt.empty() ? Json() : Json(doubt)}};
+  if (model.parts.empty()) return row;
+  Json parts = Json::array();
+  for (std::size_t k = 0; k < model.parts.size(); ++k) {
+    Json part = described_part(score.parts[k]);
+    part["name"] = model.parts[k].name;
+    parts.push_back(std::move(part));
+  }
+  row["structures"] = std::move(parts);
+  return row;
+}
+
+/// Writes a shape with z of each vertex, where it lies: as VTP, since in PLY z is a coordinate.
+Result<void> write_scored(const MeshFile& shape, const ShapeModel& model, const ShapeScore& score, const fs::path& to) {
+  MeshFile file;
+  file.points = shape.points;
+  file.triangles = model.topology->triangles();
+  file.doubt_mm = shape.doubt_mm;
+  file.values = {{"z", score.z}, {"z_low", score.z_low}, {"z_high", score.z_high}};
+  return write_mesh_file(file, to);
+}
+
+Result<void> write_score_table(const Json& subjects, const fs::path& path) {
+  std::ostringstream table;
+  table.precision(9);
+  table << "name,distance,residual_mm,percentile,z_rms,size_mm";
+  for (std::size_t m = 0; m < subjects[0]["modes"].size(); ++m) table << ",mode_" << m + 1;
+  table << '\n';
+  for (const Json& one : subjects) {
+    table << csv_field(one["name"].get<std::string>());
+    for (const char* column : {"distance", "residual_mm", "percentile", "z_rms", "size_mm"}) {
+      table << ',';
+      if (!one[column].is_null()) table << one[column].get<double>();
+    }
+    for (const Json& mode : one["modes"]) table << ',' << mode.get<double>();
+    table << '\n';
+  }
+  return write_whole_file(path, table.str());
+}
+
+Result<Report> score(const ScoreJob& job, Progress& progress) {
+  const auto model = read_model(job.model);
+  if (!model) return fail(model.error());
+  Report report;
+  progress.part(0, 0.9);
+  auto shapes = read_new_shapes(job, *model, report.warnings, progress);
+  if (!shapes) return fail(shapes.error());
+  progress.part(0.9, 1);
+  std::vector<std::string> files;
+  for (const NewShape& shape : *shapes) files.push_back(shape.name);
+  const auto names = shape_names(files);
+  if (!job.out.empty())
+    if (auto made = make_folder(job.out); !made) return fail(made.error());
+  Json subjects = Json::array();
+  for (std::size_t k = 0; k < shapes->size(); ++k) {
+    const MeshFile& mesh = (*shapes)[k].mesh;
+    const auto scored = score_shape(*model, mesh.points, mesh.doubt_mm ? *mesh.doubt_mm : VertexScalars());
+    if (!scored) {
+      report.warnings.push_back(files[k] + ": " + scored.error().what);
+      continue;
+    }
+    subjects.push_back(described_score(names[k], *scored, *model, (*shapes)[k].doubt));
+    if (job.out.empty()) continue;
+    if (auto written = write_scored(mesh, *model, *scored, job.out / (names[k] + ".vtp")); !written)
+      return fail(written.error());
+  }
+  if (subjects.empty())
+    return fail(job.files.front().string(),
+                report.warnings.empty() ? "holds no shape"
+                                        : "gives no shape to score; the first reason: " + report.warnings.front());
+  if (!job.out.empty())
+    if (auto written = write_score_table(subjects, job.out / "scores.csv"); !written) return fail(written.error());
+  const auto others = left_out_distances(*model);
+  report.values = {{"subjects", std::move(subjects)}, {"training_distances", others}};
+  return report;
+}
+
+}  // namespace
+
+void add_score(CLI::App& app, CommandLine& asked) {
+  auto job = std::make_shared<ScoreJob>();
+  CLI::App* verb = add_verb(app, "score", "How far subjects are from a model, which stays as it is");
+  verb->add_option(
+          "NEW", job->files,
+          "Meshes in the model's numbering, cases, studies, or label maps to which the model's mean is fitted; "
+          "for a joint model folders of cases")
+      ->required();
+  verb->add_option("--model", job->model, "The model (.h5, .h5.json)")->required()->check(CLI::ExistingFile);
+  add_label_option(*verb, job->label, "Which label of a map");
+  add_mask_frame_option(*verb, job->frame);
+  verb->add_option("-o,--output", job->out,
+                   "Folder for scores.csv and for each mesh (.vtp) with z, z_low and z_high of every vertex");
+  verb->callback([job, &asked] { asked.run = [job](Progress& progress) { return score(*job, progress); }; });
+}
+
+}  // namespace homolog

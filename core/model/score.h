@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/model/shape_model.h"
+
+namespace homolog {
+
+/// How one structure of a shape stands.
+struct ScoreOfPart {
+  double z_rms = 0;        ///< root mean square of z over its vertices
+  double residual_mm = 0;  ///< root mean square distance of its vertices from what the modes make
+};
+
+/// How a shape stands against a model, which it does not change.
+struct ShapeScore {
+  Points aligned;          ///< n×3, where the model's shapes lie
+  Eigen::VectorXd modes;   ///< t coordinates, in standard deviations of their modes
+  double distance = 0;     ///< √Σ modes²: the Mahalanobis distance within the model
+  double residual_mm = 0;  ///< beyond the model: root mean square distance of the vertices from what the modes make
+  double size_mm = 0;      ///< centroid size before it was aligned
+  /// 0…100: how many of the training shapes, each left out in turn, lie nearer to the mean. None: too few of them are
+  /// in the model's file.
+  std::optional<double> percentile;
+  /// n: how far each vertex lies outside of the mean along its normal, in standard deviations of the training shapes;
+  /// below 0 within. `low`, `high`: its interval of 95 %, by the number of training shapes and by the doubt.
+  VertexScalars z, z_low, z_high;
+  ScoreOfPart all;
+  std::vector<ScoreOfPart> parts;  ///< of a joint model, in its order
+};
+
+/// Scores a shape of the model's numbering (n×3, mm), brought to the mean as the model's shapes were. `doubt_mm`: n, of
+/// a fit, or empty. A vertex in doubt says less: it weighs 1 / (1 + (doubt / spread)²) in the coordinates, and its z is
+/// counted in the spread and the doubt together. The result depends on this shape and the model alone. Errors: another
+/// number of vertices, a model without modes, faces or vertices that vary.
+Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, const VertexScalars& doubt_mm = {});
+
+/// The Mahalanobis distance of each training shape from the model of all others, by their coordinates in this model's
+/// modes: D² = (M/(M−1))² (M−2)/(M−1) · q / (1 − M q/(M−1)²), with q its own squared distance [Cook & Weisberg 1982,
+/// §2.2.2, the same downdate]. Empty where the file holds no coordinates, or fewer than three shapes more than modes.
+std::vector<double> left_out_distances(const ShapeModel& model);
+
+}  // namespace homolog

@@ -107,8 +107,9 @@ Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, con
   const Points normals = vertex_normals({model.topology, mean});
   const VertexScalars along = (score.aligned - mean).cwiseProduct(normals).rowwise().sum();
   VertexScalars variances = variances_along(model, normals);
-  if (variances.minCoeff() <= 0)
-    return fail("", "is a model in which a vertex does not vary, so nothing can be counted in its spread");
+  // Where nothing varied among the training shapes a thousandth of the usual spread stands for it.
+  constexpr double least_share = 1e-6;
+  variances = variances.cwiseMax(least_share * variances.mean());
   const VertexScalars spread = variances.cwiseSqrt();
   if (doubted) variances += doubt_mm.cwiseAbs2();
   score.z = along.cwiseQuotient(variances.cwiseSqrt());

@@ -33,7 +33,7 @@ struct ShapeScore {
 /// Scores a shape of the model's numbering (n×3, mm), brought to the mean as the model's shapes were. `doubt_mm`: n, of
 /// a fit, or empty. A vertex in doubt says less: it weighs 1 / (1 + (doubt / spread)²) in the coordinates, and its z is
 /// counted in the spread and the doubt together. The result depends on this shape and the model alone. Errors: another
-/// number of vertices, a model without modes, faces or vertices that vary.
+/// number of vertices, a model without modes or faces.
 Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, const VertexScalars& doubt_mm = {});
 
 /// The Mahalanobis distance of each training shape from the model of all others, by their coordinates in this model's

@@ -1,0 +1,78 @@
+// The command-line contract of docs/commands.md: score.
+#include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_io.h"
+#include "tests/command_line.h"
+#include "tests/joint_cases.h"
+
+namespace homolog {
+
+namespace {
+
+/// Seven subjects of two structures, as `fit SET` writes them, and as meshes of one.
+void put_subjects(const TemporaryFolder& folder) {
+  const std::vector<JointCase> cases{{-6, 0, 1, 0.9}, {2, 2, 1, 1.1},  {4, -1, 1, 1}, {-2, 1, 1, 1.2},
+                                     {1, -2, 1, 0.8}, {3, 0, 1, 1.05}, {0, 0, 1, 1.6}};
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    const std::string name = "c" + std::to_string(k);
+    const fs::path of_case = folder.path / (k < 6 ? "fits" : "new") / name;
+    fs::create_directories(of_case);
+    REQUIRE(write_mesh(lower_ellipsoid(cases[k]), of_case / "low.ply"));
+    REQUIRE(write_mesh(upper_ellipsoid(cases[k]), of_case / "high.ply"));
+    REQUIRE(write_mesh(upper_ellipsoid(cases[k]), folder.path / (name + ".ply")));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a subject is scored against a model, alone as among others") {
+  const TemporaryFolder folder;
+  put_subjects(folder);
+  REQUIRE(run(folder, "model c0.ply c1.ply c2.ply c3.ply c4.ply c5.ply --keep-scale -o m.h5 --variance 0.9").status ==
+          0);
+  const std::string model = read_whole_file(folder.path / "m.h5").value();
+  const Ran both = run(folder, "score c2.ply c6.ply --model m.h5 -o scores --json");
+  REQUIRE_MESSAGE(both.status == 0, both.errors);
+  const Json usual = both.json()["subjects"][0], far = both.json()["subjects"][1];
+  CHECK(usual["name"] == "c2");
+  CHECK(usual["distance"].get<double>() < 1);
+  CHECK(usual["percentile"].get<double>() < 60);
+  CHECK(far["distance"].get<double>() > 2.5);
+  CHECK(far["percentile"] == 100);
+  CHECK(far["modes"].size() == both.json()["subjects"][0]["modes"].size());
+  CHECK(run(folder, "score c6.ply --model m.h5 --json").json()["subjects"][0] == far);
+  // The upper one of c6 is larger along its length: it lies outside of the mean there.
+  const MeshFile scored = read_mesh_file(folder.path / "scores/c6.vtp").value();
+  const VertexScalars& z = scored.arrays.at("z");
+  CHECK(z.maxCoeff() > 2);
+  CHECK((scored.arrays.at("z_high") - z).minCoeff() > 0);
+  CHECK(lines(read_whole_file(folder.path / "scores/scores.csv").value()) == 3);
+  CHECK(read_whole_file(folder.path / "m.h5").value() == model);
+}
+
+TEST_CASE("a case of several structures is scored in all and in each") {
+  const TemporaryFolder folder;
+  put_subjects(folder);
+  REQUIRE(run(folder, "model fits --structures low,high --alignment each --keep-scale -o m.h5").status == 0);
+  const Ran ran = run(folder, "score new/c6 --model m.h5 --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json parts = ran.json()["subjects"][0]["structures"];
+  CHECK(parts[1]["name"] == "high");
+  CHECK(parts[1]["z_rms"].get<double>() > 1.5);
+}
+
+TEST_CASE("what cannot be scored is named, and the rest goes on") {
+  const TemporaryFolder folder;
+  put_subjects(folder);
+  REQUIRE(run(folder, "model c0.ply c1.ply c2.ply c3.ply -o m.h5").status == 0);
+  REQUIRE(write_mesh(icosphere(1, 20), folder.path / "other.ply"));
+  const Ran mixed = run(folder, "score other.ply absent.ply c5.ply --model m.h5 --json");
+  REQUIRE(mixed.status == 0);
+  CHECK(mixed.json()["subjects"].size() == 1);
+  CHECK(mixed.errors.find("other.ply: has 42 vertices and the model 162") != std::string::npos);
+  CHECK(mixed.errors.find("absent.ply") != std::string::npos);
+  const Ran none = run(folder, "score other.ply --model m.h5");
+  CHECK(none.status == 1);
+  CHECK(none.errors.find("42 vertices") != std::string::npos);
+}
+
+}  // namespace homolog

@@ -82,7 +82,7 @@ Vec3 middle_of_file(const fs::path& file) {
 TEST_CASE("a set of several maps has what only a later one has and how each structure lies among them") {
   const SubjectsFolder folder;
   const std::string maps = "one.seg.nrrd two.seg.nrrd three.seg.nrrd ";
-  const Ran made = run(folder, "set make " + maps + "--all --vertices 400 -o all.set.json --json --jobs 1");
+  const Ran made = run(folder, "set make " + maps + "--all --vertices 150 -o all.set.json --json --jobs 1");
   REQUIRE_MESSAGE(made.status == 0, made.errors);
   const Json structures = made.json()["structures"];
   REQUIRE(structures.size() == 4);
@@ -104,14 +104,14 @@ TEST_CASE("a set of several maps has what only a later one has and how each stru
   MESSAGE("d lies ", (d - Vec3(132, 15, 0)).norm(), " mm from its place");
   CHECK((d - Vec3(132, 15, 0)).norm() < 5);
 
-  REQUIRE(run(folder, "set make " + maps + "--all --vertices 400 -o again.set.json --jobs 2").status == 0);
+  REQUIRE(run(folder, "set make " + maps + "--all --vertices 150 -o again.set.json --jobs 2").status == 0);
   for (const char* name : {"a.ply", "d.ply"})
     CHECK(read_whole_file(folder.path / "all" / name).value() == read_whole_file(folder.path / "again" / name).value());
   const Json told = run(folder, "set info all.set.json --json").json()["structures"];
   CHECK(told[1]["pose"] == structures[1]["pose"]);
   CHECK(run(folder, "set info again.set.json --json").json()["structures"][1]["pose"] == structures[1]["pose"]);
 
-  const Ran like = run(folder, "set make " + maps + "--all --like three.seg.nrrd --vertices 400 -o l.set.json --json");
+  const Ran like = run(folder, "set make " + maps + "--all --like three.seg.nrrd --vertices 150 -o l.set.json --json");
   REQUIRE(like.status == 0);
   for (const Json& one : like.json()["structures"]) CHECK_FALSE(one.contains("from"));
 }
@@ -119,7 +119,7 @@ TEST_CASE("a set of several maps has what only a later one has and how each stru
 TEST_CASE("a consensus set does not depend on which map comes first") {
   const SubjectsFolder folder;
   const auto make = [&](const std::string& maps, const std::string& name, const std::string& jobs) {
-    const Ran made = run(folder, "set make " + maps + " --all --consensus --vertices 300 -o " + name +
+    const Ran made = run(folder, "set make " + maps + " --all --consensus --vertices 120 -o " + name +
                                      ".set.json --json --jobs " + jobs);
     REQUIRE_MESSAGE(made.status == 0, made.errors);
     return made.json()["structures"];

@@ -26,7 +26,7 @@ namespace {
 /// From which share of the voxels something counts; sound structures stay below [docs/measurements/repair.md].
 constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.0025, much_lost = 0.05,
                  much_lacking = 0.15, much_beyond = 0.05, some_at_border = 0.002, much_smaller = 0.2, usual_dice = 0.98,
-                 no_hole = 0.1, no_bridge = 0.15, hardly_dice = 0.85, near_share = 0.1;
+                 no_hole = 0.1, no_bridge = 0.15, hardly_dice = 0.85, near_share = 0.1, large_island = 0.1;
 
 /// The work on one map.
 class Repair {
@@ -153,7 +153,8 @@ void Repair::find_in(std::size_t k) {
   const bool may_have_parts = has(k, DefectKind::cut_by_scan) || has(k, DefectKind::doubled);
   if (!may_have_parts && share_left(k, signs.islands, signs.without_islands) >= some_islands) {
     add(k, DefectKind::island);
-    change(k, signs.without_islands);
+    // Of two large parts nobody knows here which is the right one.
+    if (signs.islands < large_island) change(k, signs.without_islands);
   }
   if (!expected_[k] && result_.fitted.structures[k].judgement.doubtful) return;  // with what to compare it?
   if (has(k, DefectKind::half_missing) || may_have_parts) return;

@@ -2,7 +2,7 @@
 # find_package(homolog COMPONENTS core render pictures). docs/library.md is about them. The packages of the program leave
 # this component out.
 set(core_parts base volume mesh measure solve deform placement template template_making phantom catalogue
-  case session adapt assist model groupwise structures experiment)
+  case session adapt assist model groupwise statistics structures experiment)
 list(TRANSFORM core_parts PREPEND homolog_core_)
 set(config lib/cmake/homolog)
 set_target_properties(homolog_core PROPERTIES EXPORT_NAME core)

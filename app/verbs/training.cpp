@@ -59,28 +59,31 @@ Result<Training> varied(Training training) {
 
 }  // namespace
 
-void add_training_options(CLI::App& verb, TrainingVerb& options) {
+void add_set_options(CLI::App& verb, TrainingVerb& options) {
   verb.add_option("SHAPE", options.files,
                   "Shapes in correspondence (" + listed(mesh_format_extensions(&MeshFormat::keeps_numbers), ", ") +
                       ", .homolog), a folder of them, or a study (.study.json)")
       ->required();
   auto* keep_scale = verb.add_flag("--keep-scale", options.keep_scale, "Align by translation and rotation only");
   verb.add_flag("--no-align", options.no_align, "Do not align the shapes")->excludes(keep_scale);
-  auto* all_frames = verb.add_flag("--all-frames", options.reading.all_frames,
-                                   "Take every edited frame of a cine, not only the one that the case shows");
-  auto* flip = verb.add_flag("--flip-mirrored", options.reading.flip_mirrored,
-                             "Flip shapes that are mirror images of most others");
-  auto* group = verb.add_option("--group", options.reading.group, "Take only the cases of this group of a study");
+  verb.add_flag("--all-frames", options.reading.all_frames,
+                "Take every edited frame of a cine, not only the one that the case shows");
+  verb.add_flag("--flip-mirrored", options.reading.flip_mirrored, "Flip shapes that are mirror images of most others");
+  verb.add_option("--group", options.reading.group, "Take only the cases of this group of a study");
   verb.add_flag("--without-doubtful", options.reading.without_doubtful,
                 "Leave out shapes that are doubtful, mirrored (without --flip-mirrored) or have faulty faces");
+}
+
+void add_training_options(CLI::App& verb, TrainingVerb& options) {
+  add_set_options(verb, options);
   auto* structures =
       verb.add_option("--structures", options.structures,
                       "Join several structures, as A,B: SHAPE is then a folder with CASE/A.ply, as fit SET writes it, "
                       "or ShapeWorks' folder with CASE_A_local.particles")
           ->delimiter(',')
-          ->excludes(all_frames)
-          ->excludes(flip)
-          ->excludes(group);
+          ->excludes("--all-frames")
+          ->excludes("--flip-mirrored")
+          ->excludes("--group");
   verb.add_option("--alignment", options.together,
                   "common: the structures of a case are aligned together, so that their relative pose is in the "
                   "model. each: each on its own, and the poses are kept apart")

@@ -27,6 +27,8 @@ struct TrainingVerb {
   }
 };
 
+/// Adds the options of a training set of one structure.
+void add_set_options(CLI::App& verb, TrainingVerb& options);
 /// Adds the options that `model` and `evaluate` share.
 void add_training_options(CLI::App& verb, TrainingVerb& options);
 

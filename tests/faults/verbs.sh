@@ -12,6 +12,7 @@ ln kidney-1-image.nii.gz image.nii.gz; ln kidney-1-labels.nii.gz mask.nii.gz
 printf '%s\n' '{"homolog":1,"volume":"image.nii.gz","template":"a.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[0,0,0]}}' \
   '{"tool":"pull","at":[-21,20,-9],"to":[-20,19,-9],"sigma_mm":10}' > imaged.homolog
 printf '{"homolog_study":1,"cases":[{"file":"a.ply"},{"file":"b.ply"},{"file":"c.ply"}]}\n' > s.study.json
+printf 'name,age\na,1\nb,2\nc,4\n' > t.csv
 printf '{"homolog_set":1,"structures":[{"name":"A","value":1,"template":"a.ply"},{"name":"B","value":2,"template":"a.ply"}]}\n' > two.set.json
 
 if [ "${which:-}" = all ]; then
@@ -27,6 +28,7 @@ quick=(
   "replay|case.homolog -o old.ply" "measure|a.ply b.ply --csv old.csv" "landmarks|a.ply b.ply --vertices -o old.tps"
   "observers|a.ply b.ply --csv old.csv" "model|a.ply b.ply c.ply -o old.h5" "model|a.ply b.ply c.ply -o old.h5.json --csv tables --aligned aligned"
   "evaluate|a.ply b.ply c.ply --samples 2 --csv old.csv" "score|a.ply --model m.h5 -o scores" "phantom|kidney --subject 1 -o phantom" "fit|built-in:kidney --mask mask.nii.gz -o old.ply"
+  "test|a.ply b.ply c.ply --covariates t.csv --formula size~age --csv tables"
   "snap|a.ply --image image.nii.gz -o old.ply" "snap|imaged.homolog -o old.ply" "refine|case.homolog -o old.ply" "sample|-o sample"
   "study make|mask.nii.gz --template a.ply -o old.study.json" "set rename|two.set.json B C -o old.set.json"
   "set share|two.set.json A B -o old.set.json"

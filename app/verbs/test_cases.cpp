@@ -1,0 +1,216 @@
+#include "app/verbs/test_cases.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "core/base/file_stem.h"
+#include "core/base/nearest_names.h"
+#include "core/model/model_files.h"
+#include "core/model/shape_files.h"
+#include "core/model/study.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The cases of the studies among the files, by the name that their shape has in a training set.
+Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<fs::path>& files) {
+  std::map<std::string, StudyCase> cases;
+  for (const fs::path& file : files) {
+    if (!file.string().ends_with(".study.json")) continue;
+    auto read = read_study(file);
+    if (!read) return fail(read.error());
+    for (StudyCase& one : read->study.cases) {
+      ShapeSource source{one.file, one.frame};
+      source.structure = one.structure;
+      cases.emplace(source.name(one.frame), std::move(one));
+    }
+  }
+  return cases;
+}
+
+/// What a study knows of its cases: their group and the columns that its table had.
+Result<CovariateTable> covariates_of(const std::map<std::string, StudyCase>& cases, const std::string& source) {
+  if (cases.empty()) return fail("--covariates", "is needed: the shapes are of no study that knows covariates");
+  CovariateTable table{source, {"group"}, {}, {}};
+  for (const auto& [file, one] : cases)
+    for (const auto& [key, value] : one.other.items())
+      if (!value.is_structured() && !table.column(key)) table.columns.push_back(key);
+  for (const auto& [file, one] : cases) {
+    table.cases.push_back(one.name);
+    std::vector<std::string> row{one.group};
+    for (std::size_t k = 1; k < table.columns.size(); ++k) {
+      const auto value = one.other.find(table.columns[k]);
+      const bool known = value != one.other.end() && !value->is_null();
+      row.push_back(!known ? "" : value->is_string() ? value->get<std::string>() : value->dump());
+    }
+    table.cells.push_back(std::move(row));
+  }
+  return table;
+}
+
+/// The columns that the formula and the pairs need, each once.
+Result<std::vector<std::size_t>> needed_columns(const TestCasesAsked& asked, const CovariateTable& table) {
+  std::vector<Variable> variables{asked.formula.response};
+  for (const FormulaTerm& term : asked.formula.terms) variables.insert(variables.end(), term.begin(), term.end());
+  if (!asked.paired.empty()) variables.push_back({Variable::By::factor, asked.paired});
+  std::set<std::size_t> columns;
+  for (const Variable& one : variables) {
+    const auto column = table.column(one.name);
+    if (column && one.name != "shape") columns.insert(*column);
+    if (column || one.name == "shape" || one.name == "size") continue;
+    std::vector<std::string> words = table.columns;
+    words.insert(words.end(), {"shape", "size"});
+    return fail(one.name, "is no column of " + table.source + "; there are " + listed(words, " and ") +
+                              ". Did you mean " + listed(nearest_names(one.name, words, 1), " or ") + "?");
+  }
+  return std::vector<std::size_t>(columns.begin(), columns.end());
+}
+
+/// Finds the row of a shape.
+class RowFinder {
+ public:
+  RowFinder(const CovariateTable& table, const std::map<std::string, StudyCase>& studies) : studies_(studies) {
+    for (std::size_t row = 0; row < table.cases.size(); ++row) rows_[table.cases[row]] = row;
+    for (std::size_t row = 0; row < table.cases.size(); ++row) rows_.emplace(file_stem(table.cases[row]), row);
+  }
+  std::optional<std::size_t> find(const std::string& file, const std::string& name) const {
+    const auto of_study = studies_.find(file);
+    const auto row = of_study == studies_.end() ? rows_.end() : rows_.find(of_study->second.name);
+    const auto found = row == rows_.end() ? rows_.find(name) : row;
+    return found == rows_.end() ? std::nullopt : std::optional(found->second);
+  }
+
+ private:
+  const std::map<std::string, StudyCase>& studies_;
+  std::map<std::string, std::size_t> rows_;
+};
+
+struct Partner {
+  Eigen::Index shape;
+  std::size_t row;
+};
+
+std::string first_words(const std::vector<std::string>& names) {
+  const std::vector<std::string> first(names.begin(), names.begin() + std::min<std::ptrdiff_t>(3, std::ssize(names)));
+  return listed(first, ", ") + (names.size() > 3 ? ", …" : "");
+}
+
+/// Shapes with their rows; what has no partner goes into `left_out`.
+Result<std::vector<Partner>> partners(const TrainingSet& set, const RowFinder& finder, TestCases& cases) {
+  const auto names = shape_names(set.names);
+  std::vector<Partner> found;
+  std::map<std::size_t, std::string> taken;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto row = finder.find(set.names[k], names[k]);
+    if (!row) {
+      cases.left_out.push_back({names[k], "has no row in " + cases.table.source});
+      continue;
+    }
+    if (const auto [other, is_new] = taken.emplace(*row, set.names[k]); !is_new)
+      return fail(set.names[k], "has the name of " + other->second + ", so one row of the table would count twice");
+    found.push_back({static_cast<Eigen::Index>(k), *row});
+  }
+  if (found.empty())
+    return fail(cases.table.source, "names none of the shapes; it has " + first_words(cases.table.cases) +
+                                        " where the shapes are " + first_words(names));
+  for (std::size_t row = 0; row < cases.table.cases.size(); ++row)
+    if (!taken.contains(row)) cases.left_out.push_back({cases.table.cases[row], "is a row without a shape"});
+  return found;
+}
+
+/// Takes out cases that lack a value, and those of pairs whose partner is not there.
+void leave_out_incomplete(std::vector<Partner>& partners, const std::vector<std::size_t>& columns,
+                          const std::string& paired, TestCases& cases) {
+  const auto leave_out_if = [&](const auto& reason) {
+    std::erase_if(partners, [&](const Partner& one) {
+      const std::string why = reason(cases.table.cells[one.row]);
+      if (!why.empty()) cases.left_out.push_back({cases.table.cases[one.row], why});
+      return !why.empty();
+    });
+  };
+  leave_out_if([&](const std::vector<std::string>& row) {
+    for (const std::size_t column : columns)
+      if (is_missing(row[column])) return "has no value of " + cases.table.columns[column];
+    return std::string();
+  });
+  if (paired.empty()) return;
+  const std::size_t column = *cases.table.column(paired);
+  std::map<std::string, int> sizes;
+  for (const Partner& one : partners) ++sizes[cases.table.cells[one.row][column]];
+  leave_out_if([&](const std::vector<std::string>& row) {
+    return sizes[row[column]] > 1 ? std::string() : "is the only case of " + paired + " " + row[column];
+  });
+}
+
+/// The root mean square doubt of each shape of the set, by its name there.
+Result<std::map<std::string, double>> doubts_of(const TrainingVerb& options, Progress& progress) {
+  const auto sources = shape_sources(options.files, options.reading.group);
+  if (!sources) return fail(sources.error());
+  std::map<std::string, double> doubts;
+  const auto take = [&](const ReadShape& shape) {
+    const auto& doubt = shape.mesh->doubt_mm;
+    if (doubt && doubt->size() > 0) doubts[shape.name] = std::sqrt(doubt->cwiseAbs2().mean());
+    return Result<void>();
+  };
+  if (auto read = read_shapes(*sources, {options.reading.all_frames}, take, &progress); !read)
+    return fail(read.error());
+  return doubts;
+}
+
+Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSet& set, const std::vector<Partner>& partners,
+                         Progress& progress, TestCases& cases) {
+  const auto count = static_cast<Eigen::Index>(partners.size());
+  cases.shapes.resize(set.shapes.rows(), count);
+  cases.sizes_mm.resize(count);
+  cases.topology = set.topology;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Partner& one = partners[static_cast<std::size_t>(i)];
+    cases.names.push_back(cases.table.cases[one.row]);
+    cases.rows.push_back(one.row);
+    cases.shapes.col(i) = set.shapes.col(one.shape);
+    cases.sizes_mm[i] = centroid_size_mm(points_of(cases.shapes, i));
+  }
+  align(cases.shapes, asked.shapes.alignment());
+  if (!asked.with_doubt) return {};
+  const auto doubts = doubts_of(asked.shapes, progress);
+  if (!doubts) return fail(doubts.error());
+  for (const Partner& one : partners) {
+    const auto known = doubts->find(set.names[static_cast<std::size_t>(one.shape)]);
+    cases.doubt_mm.push_back(known == doubts->end() ? std::numeric_limits<double>::quiet_NaN() : known->second);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progress) {
+  const auto studies = cases_of_studies(asked.shapes.files);
+  if (!studies) return fail(studies.error());
+  auto table = asked.covariates.empty() ? covariates_of(*studies, asked.shapes.files.front().string())
+                                        : read_covariates(asked.covariates);
+  if (!table) return fail(table.error());
+  TestCases cases;
+  cases.table = std::move(*table);
+  const auto columns = needed_columns(asked, cases.table);
+  if (!columns) return fail(columns.error());
+  auto read = read_training_set(asked.shapes.files, asked.shapes.reading, &progress);
+  if (!read) return fail(read.error());
+  cases.warnings = std::move(read->warnings);
+  cases.left_out = std::move(read->left_out);
+  auto found = partners(read->set, RowFinder(cases.table, *studies), cases);
+  if (!found) return fail(found.error());
+  leave_out_incomplete(*found, *columns, asked.paired, cases);
+  if (found->size() < 2)
+    return fail(cases.table.source, "leaves " + std::string(found->empty() ? "no case" : "one case") +
+                                        " to be tested; complete its cells, or give more shapes");
+  if (auto taken = take_shapes(asked, read->set, *found, progress, cases); !taken) return fail(taken.error());
+  return cases;
+}
+
+}  // namespace homolog

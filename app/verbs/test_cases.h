@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/verbs/training.h"
+#include "core/statistics/covariates.h"
+#include "core/statistics/formula.h"
+
+namespace homolog {
+
+/// What `test` is told of its cases.
+struct TestCasesAsked {
+  TrainingVerb shapes;
+  std::filesystem::path covariates;  ///< empty: a study's own
+  Formula formula;
+  std::string paired;  ///< the column of the subjects; empty: unpaired
+  bool with_doubt = false;
+};
+
+/// Shapes with what is known of them, in the order in which the shapes were given.
+struct TestCases {
+  std::vector<std::string> names;
+  ShapeMatrix shapes;                        ///< aligned, mm
+  std::shared_ptr<const Topology> topology;  ///< null: of points alone
+  Eigen::VectorXd sizes_mm;                  ///< centroid sizes before they were aligned
+  CovariateTable table;
+  std::vector<std::size_t> rows;        ///< of the table, for each case
+  std::vector<double> doubt_mm;         ///< root mean square over the vertices; NaN: not known; empty: nobody asked
+  std::vector<DoubtfulShape> left_out;  ///< shapes and rows without a partner or a value, with the reason
+  std::vector<std::string> warnings;
+};
+
+/// Reads table and shapes, brings them together by their names, leaves out what lacks a partner or a value that the
+/// formula needs, and aligns the rest. Errors: those of read_covariates and read_training_set; a word of the formula
+/// that is no column; no names in common; two shapes of one name; fewer than two cases left.
+Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progress);
+
+}  // namespace homolog

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace homolog {
+
+/// What is known of cases beside their shape, as text: a row a case.
+struct CovariateTable {
+  std::string source;                           ///< what errors name: the file
+  std::vector<std::string> columns;             ///< but that of the names
+  std::vector<std::string> cases;               ///< names; no two are equal
+  std::vector<std::vector<std::string>> cells;  ///< of each case one a column
+
+  /// The column of that name, from 0.
+  std::optional<std::size_t> column(std::string_view name) const;
+};
+
+/// Reads a table with commas, semicolons or tabs. The names are in the column name, case or id, else in the first.
+/// Errors: unreadable, no rows, a line with another number of cells, a column or a case twice, a row without a name.
+Result<CovariateTable> read_covariates(const std::filesystem::path& path);
+
+/// Whether a cell says that nothing is known: empty, NA, N/A, NaN, "." or "?".
+bool is_missing(std::string_view cell);
+
+}  // namespace homolog

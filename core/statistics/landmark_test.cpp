@@ -1,0 +1,131 @@
+#include "core/statistics/landmark_test.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/statistics/linear_test.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr Eigen::Index vertices_at_once = 64;  ///< what a processor's cache holds with all cases
+constexpr Eigen::Index orders_at_once = 256;
+
+/// The sum over x, y and z of each vertex.
+Eigen::ArrayXd over_vertices(const Eigen::VectorXd& coordinates) {
+  const Eigen::Index vertices = coordinates.size() / 3;
+  Eigen::ArrayXd sums(vertices);
+  for (Eigen::Index v = 0; v < vertices; ++v)
+    sums[v] = coordinates[3 * v] + coordinates[3 * v + 1] + coordinates[3 * v + 2];
+  return sums;
+}
+
+/// Of each of several orders of the residuals, whose model columns stand side by side, the term's first.
+class VertexBlock {
+ public:
+  VertexBlock(const Eigen::MatrixXd& residuals, Eigen::Index first, Eigen::Index count, Eigen::Index df,
+              Eigen::Index model_columns, double degrees)
+      : residuals_(residuals.middleRows(3 * first, 3 * count)), df_(df), columns_(model_columns), degrees_(degrees) {
+    total_ = over_vertices(residuals_.rowwise().squaredNorm());
+  }
+
+  /// Calls `use(F of each vertex)` for each order.
+  template <class Use>
+  void for_each(const Eigen::MatrixXd& orders, const Use& use) const {
+    const Eigen::MatrixXd squares = (residuals_ * orders).array().square();
+    for (Eigen::Index at = 0; at < squares.cols(); at += columns_) {
+      const Eigen::ArrayXd term = over_vertices(squares.middleCols(at, df_).rowwise().sum());
+      const Eigen::ArrayXd fitted = over_vertices(squares.middleCols(at, columns_).rowwise().sum());
+      const Eigen::ArrayXd f = degrees_ * term / (total_ - fitted);
+      use(f);
+    }
+  }
+
+ private:
+  Eigen::MatrixXd residuals_;
+  Eigen::ArrayXd total_;
+  Eigen::Index df_, columns_;
+  double degrees_;  ///< of freedom, those left ÷ those of the term
+};
+
+/// The model's columns for the permutations from `first` on; those of the order as it is for first = −1.
+Eigen::MatrixXd ordered(const Eigen::MatrixXd& model, const Permutations& permutations, Eigen::Index first,
+                        Eigen::Index count) {
+  Eigen::MatrixXd all(model.rows(), model.cols() * count);
+  for (Eigen::Index k = 0; k < count; ++k)
+    for (Eigen::Index i = 0; i < model.rows(); ++i)
+      all.row(first < 0 ? i : permutations(first + k, i)).segment(k * model.cols(), model.cols()) = model.row(i);
+  return all;
+}
+
+void effects(const DesignTerm& term, const TermBasis& basis, const Eigen::MatrixXd& weighted, LandmarkTest& test) {
+  const Eigen::Index vertices = weighted.rows() / 3;
+  const auto lengths = [](const Eigen::VectorXd& offset) -> Eigen::VectorXd {
+    return over_vertices(offset.cwiseAbs2()).sqrt();
+  };
+  if (term.levels.empty() && !term.numbers) {
+    const Eigen::MatrixXd added = weighted * basis.added;
+    test.effect = (over_vertices(added.rowwise().squaredNorm()) / static_cast<double>(weighted.cols())).sqrt().matrix();
+    return;
+  }
+  const Eigen::MatrixXd offsets = weighted * basis.contrasts.transpose();
+  test.effect.setZero(vertices);
+  for (Eigen::Index a = -1; a < offsets.cols(); ++a)
+    for (Eigen::Index b = a + 1; b < offsets.cols(); ++b) {
+      Eigen::VectorXd between = offsets.col(b);
+      if (a >= 0) between -= offsets.col(a);
+      test.effect = test.effect.cwiseMax(lengths(between));
+    }
+  if (offsets.cols() == 1) test.offset = offsets.col(0).reshaped(3, vertices).transpose();
+}
+
+}  // namespace
+
+LandmarkTest test_landmarks(const Design& design, std::size_t term, const Eigen::MatrixXd& responses,
+                            const Eigen::VectorXd& root_weights, const Permutations& permutations, Progress* progress) {
+  const TermBasis basis = basis_of(design, term, root_weights);
+  const Eigen::MatrixXd weighted = weighted_responses(responses, root_weights);
+  const Eigen::MatrixXd residuals = weighted - (weighted * basis.reduced) * basis.reduced.transpose();
+  // Residuals sum to 0 in any order, unless they have weights: the constant fits nothing of them.
+  const bool equal = (root_weights.array() == root_weights[0]).all();
+  const Eigen::Index constant = equal ? 1 : 0;
+  Eigen::MatrixXd model(design.cases(), design.parameters() - constant);
+  model << basis.added, basis.rest, basis.reduced.rightCols(basis.reduced.cols() - constant);
+  const Eigen::Index vertices = responses.rows() / 3, df = basis.added.cols();
+  const double degrees = static_cast<double>(design.cases() - design.parameters()) / static_cast<double>(df);
+
+  Eigen::ArrayXd found(vertices);
+  Eigen::ArrayXi as_large = Eigen::ArrayXi::Zero(vertices);
+  const auto in_blocks = [&](const Eigen::MatrixXd& orders, const auto& use) {
+    in_parallel((vertices + vertices_at_once - 1) / vertices_at_once, [&](Eigen::Index first, Eigen::Index last) {
+      for (Eigen::Index block = first; block < last; ++block) {
+        const Eigen::Index at = block * vertices_at_once, count = std::min(vertices_at_once, vertices - at);
+        const VertexBlock there(residuals, at, count, df, model.cols(), degrees);
+        there.for_each(orders, [&](const Eigen::ArrayXd& f) { use(at, count, f); });
+      }
+    });
+  };
+  in_blocks(ordered(model, permutations, -1, 1),
+            [&](Eigen::Index at, Eigen::Index count, const Eigen::ArrayXd& f) { found.segment(at, count) = f; });
+  for (Eigen::Index done = 0; done < permutations.rows(); done += orders_at_once) {
+    if (progress != nullptr && progress->cancelled()) break;
+    const Eigen::Index now = std::min(orders_at_once, permutations.rows() - done);
+    in_blocks(ordered(model, permutations, done, now),
+              [&](Eigen::Index at, Eigen::Index count, const Eigen::ArrayXd& f) {
+                // As large, or nothing varies there (not a number).
+                for (Eigen::Index v = 0; v < count; ++v)
+                  as_large[at + v] += f[v] < found[at + v] && !is_as_large(f[v], found[at + v]) ? 0 : 1;
+              });
+    if (progress != nullptr)
+      progress->report(static_cast<double>(done + now) / static_cast<double>(permutations.rows()));
+  }
+  LandmarkTest test;
+  test.p = ((as_large.cast<double>() + 1) / static_cast<double>(permutations.rows() + 1)).matrix();
+  test.q = false_discovery_rates(test.p);
+  effects(design.terms[term], basis, weighted, test);
+  return test;
+}
+
+}  // namespace homolog

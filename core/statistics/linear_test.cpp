@@ -1,0 +1,172 @@
+#include "core/statistics/linear_test.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/base/parallel.h"
+
+namespace homolog {
+
+namespace {
+
+/// What is left of the inner products after the columns are fitted.
+Eigen::MatrixXd residual_products(const Eigen::MatrixXd& products, const Eigen::MatrixXd& q) {
+  const Eigen::MatrixXd left = products - q * (q.transpose() * products);
+  return left - (left * q) * q.transpose();
+}
+
+/// Columns whose products with the residuals are those of `q` with the permuted residuals.
+Eigen::MatrixXd unpermuted(const Eigen::MatrixXd& q, const Permutations& permutations, Eigen::Index row) {
+  Eigen::MatrixXd moved(q.rows(), q.cols());
+  for (Eigen::Index i = 0; i < q.rows(); ++i) moved.row(permutations(row, i)) = q.row(i);
+  return moved;
+}
+
+/// The sum of squares of each column's product with the responses.
+Eigen::VectorXd column_sums(const Eigen::MatrixXd& q, const Eigen::MatrixXd& products) {
+  return (products * q).cwiseProduct(q).colwise().sum();
+}
+
+/// F, and the squared distance of every pair of groups, once as a share of what the whole model leaves: as with F,
+/// that makes chance alike in every order.
+struct Found {
+  double f = 0;
+  Eigen::VectorXd pairs, pair_shares;
+};
+
+/// One term's test, for the order as it is and for permutations.
+class TermTester {
+ public:
+  TermTester(const Design& design, std::size_t term, const Eigen::VectorXd& root_weights,
+             const Eigen::MatrixXd& products)
+      : term_(design.terms[term]), basis_(basis_of(design, term, root_weights)) {
+    residual_ = residual_products(products, basis_.reduced);
+    total_ = residual_.trace();
+    df_left_ = design.cases() - design.parameters();
+    const auto groups = static_cast<Eigen::Index>(term_.levels.size());
+    columns_.resize(design.cases(), design.parameters() + groups * (groups - 1) / 2);
+    columns_ << basis_.added, basis_.rest, basis_.reduced, pair_contrasts();
+  }
+
+  double ss() const { return column_sums(basis_.added, residual_).sum(); }
+  double residual_ss() const {
+    return total_ - column_sums(basis_.added, residual_).sum() - column_sums(basis_.rest, residual_).sum();
+  }
+  Eigen::Index df_left() const { return df_left_; }
+
+  Found found(const Permutations& permutations, Eigen::Index row) const {
+    const Eigen::VectorXd sums = column_sums(row < 0 ? columns_ : unpermuted(columns_, permutations, row), residual_);
+    const Eigen::Index fitted = basis_.added.cols() + basis_.rest.cols() + basis_.reduced.cols();
+    const double left = total_ - sums.head(fitted).sum();
+    return {sums.head(term_.count).sum() / static_cast<double>(term_.count) / (left / static_cast<double>(df_left_)),
+            sums.tail(sums.size() - fitted), sums.tail(sums.size() - fitted) / left};
+  }
+
+ private:
+  /// The difference of every two groups' means, as a column that is multiplied with the responses.
+  Eigen::MatrixXd pair_contrasts() const {
+    const auto groups = static_cast<Eigen::Index>(term_.levels.size());
+    Eigen::MatrixXd contrasts(basis_.added.rows(), groups * (groups - 1) / 2);
+    Eigen::Index pair = 0;
+    for (Eigen::Index a = 0; a < groups; ++a)
+      for (Eigen::Index b = a + 1; b < groups; ++b, ++pair) {
+        contrasts.col(pair) = basis_.contrasts.row(b - 1).transpose();
+        if (a > 0) contrasts.col(pair) -= basis_.contrasts.row(a - 1).transpose();
+      }
+    return contrasts;
+  }
+
+  const DesignTerm& term_;
+  TermBasis basis_;
+  Eigen::MatrixXd residual_;  ///< inner products of the reduced model's residuals
+  Eigen::MatrixXd columns_;
+  double total_ = 0;
+  Eigen::Index df_left_ = 0;
+};
+
+double p_of(Eigen::Index as_large, Eigen::Index permutations) {
+  return static_cast<double>(as_large + 1) / static_cast<double>(permutations + 1);
+}
+
+double deviations_above(double f, const std::vector<Found>& permuted) {
+  const auto log_of = [](double value) { return std::log(std::max(value, std::numeric_limits<double>::min())); };
+  double sum = 0, squares = 0;
+  for (const Found& one : permuted) sum += log_of(one.f);
+  const double mean = sum / static_cast<double>(permuted.size());
+  for (const Found& one : permuted) squares += (log_of(one.f) - mean) * (log_of(one.f) - mean);
+  const double deviation = std::sqrt(squares / std::max(1.0, static_cast<double>(permuted.size()) - 1));
+  return deviation > 0 ? (log_of(f) - mean) / deviation : std::numeric_limits<double>::quiet_NaN();
+}
+
+void add_pairs(const DesignTerm& term, const Found& found, const std::vector<Found>& permuted, LinearTest& test) {
+  Eigen::VectorXd p(found.pairs.size());
+  for (Eigen::Index k = 0; k < p.size(); ++k)
+    p[k] =
+        p_of(std::count_if(permuted.begin(), permuted.end(),
+                           [&](const Found& one) { return one.pair_shares[k] >= found.pair_shares[k] * (1 - 1e-9); }),
+             static_cast<Eigen::Index>(permuted.size()));
+  const Eigen::VectorXd q = false_discovery_rates(p);
+  Eigen::Index k = 0;
+  for (std::size_t a = 0; a < term.levels.size(); ++a)
+    for (std::size_t b = a + 1; b < term.levels.size(); ++b, ++k)
+      test.pairs.push_back({term.name, term.levels[a], term.levels[b], std::sqrt(found.pairs[k]), p[k], q[k]});
+}
+
+}  // namespace
+
+Eigen::MatrixXd weighted_responses(const Eigen::MatrixXd& responses, const Eigen::VectorXd& root_weights) {
+  const Eigen::VectorXd mean = responses.rowwise().mean();
+  return (responses.colwise() - mean) * root_weights.asDiagonal();
+}
+
+Eigen::VectorXd false_discovery_rates(const Eigen::VectorXd& p) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(p.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return p[a] < p[b]; });
+  Eigen::VectorXd q(p.size());
+  double least = 1;
+  for (std::size_t rank = order.size(); rank-- > 0;) {
+    least = std::min(least, p[order[rank]] * static_cast<double>(p.size()) / static_cast<double>(rank + 1));
+    q[order[rank]] = least;
+  }
+  return q;
+}
+
+LinearTest test_terms(const Design& design, const Eigen::MatrixXd& responses, const Eigen::VectorXd& root_weights,
+                      const Permutations& permutations, Progress* progress) {
+  const Eigen::MatrixXd weighted = weighted_responses(responses, root_weights);
+  const Eigen::MatrixXd products = weighted.transpose() * weighted;
+  LinearTest test;
+  test.residual_df = design.cases() - design.parameters();
+  test.total_ss = residual_products(products, root_weights.normalized()).trace();
+  std::size_t done = 0;
+  for (std::size_t t = 0; t < design.terms.size(); ++t) {
+    const DesignTerm& term = design.terms[t];
+    if (!term.tested) continue;
+    const TermTester tester(design, t, root_weights, products);
+    test.residual_ss = tester.residual_ss();
+    const Found found = tester.found(permutations, -1);
+    std::vector<Found> permuted(static_cast<std::size_t>(permutations.rows()));
+    in_parallel(permutations.rows(), [&](Eigen::Index first, Eigen::Index last) {
+      for (Eigen::Index row = first; row < last; ++row) {
+        if (progress != nullptr && progress->cancelled()) return;
+        permuted[static_cast<std::size_t>(row)] = tester.found(permutations, row);
+      }
+    });
+    if (progress != nullptr) {
+      if (progress->cancelled()) return test;
+      progress->report(static_cast<double>(++done) / static_cast<double>(design.terms.size()));
+    }
+    const auto as_large =
+        std::count_if(permuted.begin(), permuted.end(), [&](const Found& one) { return is_as_large(one.f, found.f); });
+    const double ss = tester.ss();
+    test.terms.push_back({term.name, term.count, ss, ss / test.total_ss, ss / (ss + test.residual_ss), found.f,
+                          deviations_above(found.f, permuted), p_of(as_large, permutations.rows())});
+    add_pairs(term, found, permuted, test);
+  }
+  return test;
+}
+
+}  // namespace homolog

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/statistics/design.h"
+#include "core/statistics/permutations.h"
+
+namespace homolog {
+
+/// The test of one term.
+struct TermTest {
+  std::string name;
+  Eigen::Index df = 0;
+  double ss = 0;          ///< of the second kind; of shapes mm², summed over all coordinates
+  double r2 = 0;          ///< ss ÷ the total sum of squares
+  double partial_r2 = 0;  ///< ss ÷ (ss + the residual sum of squares)
+  double f = 0;
+  double z = 0;  ///< how many deviations log F lies above the mean log F of the permutations; NaN without spread
+  double p = 1;  ///< (b + 1) ÷ (m + 1), where b of m permutations gave an F as large
+};
+
+/// Two groups of a term.
+struct PairTest {
+  std::string term, a, b;
+  double distance = 0;  ///< between their means, the other terms held; root of the sum over all coordinates
+  double p = 1;         ///< of the distance² ÷ the residual sum of squares: of two groups that of the term
+  double q = 1;         ///< over the pairs of the term [Benjamini & Hochberg 1995]
+};
+
+/// The tests of all terms that are to be tested, and what they stand on.
+struct LinearTest {
+  std::vector<TermTest> terms;
+  std::vector<PairTest> pairs;
+  Eigen::Index residual_df = 0;
+  double residual_ss = 0, total_ss = 0;  ///< total: about the mean
+};
+
+/// Whether the F of a permutation counts as as large as the one found: what differs by rounding alone is equal.
+inline bool is_as_large(double permuted, double found) {
+  return permuted >= found - 1e-9 * (found > 1 ? found : 1);
+}
+
+/// Tests each term of a linear model of responses (a case a column) by permuting the residuals of the model without it
+/// [Freedman & Lane 1983; Anderson & Legendre 1999; of shapes: Collyer, Sekora & Adams 2015]. F is the pseudo-F of
+/// distances [Anderson 2001]; of one response it is the F of a linear model. Sums come from the inner products of the
+/// cases alone, so that the number of coordinates hardly matters. `root_weights`: √w of each case, all 1 without
+/// weights. The same values for any number of threads.
+LinearTest test_terms(const Design& design, const Eigen::MatrixXd& responses, const Eigen::VectorXd& root_weights,
+                      const Permutations& permutations, Progress* progress = nullptr);
+
+/// Responses less their mean, times √w: what the sums are taken of.
+Eigen::MatrixXd weighted_responses(const Eigen::MatrixXd& responses, const Eigen::VectorXd& root_weights);
+
+/// The smallest false discovery rate at which each of the tests counts [Benjamini & Hochberg 1995].
+Eigen::VectorXd false_discovery_rates(const Eigen::VectorXd& p);
+
+}  // namespace homolog

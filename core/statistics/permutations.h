@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace homolog {
+
+/// A permutation a row: case i gets the residual of case row[i], counted from 0.
+using Permutations = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// `count` random permutations of `blocks.size()` cases, which the seed alone decides. Cases change places only with
+/// cases of the same block. The order as it is may be among them by chance; it is not put there.
+Permutations random_permutations(const std::vector<int>& blocks, Eigen::Index count, std::uint64_t seed);
+
+/// Reads permutations of `cases` cases from a text file: one a line, numbers from 0 with blanks or commas between them.
+/// Errors: unreadable, a line that is no permutation of 0 … cases − 1.
+Result<Permutations> read_permutations(const std::filesystem::path& path, Eigen::Index cases);
+
+}  // namespace homolog

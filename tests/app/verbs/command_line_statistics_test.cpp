@@ -1,0 +1,135 @@
+#include <cmath>
+
+#include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_io.h"
+#include "core/phantom/noise.h"
+#include "tests/command_line.h"
+
+// The verb `test`.
+
+using namespace homolog;
+
+namespace {
+
+/// Twelve balls c0 … c11 with noise; every second one has a bump of `bump_mm` at its top. And a table.
+void put_balls(const fs::path& folder, double bump_mm) {
+  phantom::Random random(9);
+  std::string table = "name,group,age,subject\n";
+  fs::create_directory(folder / "shapes");
+  for (int k = 0; k < 12; ++k) {
+    Mesh ball = icosphere(2, 20);
+    for (Eigen::Index i = 0; i < ball.points.rows(); ++i) {
+      const bool top = ball.points(i, 2) > 17;
+      ball.points.row(i) *= 1 + 0.02 * random.normal();
+      if (top && k % 2 == 1) ball.points(i, 2) += bump_mm;
+    }
+    const std::string name = "c" + std::to_string(k);
+    REQUIRE(write_mesh(ball, folder / "shapes" / (name + ".ply")));
+    table += name + (k % 2 == 1 ? ",ill," : ",well,") + std::to_string(40 + (7 * k) % 12) + ",s" +
+             std::to_string(k / 2) + "\n";
+  }
+  REQUIRE(write_whole_file(folder / "t.csv", table));
+}
+
+std::string by(const std::string& formula) {
+  return "test shapes --covariates t.csv --json --formula \"" + formula + "\" ";
+}
+
+}  // namespace
+
+TEST_CASE("a bump of one group is found where it is and age is not blamed") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  // As they lie: alignment would spread the bump over the ball.
+  const Ran ran = run(folder, by("shape ~ group + age") + "--no-align --csv out");
+  REQUIRE(ran.status == 0);
+  const Json report = ran.json();
+  CHECK(report["shapes"] == 12);
+  CHECK(report["sided"] == "two");
+  CHECK(report["left_out"].empty());
+  CHECK(report["terms"][0]["name"] == "group");
+  CHECK(report["terms"][0]["p"].get<double>() <= 0.01);
+  CHECK(report["terms"][1]["p"].get<double>() > 0.05);
+  CHECK(report["pairs"][0]["a"] == "ill");
+  CHECK(report["landmarks"] == "out/landmarks.csv");
+  const Mesh ball = icosphere(2, 20);
+  const std::string table = read_whole_file(folder.path / "out/landmarks.csv").value_or("");
+  CHECK(lines(table) == 1 + 2 * static_cast<std::size_t>(ball.points.rows()));
+  int hits = 0, wrong = 0, top = 0;
+  for (Eigen::Index v = 0; v < ball.points.rows(); ++v) {
+    const auto at = table.find("\ngroup," + std::to_string(v) + ",");
+    REQUIRE(at != std::string::npos);
+    const auto cells = csv_fields(std::string_view(table).substr(at + 1, table.find('\n', at + 1) - at - 1));
+    const bool found = std::stod(cells[3]) <= 0.05, is_top = ball.points(v, 2) > 17;
+    top += is_top ? 1 : 0;
+    (is_top ? hits : wrong) += found ? 1 : 0;
+    if (is_top) CHECK(std::stod(cells[4]) == doctest::Approx(4).epsilon(0.4));
+    if (is_top) CHECK(std::stod(cells[5]) < 0);  // from ill to well: inwards
+  }
+  CHECK(hits == top);
+  CHECK(wrong <= top / 4);
+  CHECK(lines(read_whole_file(folder.path / "out/cases.csv").value_or("")) == 13);
+  // With 19 permutations q cannot be small, and that is said.
+  CHECK(run(folder, by("shape ~ group") + "--no-align --csv few --permutations 19").errors.find("ask for more") !=
+        std::string::npos);
+  // The same bytes with one thread.
+  REQUIRE(run(folder, by("shape ~ group + age") + "--no-align --csv other --jobs 1").out.size() > 0);
+  CHECK(read_whole_file(folder.path / "other/landmarks.csv").value_or("") == table);
+}
+
+TEST_CASE("cases without a partner or a value are left out with the reason") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 0);
+  std::string table = read_whole_file(folder.path / "t.csv").value_or("");
+  table.replace(table.find("c3,ill,49"), 9, "c3,ill,NA");
+  table.erase(table.find("c5,"), table.find("c6,") - table.find("c5,"));
+  REQUIRE(write_whole_file(folder.path / "t.csv", table + "stranger,ill,50,s9\n"));
+  const Json report = run(folder, by("size ~ group + age")).json();
+  CHECK(report["shapes"] == 10);
+  CHECK(report["landmarks"].is_null());
+  const Json expected = Json::array({{{"name", "c5"}, {"reason", "has no row in t.csv"}},
+                                     {{"name", "stranger"}, {"reason", "is a row without a shape"}},
+                                     {{"name", "c3"}, {"reason", "has no value of age"}}});
+  CHECK(report["left_out"] == expected);
+  const Json paired = run(folder, by("shape ~ group") + "--paired subject").json();
+  CHECK(paired["shapes"] == 10);
+  CHECK(paired["terms"].size() == 1);
+  CHECK(paired["left_out"][2]["reason"] == "is the only case of subject s2");
+}
+
+TEST_CASE("what a test cannot answer is refused in a sentence") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 0);
+  check_refused(run(folder, by("shape ~ grop")), "Did you mean group?");
+  check_refused(run(folder, by("shape ~ log(group)")), "where group should be a number");
+  check_refused(run(folder, by("group ~ age")), "where group should be a number");
+  check_refused(run(folder, by("shape ~ group*age*factor(subject)")), "parameters");
+  check_refused(run(folder, by("shape ~ factor(subject)") + "--paired subject"), "determined");
+  check_refused(run(folder, by("shape ~ group") + "--by-doubt"), "none of the shapes has a doubt");
+  check_refused(run(folder, by("age ~ shape") + "--modes 40"), "--modes");
+  check_refused(run(folder, "test shapes --formula \"shape ~ group\""), "--covariates");
+  REQUIRE(write_whole_file(folder.path / "orders.txt", "0 1 2\n"));
+  check_refused(run(folder, by("shape ~ group") + "--permutation-file orders.txt"), "orders.txt");
+  REQUIRE(write_whole_file(folder.path / "t.csv", "name,group\nx,a\ny,b\n"));
+  check_refused(run(folder, by("shape ~ group")), "names none of the shapes");
+  REQUIRE(write_mesh(icosphere(1, 20), folder.path / "shapes" / "c12.ply"));
+  check_refused(run(folder, by("shape ~ group")), "c12.ply");
+}
+
+TEST_CASE("a study brings its own covariates and shape explains a number by its modes") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 3);
+  Json study{{"homolog_study", 1}, {"cases", Json::array()}};
+  for (int k = 0; k < 12; ++k)
+    study["cases"].push_back({{"name", "case " + std::to_string(k)},
+                              {"file", "shapes/c" + std::to_string(k) + ".ply"},
+                              {"group", k % 2 == 1 ? "ill" : "well"},
+                              {"age", 30 + k * k}});
+  REQUIRE(write_whole_file(folder.path / "s.study.json", study.dump()));
+  const Json report = run(folder, "test s.study.json --json --formula \"shape ~ group + age\"").json();
+  CHECK(report["shapes"] == 12);
+  CHECK(report["terms"][0]["p"].get<double>() <= 0.01);
+  const Json turned = run(folder, "test s.study.json --json --modes 2 --formula \"age ~ shape\"").json();
+  CHECK(turned["modes"] == 2);
+  CHECK(turned["terms"][0]["df"] == 2);
+}

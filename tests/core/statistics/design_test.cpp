@@ -1,0 +1,172 @@
+#include "core/statistics/design.h"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+
+#include "core/base/files.h"
+#include "core/statistics/covariates.h"
+#include "core/statistics/formula.h"
+#include "core/statistics/permutations.h"
+#include "tests/must.h"
+#include "tests/refusal.h"
+#include "tests/temporary_folder.h"
+
+// Formulas, tables and designs.
+
+namespace homolog {
+
+namespace {
+
+std::string terms_of(const std::string& formula) {
+  std::string words;
+  for (const FormulaTerm& term : test::must(read_formula(formula)).terms)
+    words += (words.empty() ? "" : " ") + text_of(term);
+  return words;
+}
+
+CovariateTable table_of(const std::vector<std::string>& values) {
+  CovariateTable table{"t.csv", {"x"}, {}, {}};
+  for (const std::string& value : values) {
+    table.cases.push_back("c" + std::to_string(table.cases.size()));
+    table.cells.push_back({value});
+  }
+  return table;
+}
+
+const std::vector<std::size_t> first_four{0, 1, 2, 3};
+const Variable x{Variable::By::itself, "x"};
+
+}  // namespace
+
+TEST_CASE("a formula is its terms with main effects before interactions and none twice") {
+  CHECK(terms_of("shape ~ group + age + log(size)") == "group age log(size)");
+  CHECK(terms_of("shape~a*b+a") == "a b a:b");
+  CHECK(terms_of("shape ~ a:b + b + a + 1") == "b a a:b");
+  CHECK(terms_of("shape ~ a*b*c") == "a b c a:b a:c b:c a:b:c");
+  CHECK(terms_of("shape ~ `blood pressure` + factor(site)") == "blood pressure factor(site)");
+  CHECK(test::must(read_formula("log(size) ~ age")).response == Variable{Variable::By::log, "size"});
+}
+
+TEST_CASE("a formula that cannot be read says where") {
+  const std::array<std::pair<const char*, const char*>, 10> wrong{{{"shape", "lacks a ~"},
+                                                                   {"shape ~", "lacks a name at its end"},
+                                                                   {"~ a", "lacks a name before ~"},
+                                                                   {"shape ~ a - b", "has the sign -"},
+                                                                   {"shape ~ exp(a)", "has the function exp"},
+                                                                   {"shape ~ a + a:b", "a:b needs b as a term"},
+                                                                   {"shape ~ 1", "has no term"},
+                                                                   {"shape ~ a b", "cannot be read from b on"},
+                                                                   {"age ~ shape + age", "both sides"},
+                                                                   {"shape ~ `a", "backquote"}}};
+  for (const auto& [formula, what] : wrong) CHECK(says(read_formula(formula), what));
+}
+
+TEST_CASE("a table is read with any separator and its errors name the line") {
+  const TemporaryFolder folder;
+  const auto file = folder.path / "t.csv";
+  const auto read = [&](const std::string& text) {
+    REQUIRE(write_whole_file(file, text));
+    return read_covariates(file);
+  };
+  const CovariateTable table = test::must(read("age;Case;group\r\n41;k1;a b\r\n\r\n;k2;\"c;d\"\r\n"));
+  CHECK(table.columns == std::vector<std::string>{"age", "group"});
+  CHECK(table.cases == std::vector<std::string>{"k1", "k2"});
+  CHECK(table.cells[1] == std::vector<std::string>{"", "c;d"});
+  CHECK(table.column("group") == 1U);
+  CHECK_FALSE(table.column("Case"));
+  CHECK(says(read("name,age\nk1,4,5\n"), "line 2 has 3 cells"));
+  CHECK(says(read("name,age\nk1,4\nk1,5\n"), "has the case k1 twice"));
+  CHECK(says(read("name,age,age\nk1,4,4\n"), "has the column age twice"));
+  CHECK(says(read("name,age\n,4\n"), "names no case"));
+  CHECK(says(read("name,age\n"), "has no cases"));
+  for (const char* cell : {"", " ", "NA", "n/a", "NaN", ".", "?"}) CHECK(is_missing(cell));
+  CHECK_FALSE(is_missing("0"));
+}
+
+TEST_CASE("numbers are coded with mean 0 and deviation 1 and groups against the first") {
+  const CodedVariable numbers = test::must(coded_column(table_of({"1", "2", "3", "6"}), first_four, x));
+  CHECK(numbers.columns.mean() == doctest::Approx(0));
+  CHECK(numbers.columns.squaredNorm() == doctest::Approx(3));
+  CHECK(numbers.levels.empty());
+  const CodedVariable groups = test::must(coded_column(table_of({"b", "a", "b", "a"}), first_four, x));
+  CHECK(groups.levels == std::vector<std::string>{"a", "b"});
+  CHECK(groups.columns.col(0) == Eigen::Vector4d(1, 0, 1, 0));
+  const Variable factor{Variable::By::factor, "x"};
+  CHECK(test::must(coded_column(table_of({"10", "9", "10", "9"}), first_four, factor)).levels ==
+        std::vector<std::string>{"9", "10"});
+  const Variable log{Variable::By::log, "x"};
+  CHECK(test::must(numbers_of(table_of({"1", "2", "3", "6"}), first_four, log))[3] == doctest::Approx(std::log(6)));
+}
+
+TEST_CASE("columns that cannot be tested are refused by name") {
+  CHECK(says(coded_column(table_of({"2", "2", "2", "2"}), first_four, x), "x: is the same for every case"));
+  CHECK(says(coded_column(table_of({"a", "a", "a", "a"}), first_four, x), "one group only (a)"));
+  CHECK(says(coded_column(table_of({"a", "a", "b", "a"}), first_four, x), "a single case in the group b"));
+  CHECK(says(coded_column(table_of({"1", "2", "old", "4"}), first_four, x), "has \"old\" for c2 where x should be"));
+  const Variable log{Variable::By::log, "x"};
+  CHECK(says(coded_column(table_of({"1", "0", "3", "4"}), first_four, log), "log(x): is not defined for c1"));
+  CHECK(says(coded_column(table_of({"a", "b", "a", "b"}), first_four, log), "should be a number"));
+}
+
+TEST_CASE("a term that others determine and too many parameters are refused") {
+  const auto code = [](const Variable& variable) -> Result<CodedVariable> {
+    Eigen::VectorXd values(6);
+    if (variable.name == "a") values << 1, 2, 3, 4, 6, 9;
+    if (variable.name == "twice") values << 3, 5, 7, 9, 13, 19;
+    if (variable.name == "b") values << 4, 1, 1, 3, 2, 7;
+    if (variable.name == "c") values << 1, 1, 0, 2, 0, 1;
+    return coded_numbers(variable.name, values);
+  };
+  const auto design = [&](const char* formula) {
+    return make_design(test::must(read_formula(formula)).terms, 0, code);
+  };
+  CHECK(test::must(design("y ~ a*b")).parameters() == 4);
+  CHECK(test::must(design("y ~ a*b")).terms[0].holders == std::vector<std::size_t>{2});
+  CHECK(says(design("y ~ a + twice"), "the term twice is already determined"));
+  CHECK(says(design("y ~ a*b*c"), "has 8 parameters, and 6 cases"));
+}
+
+TEST_CASE("permutations keep blocks and depend on the seed alone") {
+  const std::vector<int> blocks{0, 1, 0, 1, 1, 2, 2};
+  const Permutations all = random_permutations(blocks, 200, 7);
+  CHECK(all == random_permutations(blocks, 200, 7));
+  CHECK(all != random_permutations(blocks, 200, 8));
+  bool moves = false;
+  for (Eigen::Index row = 0; row < all.rows(); ++row) {
+    Eigen::VectorXi seen = Eigen::VectorXi::Zero(7);
+    for (Eigen::Index i = 0; i < 7; ++i) {
+      CHECK(blocks[static_cast<std::size_t>(all(row, i))] == blocks[static_cast<std::size_t>(i)]);
+      ++seen[all(row, i)];
+      moves = moves || all(row, i) != i;
+    }
+    CHECK(seen == Eigen::VectorXi::Ones(7));
+  }
+  CHECK(moves);
+  // Every order of three is as likely: 1/6 of 6000 each, give or take five deviations.
+  const Permutations three = random_permutations({0, 0, 0}, 6000, 1);
+  std::array<int, 9> counts{};
+  for (Eigen::Index row = 0; row < three.rows(); ++row)
+    ++counts[static_cast<std::size_t>(3 * three(row, 0) + three(row, 1))];
+  for (const std::size_t order : {1, 2, 3, 5, 6, 7}) CHECK(std::abs(counts[order] - 1000) < 5 * 29);
+}
+
+TEST_CASE("a file of permutations is read and what is none is refused by its line") {
+  const TemporaryFolder folder;
+  const auto file = folder.path / "orders.txt";
+  const auto read = [&](const std::string& text) {
+    REQUIRE(write_whole_file(file, text));
+    return read_permutations(file, 3);
+  };
+  const Permutations two = test::must(read("0 2 1\n\n1,0, 2\r\n"));
+  CHECK(two.rows() == 2);
+  CHECK(two.row(1) == Eigen::RowVector3i(1, 0, 2));
+  CHECK(says(read("0 1 2\n1 2 3\n"), "line 2 is no permutation: it has to hold each number from 0 to 2 once"));
+  CHECK(says(read("0 1\n"), "line 1 has 2 numbers where 3 cases"));
+  CHECK(says(read("0 1 1\n"), "no permutation"));
+  CHECK(says(read("0 1 x\n"), "has \"x\", which is no number"));
+  CHECK(says(read("\n"), "has no permutations"));
+}
+
+}  // namespace homolog

@@ -27,6 +27,7 @@ struct TestOptions {
   Eigen::Index permutations = 999, modes = 0;
   std::uint64_t seed = 1;
   fs::path permutation_file, tables;
+  std::vector<Eigen::Index> at;  ///< vertices whose places are written
 };
 
 /// What is computed with.
@@ -199,6 +200,39 @@ Result<void> write_cases(const TestJob& job, const fs::path& file) {
   return write_whole_file(file, table);
 }
 
+/// Where each case has a vertex, aligned, and how far outside of the mean shape.
+Result<void> write_places(const TestJob& job, Eigen::Index vertex, const fs::path& file) {
+  const ShapeMatrix& shapes = job.cases.shapes;
+  const Eigen::VectorXd mean = shapes.rowwise().mean();
+  std::string table = "case,x_mm,y_mm,z_mm,outward_mm\n";
+  for (Eigen::Index k = 0; k < shapes.cols(); ++k) {
+    table += csv_field(case_named(job.cases, k));
+    for (Eigen::Index axis = 0; axis < 3; ++axis) table += ',' + number(shapes(3 * vertex + axis, k));
+    table += ',';
+    if (job.cases.topology) {
+      const Points offset = points_of(shapes, k) - points_of(mean);
+      table += number(outward_mm(Mesh{job.cases.topology, points_of(mean)}, offset)[vertex]);
+    }
+    table += '\n';
+  }
+  return write_whole_file(file, table);
+}
+
+/// The tables that --csv asks for; gives the path of that of the vertices, null without one.
+Result<Json> write_tables(TestJob& job, Progress& progress) {
+  const fs::path& tables = job.options.tables;
+  const auto folder = ResultFolder::make(tables);
+  if (!folder) return fail(folder.error());
+  if (auto done = write_cases(job, tables / "cases.csv"); !done) return fail(done.error());
+  for (const Eigen::Index vertex : job.options.at)
+    if (auto done = write_places(job, vertex, tables / ("vertex-" + std::to_string(vertex) + ".csv")); !done)
+      return fail(done.error());
+  if (!job.of_shape()) return Json();
+  const fs::path landmarks = tables / "landmarks.csv";
+  if (auto done = write_landmarks(job, landmarks, progress); !done) return fail(done.error());
+  return Json(landmarks.string());
+}
+
 Json json_of(const LinearTest& test, const TestJob& job) {
   Json terms = Json::array(), pairs = Json::array();
   for (const TermTest& one : test.terms)
@@ -252,6 +286,10 @@ Result<Report> run_test(TestOptions options, Progress& progress) {
   auto cases = read_test_cases(options.asked, progress);
   if (!cases) return fail(cases.error());
   TestJob job{options, std::move(*cases)};
+  for (const Eigen::Index vertex : options.at)
+    if (vertex >= job.cases.shapes.rows() / 3)
+      return fail("--at", "names vertex " + std::to_string(vertex) + ", and the shapes have " +
+                              std::to_string(job.cases.shapes.rows() / 3) + ", counted from 0");
   if (auto done = put_responses(job); !done) return fail(done.error());
   if (auto done = put_design(job, progress); !done) return fail(done.error());
   if (auto done = put_weights(job); !done) return fail(done.error());
@@ -262,14 +300,9 @@ Result<Report> run_test(TestOptions options, Progress& progress) {
   Report report;
   report.values = report_of(job, test);
   if (!options.tables.empty()) {
-    const auto folder = ResultFolder::make(options.tables);
-    if (!folder) return fail(folder.error());
-    if (auto done = write_cases(job, options.tables / "cases.csv"); !done) return fail(done.error());
-    if (job.of_shape()) {
-      const fs::path landmarks = options.tables / "landmarks.csv";
-      if (auto done = write_landmarks(job, landmarks, progress); !done) return fail(done.error());
-      report.values["landmarks"] = landmarks.string();
-    }
+    auto landmarks = write_tables(job, progress);
+    if (!landmarks) return fail(landmarks.error());
+    report.values["landmarks"] = std::move(*landmarks);
   }
   report.warnings = std::move(job.cases.warnings);
   return report;
@@ -305,7 +338,11 @@ void add_test(CLI::App& app, CommandLine& asked) {
   verb->add_option("--modes", options->modes,
                    "Of \"age ~ shape\": how many modes explain (default: those that hold more than chance)")
       ->check(CLI::Range(1, 10000));
-  verb->add_option("--csv", options->tables, "Folder for cases.csv and, of shapes, landmarks.csv");
+  auto* tables = verb->add_option("--csv", options->tables, "Folder for cases.csv and, of shapes, landmarks.csv");
+  verb->add_option("--at", options->at, "Also write where each case has this vertex (N,N,…) into vertex-N.csv there")
+      ->delimiter(',')
+      ->check(CLI::NonNegativeNumber)
+      ->needs(tables);
   verb->callback(
       [options, &asked] { asked.run = [options](Progress& progress) { return run_test(*options, progress); }; });
 }

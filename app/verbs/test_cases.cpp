@@ -206,9 +206,12 @@ Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progres
   auto found = partners(read->set, RowFinder(cases.table, *studies), cases);
   if (!found) return fail(found.error());
   leave_out_incomplete(*found, *columns, asked.paired, cases);
-  if (found->size() < 2)
-    return fail(cases.table.source, "leaves " + std::string(found->empty() ? "no case" : "one case") +
-                                        " to be tested; complete its cells, or give more shapes");
+  if (found->size() < 2) {
+    std::string why;
+    if (!cases.left_out.empty()) why = " (" + cases.left_out.back().name + " " + cases.left_out.back().reason + ")";
+    return fail(cases.table.source, "leaves " + std::string(found->empty() ? "no case" : "one case") + " to be tested" +
+                                        why + "; complete it, or give more shapes");
+  }
   if (auto taken = take_shapes(asked, read->set, *found, progress, cases); !taken) return fail(taken.error());
   return cases;
 }

@@ -69,6 +69,19 @@ TEST_CASE("a bump of one group is found where it is and age is not blamed") {
   CHECK(hits == top);
   CHECK(wrong <= top / 4);
   CHECK(lines(read_whole_file(folder.path / "out/cases.csv").value_or("")) == 13);
+  // Where a vertex of the bump lies in each case: outwards in those that are ill.
+  Eigen::Index pole = 0;
+  ball.points.col(2).maxCoeff(&pole);
+  const std::string at = "vertex-" + std::to_string(pole) + ".csv";
+  REQUIRE(run(folder, by("shape ~ group") + "--no-align --csv one --at " + std::to_string(pole)).status == 0);
+  const std::string places = read_whole_file(folder.path / "one" / at).value_or("");
+  CHECK(lines(places) == 13);
+  for (int k = 0; k < 12; ++k) {
+    const auto row = places.find("\nc" + std::to_string(k) + ",");
+    REQUIRE(row != std::string::npos);
+    const auto cells = csv_fields(std::string_view(places).substr(row + 1, places.find('\n', row + 1) - row - 1));
+    CHECK(std::stod(cells[4]) * (k % 2 == 1 ? 1 : -1) > 0);
+  }
   // With 19 permutations q cannot be small, and that is said.
   CHECK(run(folder, by("shape ~ group") + "--no-align --csv few --permutations 19").errors.find("ask for more") !=
         std::string::npos);
@@ -107,7 +120,11 @@ TEST_CASE("what a test cannot answer is refused in a sentence") {
   check_refused(run(folder, by("shape ~ factor(subject)") + "--paired subject"), "determined");
   check_refused(run(folder, by("shape ~ group") + "--by-doubt"), "none of the shapes has a doubt");
   check_refused(run(folder, by("age ~ shape") + "--modes 40"), "--modes");
+  check_refused(run(folder, by("shape ~ group") + "--csv out --at 162"), "--at");
+  CHECK_FALSE(fs::exists(folder.path / "out"));
   check_refused(run(folder, "test shapes --formula \"shape ~ group\""), "--covariates");
+  check_refused(run(folder, by("shape ~ group") + "--paired name"), "is no column");
+  check_refused(run(folder, by("shape ~ group") + "--paired age"), "is the only case of age");
   REQUIRE(write_whole_file(folder.path / "orders.txt", "0 1 2\n"));
   check_refused(run(folder, by("shape ~ group") + "--permutation-file orders.txt"), "orders.txt");
   REQUIRE(write_whole_file(folder.path / "t.csv", "name,group\nx,a\ny,b\n"));

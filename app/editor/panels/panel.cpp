@@ -128,23 +128,25 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
   };
   // With several structures their list is what one works with.
   static constexpr auto has_several = [](const UiContext& shown) { return shown.document().structures.size() > 1; };
-  static constexpr auto has_structures = [](const UiContext& shown) {
-    return has_several(shown) || shown.labels().values.size() > 1;
-  };
   static constexpr auto opens_structures = [](const UiContext& shown) {
     return has_several(shown) || shown.work.set_fitter.busy() ||
            (shown.structure() == nullptr && shown.labels().values.size() > 1);
   };
+  // Beside a mesh that one works on, a map of several labels may come and go: nothing above may move for it.
+  static constexpr auto may_have_structures = [](const UiContext& shown) {
+    return !opens_structures(shown) && shown.labels().values.size() > 1;
+  };
   static constexpr auto has_one = [](const UiContext& shown) { return !has_several(shown); };
-  static constexpr std::array<PanelSection, 8> sections{
+  static constexpr std::array<PanelSection, 9> sections{
       {{"Case", draw_case_section, true, nullptr, has_one},
-       {structures_section, draw_structures_section, true, has_structures, opens_structures, structures_in_words},
+       {structures_section, draw_structures_section, true, opens_structures, opens_structures, structures_in_words},
        {"Cine", draw_cine_section, true, is_cine},
        {"Template", draw_template_section, false, nullptr, is_own_scan, template_in_words},
        {place_section, draw_place_section, false, nullptr, nullptr, placed_in_words},
        {deform_section, draw_deform_section, true},
        {"Correspondence", draw_correspondence_section, true},
-       {"Export", draw_export_section, false}}};
+       {"Export", draw_export_section, false},
+       {structures_section, draw_structures_section, false, may_have_structures}}};
   draw_sections(ui, "side panel", ui.layout.panel, sections, out);
 }
 

@@ -13,8 +13,6 @@ namespace homolog {
 
 namespace {
 
-constexpr const char* spine_set = "built-in:spine";
-
 struct StepWords {
   const char* words;
   ImU32 colour;
@@ -64,8 +62,8 @@ void draw_set_choice(const UiContext& ui, Outbox& out) {
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
   const std::string busy = ui.work.set_fitter.busy() ? "The set is being fitted." : "";
   if (button(theme, "Spine", "The built-in set: T12 to the sacrum, with the discs between them",
-             automatic.set_source == spine_set ? "This set is chosen." : busy, half))
-    out.send(ChooseSet{spine_set});
+             automatic.set_source == built_in_set_source() ? "This set is chosen." : busy, half))
+    out.send(ChooseSet{built_in_set_source()});
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Choose a set\xe2\x80\xa6", "A template set: NAME.set.json, as homolog set make writes it", busy,
              half))

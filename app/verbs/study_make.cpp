@@ -14,6 +14,7 @@
 #include "core/base/files.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
+#include "core/base/text_table.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/model/doubtful_shapes.h"
@@ -54,31 +55,14 @@ std::string column_named(const std::string& text) {
 /// A table with commas, semicolons or tabs between its cells. Errors: no rows, a line of another length, a column
 /// twice.
 Result<std::vector<Row>> read_rows(const fs::path& path) {
-  auto text = read_whole_file(path, std::uintmax_t{1} << 25);
-  if (!text) return fail(text.error());
-  if (text->starts_with("\xEF\xBB\xBF")) text->erase(0, 3);
-  std::vector<std::string> columns;
+  auto table = read_text_table(path);
+  if (!table) return fail(table.error());
+  for (std::string& column : table->columns) column = column_named(column);
+  const auto& columns = table->columns;
+  if (std::set<std::string>(columns.begin(), columns.end()).size() != columns.size())
+    return fail(path.string(), "has a column twice; rename one of them");
   std::vector<Row> rows;
-  char separator = ',';
-  std::size_t number = 0;
-  for (std::size_t at = 0; at < text->size();) {
-    const std::size_t end = std::min(text->find('\n', at), text->size());
-    const std::string_view line = std::string_view(*text).substr(at, end - at);
-    at = end + 1;
-    ++number;
-    if (line.find_first_not_of(" \t\r,;") == std::string_view::npos) continue;
-    if (columns.empty()) {
-      separator = table_separator(line);
-      for (const std::string& cell : table_cells(line, separator)) columns.push_back(column_named(cell));
-      if (std::set<std::string>(columns.begin(), columns.end()).size() != columns.size())
-        return fail(path.string(), "has a column twice; rename one of them");
-      continue;
-    }
-    auto cells = table_cells(line, separator);
-    if (cells.size() != columns.size())
-      return fail(path.string(), "line " + std::to_string(number) + " has " + std::to_string(cells.size()) +
-                                     " cells where the first line names " + std::to_string(columns.size()) +
-                                     "; correct it");
+  for (auto& cells : table->rows) {
     Row row;
     for (std::size_t k = 0; k < cells.size(); ++k) row[columns[k]] = std::move(cells[k]);
     rows.push_back(std::move(row));

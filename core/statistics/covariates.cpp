@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <set>
+#include <utility>
 
-#include "core/base/files.h"
 #include "core/base/text.h"
+#include "core/base/text_table.h"
 
 namespace homolog {
 
@@ -41,30 +41,14 @@ bool is_missing(std::string_view cell) {
 }
 
 Result<CovariateTable> read_covariates(const std::filesystem::path& path) {
-  auto text = read_whole_file(path, std::uintmax_t{1} << 25);
-  if (!text) return fail(text.error());
-  if (text->starts_with("\xEF\xBB\xBF")) text->erase(0, 3);
-  CovariateTable table{path.string(), {}, {}, {}};
-  std::size_t names = 0, number = 0;
-  char separator = ',';
-  for (std::size_t at = 0; at < text->size();) {
-    const std::size_t end = std::min(text->find('\n', at), text->size());
-    const std::string_view line = std::string_view(*text).substr(at, end - at);
-    at = end + 1;
-    ++number;
-    if (line.find_first_not_of(" \t\r,;") == std::string_view::npos) continue;
-    if (table.columns.empty()) {
-      separator = table_separator(line);
-      table.columns = table_cells(line, separator);
-      names = column_of_names(table.columns);
-      continue;
-    }
-    auto cells = table_cells(line, separator);
-    const std::string where = "line " + std::to_string(number);
-    if (cells.size() != table.columns.size())
-      return fail(table.source, where + " has " + std::to_string(cells.size()) + " cells where the first line names " +
-                                    std::to_string(table.columns.size()) + "; correct it");
-    if (cells[names].empty()) return fail(table.source, where + " names no case; correct it");
+  auto read = read_text_table(path);
+  if (!read) return fail(read.error());
+  CovariateTable table{path.string(), std::move(read->columns), {}, {}};
+  const std::size_t names = column_of_names(table.columns);
+  for (std::size_t k = 0; k < read->rows.size(); ++k) {
+    auto& cells = read->rows[k];
+    if (cells[names].empty())
+      return fail(table.source, "line " + std::to_string(read->lines[k]) + " names no case; correct it");
     table.cases.push_back(std::move(cells[names]));
     cells.erase(cells.begin() + static_cast<std::ptrdiff_t>(names));
     table.cells.push_back(std::move(cells));

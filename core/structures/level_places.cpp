@@ -20,10 +20,6 @@ struct Link {
   Vec3 in_set, in_map;
 };
 
-Vec3 centre_of(const Points& points) {
-  return points.colwise().mean();
-}
-
 /// Those of a chain that have a say, in the order in which they lie, from above.
 std::vector<Link> links_of(const LevelChain& chain, const SetOfTemplates& set, const FittedSet& fitted,
                            const std::vector<char>& placed) {
@@ -31,7 +27,7 @@ std::vector<Link> links_of(const LevelChain& chain, const SetOfTemplates& set, c
   for (const auto& [level, k] : chain.by_level)
     if (placed[k] != 0)
       links.push_back(
-          {k, level, centre_of(set.templates[k]->points), centre_of(fitted.structures[k].fit->mesh.points)});
+          {k, level, middle_of(set.templates[k]->points), middle_of(fitted.structures[k].fit->mesh.points)});
   if (links.size() < 2) return links;
   // By the direction in which most of them follow on each other, which a few wrong names do not change.
   Vec3 along = Vec3::Zero();
@@ -99,7 +95,7 @@ std::optional<LevelErrors> level_errors(const SetOfTemplates& set, const LevelCh
     double& error = errors[static_cast<std::size_t>(by + 1)];
     error = errors[1];  // nothing is known
     if (there == chain.by_level.end()) continue;
-    const Vec3 said = body.scale * (body.rotation * (centre_of(set.templates[there->second]->points) - other_in_set));
+    const Vec3 said = body.scale * (body.rotation * (middle_of(set.templates[there->second]->points) - other_in_set));
     error = std::min(most_errors, (said - offset).norm() / std::max(least_error_mm, usual_error * said.norm()));
   }
   return errors;
@@ -148,7 +144,7 @@ std::optional<std::array<double, 2>> level_evidence_of_others(const SetOfTemplat
                                                               const std::vector<LevelChain>& chains, std::size_t of) {
   const LevelChain& chain = chains[of];
   if (chain.apart.empty()) return std::nullopt;
-  const auto in_map = [&](std::size_t k) { return centre_of(fitted.structures[k].fit->mesh.points); };
+  const auto in_map = [&](std::size_t k) { return middle_of(fitted.structures[k].fit->mesh.points); };
   std::vector<std::size_t> all;
   for (std::size_t k = 0; k < placed.size(); ++k)
     if (placed[k] != 0) all.push_back(k);
@@ -166,7 +162,7 @@ std::optional<std::array<double, 2>> level_evidence_of_others(const SetOfTemplat
       const Vec3 offset = in_map(k) - in_map(other);
       if (offset.norm() >= nearest_mm) continue;
       const auto errors = level_errors(set, chain, *level_of_name(set.set.structures[k].name) + apart,
-                                       centre_of(set.templates[*really]->points), offset, body);
+                                       middle_of(set.templates[*really]->points), offset, body);
       if (!errors) continue;
       nearest = errors;
       nearest_mm = offset.norm();

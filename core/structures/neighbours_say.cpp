@@ -11,10 +11,6 @@ namespace homolog {
 
 namespace {
 
-Points middle_of(const Points& points) {
-  return points.colwise().mean();
-}
-
 /// Structures and how far off they are.
 using NearStructures = std::vector<std::pair<double, std::size_t>>;
 
@@ -65,7 +61,7 @@ std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const st
                                              std::size_t of) {
   NearStructures near;
   if (set.templates[of] == nullptr) return std::nullopt;
-  const Points middle = middle_of(set.templates[of]->points);
+  const Vec3 middle = middle_of(set.templates[of]->points);
   for (std::size_t k = 0; k < fitted.size(); ++k)
     if (k != of && has_a_say(fitted[k])) near.emplace_back((middle_of(set.templates[k]->points) - middle).norm(), k);
   return said_by(set, fitted, std::move(near));
@@ -75,8 +71,7 @@ std::optional<Similarity> said_by_neighbours_at(const SetOfTemplates& set, const
                                                 const Vec3& place_mm) {
   NearStructures near;
   for (std::size_t k = 0; k < fitted.size(); ++k)
-    if (has_a_say(fitted[k]))
-      near.emplace_back((middle_of(fitted[k].fit->mesh.points) - place_mm.transpose()).norm(), k);
+    if (has_a_say(fitted[k])) near.emplace_back((middle_of(fitted[k].fit->mesh.points) - place_mm).norm(), k);
   return said_by(set, fitted, std::move(near));
 }
 

@@ -8,6 +8,11 @@
 
 namespace homolog {
 
+/// The mean of points.
+inline Vec3 middle_of(const Points& points) {
+  return points.colwise().mean();
+}
+
 /// The similarity of several templates of a set to their fits, which there must be: how the body lies, and its size.
 Similarity similarity_of_fits(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
                               const std::vector<std::size_t>& which);

@@ -51,8 +51,8 @@ void find_shifted_levels(const SetOfTemplates& set, const SetInMap& subject, con
   for (std::size_t k = 0; k < levels.size(); ++k) {
     names[k].p_named = std::min(names[k].p_named, levels[k].p_named);
     if (levels[k].shift == 0) continue;
-    const std::string& name = set.set.structures[k].name;
-    names[k].proposed = name_at_level(name, *level_of_name(name) + levels[k].shift);
+    // Of the other side, where the sides are exchanged too.
+    names[k].proposed = name_at_level(names[k].proposed, *level_of_name(names[k].proposed) + levels[k].shift);
     names[k].defects.push_back({DefectKind::level_shifted, names[k].proposed});
   }
 }
@@ -78,7 +78,25 @@ std::vector<NameFound> find_names(const SetOfTemplates& set, const SetInMap& sub
   for (std::size_t k = 0; k < names.size(); ++k) names[k].proposed = set.set.structures[k].name;
   find_exchanged_sides(set, fitted, names);
   find_shifted_levels(set, subject, fitted, signs, names);
+  settle_clashes(set, subject, names);
   return names;
+}
+
+void settle_clashes(const SetOfTemplates& set, const SetInMap& subject, std::vector<NameFound>& names) {
+  for (bool again = true; again;) {
+    again = false;
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const std::string& own = set.set.structures[k].name;
+      if (names[k].proposed == own || !subject.structures[k].is_there()) continue;
+      for (std::size_t other = 0; other < names.size(); ++other) {
+        if (other == k || !subject.structures[other].is_there() || names[other].proposed != names[k].proposed) continue;
+        constexpr double nobody_knows = 0.5;
+        names[k] = {own, nobody_knows, {}};
+        again = true;
+        break;
+      }
+    }
+  }
 }
 
 bool any_renamed(const SetOfTemplates& set, const std::vector<NameFound>& names) {

@@ -22,6 +22,9 @@ struct NameFound {
 std::vector<NameFound> find_names(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
                                   const std::vector<StructureSigns>& signs);
 
+/// Takes back proposals that would give two structures of the map one name, which would make them one label.
+void settle_clashes(const SetOfTemplates& set, const SetInMap& subject, std::vector<NameFound>& names);
+
 /// Whether any other name is proposed.
 bool any_renamed(const SetOfTemplates& set, const std::vector<NameFound>& names);
 

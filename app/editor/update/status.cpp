@@ -71,7 +71,8 @@ std::string through_itself(const EditorState& state, const Document& shown) {
 std::string why_no_mesh(const EditorState& state, const Document& shown) {
   const Structure* structure = active_structure(state, shown);
   if (active_shape(state, shown)) return {};
-  if (structure == nullptr) return "There is no mesh yet. Load a template (Template), or fit a set to a label map (Structures).";
+  if (structure == nullptr)
+    return "There is no mesh yet. Load a template (Template), or fit a set to a label map (Structures).";
   const bool any_before = structure->shapes.lower_bound(shown.frame) != structure->shapes.begin();
   return any_before ? "This frame has no mesh yet. Start from previous (Cine) copies one."
                     : "This frame has no mesh yet. Go to a frame that has one, and propagate it (Cine).";

@@ -8,6 +8,7 @@
 #include "core/experiment/corrupt_labels.h"
 #include "core/mesh/icosphere.h"
 #include "core/structures/level_names.h"
+#include "core/structures/right_names.h"
 #include "core/structures/set_map.h"
 #include "tests/must.h"
 
@@ -208,6 +209,27 @@ TEST_CASE("labels of which some are a level off get their names back, by where t
       for (const auto& [value, other] : to)
         if (other == static_cast<int>(k) + 1) CHECK(dice_of(map, truth, value) == 1);
   }
+}
+
+TEST_CASE("two structures never come to one name") {
+  const SetOfTemplates& set = the_set();
+  const SetInMap subject = find_in_map(set.set, stone_map(), 0);
+  std::vector<NameFound> names(stones);
+  for (int k = 0; k < stones; ++k) names[static_cast<std::size_t>(k)].proposed = name_of_stone(k);
+  // The second and the third exchange their names; the first wants the fourth's, which the fourth keeps.
+  names[1] = {name_of_stone(2), 0.1, {{DefectKind::level_shifted, name_of_stone(2)}}};
+  names[2] = {name_of_stone(1), 0.1, {{DefectKind::level_shifted, name_of_stone(1)}}};
+  names[0] = {name_of_stone(3), 0.1, {{DefectKind::level_shifted, name_of_stone(3)}}};
+  settle_clashes(set, subject, names);
+  CHECK(names[0].proposed == name_of_stone(0));
+  CHECK(names[0].p_named == 0.5);
+  CHECK(names[0].defects.empty());
+  CHECK(names[1].proposed == name_of_stone(2));
+  CHECK(names[2].proposed == name_of_stone(1));
+  // What keeps its own name for it stops the next one too.
+  names[3].proposed = name_of_stone(0);
+  settle_clashes(set, subject, names);
+  CHECK(names[3].proposed == name_of_stone(3));
 }
 
 TEST_CASE("with an image what is filled in goes to the boundary that it shows") {

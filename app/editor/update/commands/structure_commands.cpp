@@ -71,22 +71,7 @@ void AcceptStructure::run(Editing& editing) const {
   if (more) editing.out.send(NextStructure{false, true});
 }
 
-namespace {
-
-/// A name with each of its levels moved: "disc_L2_L3" of "disc_L1_L2".
-std::string with_levels_moved(const std::string& name, int steps) {
-  std::string moved;
-  for (std::size_t at = 0; at <= name.size();) {
-    const std::size_t end = std::min(name.find('_', at), name.size());
-    const std::string word = name.substr(at, end - at);
-    const auto level = level_of_name(word);
-    moved += (at > 0 ? "_" : "") + (level ? name_at_level(word, *level + steps) : word);
-    at = end + 1;
-  }
-  return moved;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 void RenameLevels::spell(Fields& line) {
   line.member("steps", steps);
@@ -105,7 +90,7 @@ void RenameLevels::run(Editing& editing) const {
       kept.insert(one->name);
       continue;
     }
-    std::string name = with_levels_moved(one->name, steps);
+    std::string name = name_at_level(one->name, *level + steps);
     if (name == one->name)
       return add_notice(editing.state, "\"" + one->name + "\" has no level there. Rename fewer levels.", false);
     renamed.emplace_back(one.get(), std::move(name));

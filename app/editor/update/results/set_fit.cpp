@@ -121,8 +121,8 @@ std::vector<std::string> names_in_map(const TemplateSet& set, const ShownLabels&
   for (const TemplateOfSet& one : set.structures) {
     const bool named = std::ranges::any_of(
         labels.names, [&](const auto& label) { return lower_case(label.second) == lower_case(one.name); });
-    const bool numbered = !labels.names.contains(one.value) &&
-                          std::ranges::find(labels.values, one.value) != labels.values.end();
+    const bool numbered =
+        !labels.names.contains(one.value) && std::ranges::find(labels.values, one.value) != labels.values.end();
     if (named || numbered) names.push_back(one.name);
   }
   return names;

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace homolog {
+
+/// A table as text: a line with the columns, then a line a row. Blank lines are left out.
+struct TextTable {
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;  ///< of each one cell a column, trimmed
+  std::vector<std::size_t> lines;              ///< where in the file each row stands, from 1
+};
+
+/// Reads a table with commas, semicolons or tabs between its cells [table_separator]. Errors: unreadable, more than
+/// 32 MiB, a line with another number of cells than columns.
+Result<TextTable> read_text_table(const std::filesystem::path& path);
+
+}  // namespace homolog

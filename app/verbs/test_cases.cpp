@@ -34,10 +34,11 @@ Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<fs::
   return cases;
 }
 
-/// What a study knows of its cases: their group and the columns that its table had.
-Result<CovariateTable> covariates_of(const std::map<std::string, StudyCase>& cases, const std::string& source) {
-  if (cases.empty()) return fail("--covariates", "is needed: the shapes are of no study that knows covariates");
-  CovariateTable table{source, {"group"}, {}, {}};
+/// What a study knows of its cases: their group and the columns that its table had. Of no study nothing.
+CovariateTable covariates_of(const std::map<std::string, StudyCase>& cases, const std::string& source) {
+  CovariateTable table{source, {}, {}, {}};
+  if (cases.empty()) return table;
+  table.columns = {"group"};
   for (const auto& [file, one] : cases)
     for (const auto& [key, value] : one.other.items())
       if (!value.is_structured() && !table.column(key)) table.columns.push_back(key);
@@ -64,6 +65,8 @@ Result<std::vector<std::size_t>> needed_columns(const TestCasesAsked& asked, con
     const auto column = table.column(one.name);
     if (column && one.name != "shape") columns.insert(*column);
     if (column || one.name == "shape" || one.name == "size") continue;
+    if (table.columns.empty())
+      return fail("--covariates", "is needed for " + one.name + ": the shapes are of no study that knows it");
     std::vector<std::string> words = table.columns;
     words.insert(words.end(), {"shape", "size"});
     return fail(one.name, "is no column of " + table.source + "; there are " + listed(words, " and ") +
@@ -192,8 +195,9 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSet& set, co
 Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progress) {
   const auto studies = cases_of_studies(asked.shapes.files);
   if (!studies) return fail(studies.error());
-  auto table = asked.covariates.empty() ? covariates_of(*studies, asked.shapes.files.front().string())
-                                        : read_covariates(asked.covariates);
+  auto table = asked.covariates.empty()
+                   ? Result<CovariateTable>(covariates_of(*studies, asked.shapes.files.front().string()))
+                   : read_covariates(asked.covariates);
   if (!table) return fail(table.error());
   TestCases cases;
   cases.table = std::move(*table);
@@ -203,6 +207,10 @@ Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progres
   if (!read) return fail(read.error());
   cases.warnings = std::move(read->warnings);
   cases.left_out = std::move(read->left_out);
+  if (cases.table.columns.empty() && cases.table.cases.empty()) {  // the shapes' sizes are enough
+    cases.table.cases = shape_names(read->set.names);
+    cases.table.cells.resize(cases.table.cases.size());
+  }
   auto found = partners(read->set, RowFinder(cases.table, *studies), cases);
   if (!found) return fail(found.error());
   leave_out_incomplete(*found, *columns, asked.paired, cases);

@@ -90,6 +90,18 @@ TEST_CASE("a bump of one group is found where it is and age is not blamed") {
   CHECK(read_whole_file(folder.path / "other/landmarks.csv").value_or("") == table);
 }
 
+TEST_CASE("a formula of sizes alone needs no table") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  const Ran without = run(folder, "test shapes --json --formula \"shape ~ log(size)\"");
+  REQUIRE_MESSAGE(without.status == 0, without.errors);
+  CHECK(without.json()["shapes"] == 12);
+  CHECK(without.json()["terms"] == run(folder, by("shape ~ log(size)")).json()["terms"]);
+  const Ran group = run(folder, "test shapes --formula \"shape ~ group\"");
+  CHECK(group.status == 1);
+  CHECK(group.errors.find("--covariates: is needed for group") != std::string::npos);
+}
+
 TEST_CASE("cases without a partner or a value are left out with the reason") {
   const TemporaryFolder folder;
   put_balls(folder.path, 0);

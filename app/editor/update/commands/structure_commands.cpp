@@ -92,13 +92,13 @@ void RenameLevels::run(Editing& editing) const {
     }
     std::string name = name_at_level(one->name, *level + steps);
     if (name == one->name)
-      return add_notice(editing.state, "\"" + one->name + "\" has no level there. Rename fewer levels.", false);
+      return add_notice(editing.state, "There is no such level for \"" + one->name + "\". Nothing was renamed.", false);
     renamed.emplace_back(one.get(), std::move(name));
   }
   for (const auto& [one, name] : renamed)
     if (kept.contains(name))
-      return add_notice(editing.state, "\"" + name + "\" is there already, above. Begin the renaming at that level.",
-                        false);
+      return add_notice(editing.state,
+                        "\"" + name + "\" is there already, above. Nothing was renamed. Begin at that level.", false);
   bool joined = false;
   for (auto& [one, name] : renamed)
     editing.apply(SetStructure{.id = one->id, .name = name, .label = name}, std::exchange(joined, true));

@@ -10,6 +10,7 @@
 #include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/paths.h"
+#include "core/model/statismo.h"
 #include "core/structures/repair.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
@@ -26,7 +27,7 @@ namespace {
 struct MapRepairJob {
   std::vector<fs::path> maps;
   std::string set;
-  fs::path image, out;
+  fs::path image, model, out;
   std::optional<int> frame;
 };
 
@@ -129,12 +130,13 @@ Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const Set
   return cases;
 }
 
-Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, const fs::path& path,
-                          std::vector<StudyCase>& worklist, Progress& progress) {
+Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, const SetModel* model,
+                          const fs::path& path, std::vector<StudyCase>& worklist, Progress& progress) {
   auto map = read_subject(path, job.frame, progress);
   if (!map) return fail(map.error());
   MapRepairOptions options;
   options.progress = &progress;
+  options.model = model;
   std::optional<VolumeRead> image;
   if (!job.image.empty()) {
     auto read = read_image(job.image, map->frame, progress);
@@ -161,13 +163,28 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
   return report;
 }
 
+/// The joint model that was given, if any.
+Result<std::optional<SetModel>> model_of(const MapRepairJob& job, const SetOfTemplates& set) {
+  if (job.model.empty()) return std::optional<SetModel>();
+  const auto model = read_model(job.model);
+  if (!model) return fail(model.error());
+  auto of_set = set_model(*model, set);
+  if (!of_set) return fail(job.model.string(), of_set.error().what);
+  return std::optional<SetModel>(std::move(*of_set));
+}
+
 Result<Report> repair_maps(const MapRepairJob& job, Progress& progress) {
   const auto set = load_set_of_templates(job.set);
   if (!set) return fail(set.error());
+  const auto model = model_of(job, *set);
+  if (!model) return fail(model.error());
   std::vector<StudyCase> worklist;
   auto report = run_set_cases(
       *set, maps_of(job.maps, set->set), job.out, "repaired",
-      [&](const fs::path& path, Progress& own) { return repair_one(job, *set, path, worklist, own); }, progress);
+      [&](const fs::path& path, Progress& own) {
+        return repair_one(job, *set, *model ? &**model : nullptr, path, worklist, own);
+      },
+      progress);
   if (!report || worklist.empty()) return report;
   const fs::path study = job.out / "worklist.study.json";
   if (auto written = write_cases_into(study, {}, std::move(worklist)); !written) return fail(written.error());
@@ -182,6 +199,9 @@ void add_repair(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "repair", "Finds what is wrong with the structures of label maps, and mends it");
   verb->add_option("MAP", job->maps, "Label maps of several structures, or folders of them")->required();
   verb->add_option("--templates", job->set, "The template set, NAME.set.json")->required();
+  verb->add_option("--model", job->model,
+                   "A joint model (.h5, .h5.json) of the set's structures: says how what is missing lies and looks")
+      ->check(CLI::ExistingFile);
   verb->add_option("--image", job->image, "The scan: what is filled in goes to the boundary that it shows")
       ->check(CLI::ExistingPath);
   verb->add_option("--frame", job->frame, "Which frame of a label map with several")->check(CLI::Range(0, 100000));

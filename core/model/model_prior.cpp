@@ -2,7 +2,10 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <string>
+#include <vector>
 
+#include "core/base/file_stem.h"
 #include "core/model/conditional.h"
 
 namespace homolog {
@@ -49,7 +52,35 @@ Eigen::VectorXd nearest_coefficients(const ShapeModel& posed, const Points& targ
 
 }  // namespace
 
+namespace {
+
+bool has_numbering(const ShapeModel& model, const StructurePart& part, const Template& the_template) {
+  if (part.vertices != the_template.points.rows()) return false;
+  return !model.topology || triangles_of(part, model.topology->triangles()) == the_template.topology->triangles();
+}
+
+/// The model of the structure that a template is of.
+Result<ShapeModel> model_for(const ShapeModel& model, const Template& the_template) {
+  std::vector<const StructurePart*> fitting;
+  for (const StructurePart& part : model.parts)
+    if (has_numbering(model, part, the_template)) fitting.push_back(&part);
+  const StructurePart* named = part_named(model.parts, file_stem(the_template.source));
+  if (named != nullptr && std::ranges::find(fitting, named) != fitting.end()) return part_of(model, *named);
+  if (fitting.size() > 1)
+    return fail("", "has several structures of the template's numbering, such as " + fitting[0]->name + " and " +
+                        fitting[1]->name + "; give the template's file the name of its structure");
+  if (fitting.empty()) return fail("", "has no structure of the template's numbering");
+  return part_of(model, *fitting.front());
+}
+
+}  // namespace
+
 Result<AllowedShapes> allowed_by(const ShapeModel& model, const Template& the_template, double limit) {
+  if (!model.parts.empty() && model.mean.size() / 3 != the_template.points.rows()) {
+    const auto alone = model_for(model, the_template);
+    if (!alone) return fail(alone.error());
+    return allowed_by(*alone, the_template, limit);
+  }
   const Eigen::Index vertices = model.mean.size() / 3;
   if (vertices != the_template.points.rows())
     return fail("", "has " + std::to_string(vertices) + " vertices where the template has " +

@@ -190,6 +190,8 @@ void Mending::find_lost(std::size_t k) {
 void Mending::find_missing(std::size_t k) {
   constexpr double whole = 0.6, much_of_it = 0.25, much_larger = 0.3, room = 0.4;
   if (!expected_[k]) return;
+  if (options_.model != nullptr)
+    if (auto said = said_by_model(*options_.model, result_.fitted.structures, k)) result_.expected[k]->points = *said;
   const auto [layer, of_layer] = layer_of(map_, result_.subject.structures[k].segment.layer, frame_);
   const Neighbourhood there = around(bounds_of(expected_[k]->points), *layer, of_layer, 1);
   const auto inside = voxelise(*expected_[k], there.grid);
@@ -262,6 +264,7 @@ const Mesh* Mending::shape(std::size_t k) {
   FitOptions options;
   options.partial = true;
   options.placement = nearest_similarity(own.points, expected_[k]->points, {});
+  if (options_.model != nullptr) options.allowed = options_.model->allowed[k];
   if (auto fit = fit_to_boundary(own, *boundary, options)) shapes_[k] = as_the_image_shows(k, fit->mesh);
   return &*shapes_[k];
 }

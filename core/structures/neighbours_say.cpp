@@ -36,10 +36,6 @@ std::optional<Similarity> said_by(const SetOfTemplates& set, const std::vector<F
   }
 }
 
-bool has_a_say(const FittedStructure& one) {
-  return one.fit && !one.judgement.doubtful;
-}
-
 }  // namespace
 
 Similarity similarity_of_fits(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,

@@ -8,6 +8,11 @@
 
 namespace homolog {
 
+/// Whether where a structure was fitted counts for others.
+inline bool has_a_say(const FittedStructure& one) {
+  return one.fit && !one.judgement.doubtful;
+}
+
 /// The mean of points.
 inline Vec3 middle_of(const Points& points) {
   return points.colwise().mean();

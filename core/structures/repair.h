@@ -6,6 +6,7 @@
 
 #include "core/structures/defects.h"
 #include "core/structures/fit_set.h"
+#include "core/structures/set_model.h"
 #include "core/structures/structure_signs.h"
 
 namespace homolog {
@@ -33,13 +34,14 @@ struct RepairedMap {
 struct MapRepairOptions {
   const Volume* image = nullptr;  ///< the scan that the map is of; what is filled in goes to the boundary that it shows
   int image_frame = 0;
+  const SetModel* model = nullptr;  ///< says how what is missing lies and looks, and what shapes are likely
   Progress* progress = nullptr;
 };
 
 /// Finds what is wrong with the structures of a label map, and changes its voxels as it proposes: islands go, holes are
-/// filled, parts come back from neighbours, what is missing is filled in as the template and the neighbours say, and
-/// the image where there is one. Voxels of structures that are sound stay as they are; so does what nothing proposes.
-/// Errors: cancelled.
+/// filled, parts come back from neighbours, what is missing is filled in as the template and the neighbours say, or
+/// the joint model, and the image where there is one. Voxels of structures that are sound stay as they are; so does
+/// what nothing proposes. Errors: cancelled.
 Result<RepairedMap> repair_map(const SetOfTemplates& set, VolumeRead& map, int frame,
                                const MapRepairOptions& options = {});
 

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "core/experiment/corrupt_labels.h"
@@ -10,7 +11,9 @@
 #include "core/structures/level_names.h"
 #include "core/structures/right_names.h"
 #include "core/structures/set_map.h"
+#include "core/structures/set_model.h"
 #include "tests/must.h"
+#include "tests/refusal.h"
 
 namespace homolog {
 
@@ -260,6 +263,84 @@ TEST_CASE("with an image what is filled in goes to the boundary that it shows") 
   must_find_missing(test::must(repair_map(the_set(), with, 0, {.image = &image})));
   CHECK(dice_of(without, truth, 3) < 0.92);
   CHECK(dice_of(with, truth, 3) > 0.97);
+}
+
+namespace {
+
+/// A stone of a subject all of whose stones are as thick as one another.
+Mesh thick_stone(int k, double thickness) {
+  Mesh stone = stone_at(Vec3::Zero(), radius_of(k), 1);
+  stone.points.col(1) *= thickness;
+  stone.points.rowwise() += Eigen::RowVector3d(place_of(k));
+  return stone;
+}
+
+/// What subjects with thin and with thick stones teach.
+ShapeModel model_of_stones() {
+  constexpr std::array thicknesses{0.75, 0.85, 0.95, 1.05, 1.15, 1.25};
+  std::vector<StructurePart> parts;
+  ShapeMatrix shapes;
+  for (int k = 0; k < stones; ++k) {
+    const Eigen::Index n = thick_stone(k, 1).points.rows();
+    parts.push_back({name_of_stone(k), k * n, n, 0, 0});
+    shapes.conservativeResize(3 * n * (k + 1), thicknesses.size());
+    for (std::size_t s = 0; s < thicknesses.size(); ++s) {
+      const Points points = thick_stone(k, thicknesses[s]).points;
+      shapes.col(static_cast<Eigen::Index>(s)).tail(3 * n) =
+          Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
+    }
+  }
+  align(shapes, Alignment::rigid);
+  ShapeModel model = make_model(principal_components(shapes), 1, nullptr, {});
+  model.parts = parts;
+  model.alignment = Alignment::rigid;
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("with a joint model what is missing has the shape that goes with the others' shapes") {
+  constexpr double thickness = 1.2;
+  std::vector<MeshOfSegment> meshes;
+  for (int k = 0; k < stones; ++k) meshes.push_back({{name_of_stone(k), k + 1, 0, {}, {}}, thick_stone(k, thickness)});
+  const VolumeRead truth = std::move(map_of_meshes(meshes, stone_map().volume.geometry).map);
+  VolumeRead without = truth;
+  std::visit(
+      [](auto& voxels) {
+        using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
+        std::ranges::replace(voxels, Voxel{3}, Voxel{0});
+      },
+      without.volume.data);
+  VolumeRead with = without;
+  const SetModel model = test::must(set_model(model_of_stones(), the_set()));
+  must_find_missing(test::must(repair_map(the_set(), without, 0)));
+  must_find_missing(test::must(repair_map(the_set(), with, 0, {.model = &model})));
+  CHECK(dice_of(without, truth, 3) < 0.93);
+  CHECK(dice_of(with, truth, 3) > 0.97);
+}
+
+TEST_CASE("a model that does not belong to the set is refused with what is wrong") {
+  const auto refused = [](const ShapeModel& model, const std::string& what) {
+    return says(set_model(model, the_set()), what);
+  };
+  ShapeModel model = model_of_stones();
+  CHECK(set_model(model, the_set()));
+  ShapeModel alone = model;
+  alone.parts.clear();
+  CHECK(refused(alone, "no joint model"));
+  ShapeModel apart = model;
+  apart.poses = StructurePoses{};
+  apart.poses->apart = true;
+  CHECK(refused(apart, "--alignment common"));
+  ShapeModel other = model;
+  for (StructurePart& part : other.parts) part.name += " of another body";
+  CHECK(refused(other, "none of the set's structures"));
+  ShapeModel few = model;
+  few.scores.conservativeResize(Eigen::NoChange, 2);
+  CHECK(refused(few, "three training shapes"));
+  ShapeModel shifted = model;
+  shifted.parts[2].vertices -= 1;
+  CHECK(refused(shifted, "vertebrae_L3 has 641 vertices"));
 }
 
 TEST_CASE("a label that is filled in has a value that no other label has, and its name") {

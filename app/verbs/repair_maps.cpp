@@ -82,14 +82,7 @@ Result<fs::path> write_mended(const VolumeRead& map, const fs::path& from, const
 
 /// What a person has to look at, as a sentence.
 std::string sentence_of(const RepairedStructure& found) {
-  std::string text;
-  for (const Defect& defect : found.defects) {
-    std::string words = defect_name(defect.kind);
-    std::ranges::replace(words, '_', ' ');
-    text += (text.empty() ? "" : ", ") + words + (defect.with.empty() ? "" : " (" + defect.with + ")");
-  }
-  if (text.empty()) return "Little confidence in this structure.";
-  return "Found: " + text + ".";
+  return found.defects.empty() ? "Little confidence in this structure." : sentence_of_defects(found.defects);
 }
 
 /// The structures that a person has to look at, the least sure one first, as cases of a study.

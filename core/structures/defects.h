@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace homolog {
 
@@ -39,5 +40,8 @@ struct Defect {
   DefectKind kind = DefectKind::other;
   std::string with;  ///< the other structure's name; empty: none
 };
+
+/// What was found, for a person: "Found: half missing, bridge." Needs one defect.
+std::string sentence_of_defects(const std::vector<Defect>& defects);
 
 }  // namespace homolog

@@ -153,6 +153,7 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
     if (one.fit) one.off_place = apart(*set.templates[k], *said[k], one.fit->placement);
     if (!one.fit || one.judgement.doubtful || one.off_place > much_off_place) again.push_back(k);
   }
+  if (again.empty()) Progress(progress, 0.3).report(1);
   fit_some(again, 0.3, [&](std::size_t k, const FitOptions& fitting) {
     tell(k, SetFitStep::runs_again);
     fit_by_neighbours(*set.templates[k], subject.structures[k], *said[k], fitting, result.structures[k]);

@@ -191,7 +191,8 @@ void Mending::find_missing(std::size_t k) {
   constexpr double whole = 0.6, much_of_it = 0.25, much_larger = 0.3, room = 0.4;
   if (!expected_[k]) return;
   if (options_.model != nullptr)
-    if (auto said = said_by_model(*options_.model, result_.fitted.structures, k)) result_.expected[k]->points = *said;
+    if (auto said = said_by_model(*options_.model, set_, result_.fitted.structures, k))
+      result_.expected[k]->points = *said;
   const auto [layer, of_layer] = layer_of(map_, result_.subject.structures[k].segment.layer, frame_);
   const Neighbourhood there = around(bounds_of(expected_[k]->points), *layer, of_layer, 1);
   const auto inside = voxelise(*expected_[k], there.grid);
@@ -243,8 +244,9 @@ Mesh Mending::as_the_image_shows(std::size_t k, const Mesh& expected) const {
                   .placed = expected.points,
                   .stiffness = set_.templates[k]->stiffness,
                   .free = VertexScalars::Ones(count)};
+  Progress unseen, own(options_.progress != nullptr ? *options_.progress : unseen, 0);
   SnapOptions options;
-  options.progress = options_.progress;
+  options.progress = &own;
   options.edges.reach_mm = near_by_size * std::cbrt(1000 * std::abs(enclosed_volume_ml(expected)));
   const auto drawn = snap(*options_.image, options_.image_frame, start, options);
   if (!drawn || drawn->mean_confidence < hardly_seen) return expected;

@@ -14,26 +14,32 @@ namespace {
 /// Structures and how far off they are.
 using NearStructures = std::vector<std::pair<double, std::size_t>>;
 
-std::optional<Similarity> said_by(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
-                                  NearStructures near) {
+/// The nearest of them that agree on how the body lies.
+std::vector<std::size_t> in_agreement(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                      NearStructures near) {
   constexpr std::size_t most = 4, enough = 3;
   constexpr double far_off = 2;  // times the middle distance of all
-  if (near.empty()) return std::nullopt;
   std::ranges::sort(near);
   std::vector<std::size_t> which;
   for (std::size_t k = 0; k < std::min(most, near.size()); ++k) which.push_back(near[k].second);
-  for (;;) {
+  while (which.size() >= enough) {
     const Similarity said = similarity_of_fits(set, fitted, which);
-    if (which.size() < enough) return said;
     std::vector<double> off_mm;
     for (const std::size_t k : which) {
       const Points there = said.apply(set.templates[k]->points);
       off_mm.push_back(std::sqrt((there - fitted[k].fit->mesh.points).rowwise().squaredNorm().mean()));
     }
     const auto worst = std::ranges::max_element(off_mm);
-    if (*worst <= far_off * median_of(off_mm)) return said;
+    if (*worst <= far_off * median_of(off_mm)) break;
     which.erase(which.begin() + (worst - off_mm.begin()));
   }
+  return which;
+}
+
+std::optional<Similarity> said_by(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                  const std::vector<std::size_t>& which) {
+  if (which.empty()) return std::nullopt;
+  return similarity_of_fits(set, fitted, which);
 }
 
 }  // namespace
@@ -53,14 +59,19 @@ Similarity similarity_of_fits(const SetOfTemplates& set, const std::vector<Fitte
   return nearest_similarity(from, to, {});
 }
 
-std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
-                                             std::size_t of) {
+std::vector<std::size_t> near_structures(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                         std::size_t of) {
   NearStructures near;
-  if (set.templates[of] == nullptr) return std::nullopt;
+  if (set.templates[of] == nullptr) return {};
   const Vec3 middle = middle_of(set.templates[of]->points);
   for (std::size_t k = 0; k < fitted.size(); ++k)
     if (k != of && has_a_say(fitted[k])) near.emplace_back((middle_of(set.templates[k]->points) - middle).norm(), k);
-  return said_by(set, fitted, std::move(near));
+  return in_agreement(set, fitted, std::move(near));
+}
+
+std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                             std::size_t of) {
+  return said_by(set, fitted, near_structures(set, fitted, of));
 }
 
 std::optional<Similarity> said_by_neighbours_at(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
@@ -68,7 +79,7 @@ std::optional<Similarity> said_by_neighbours_at(const SetOfTemplates& set, const
   NearStructures near;
   for (std::size_t k = 0; k < fitted.size(); ++k)
     if (has_a_say(fitted[k])) near.emplace_back((middle_of(fitted[k].fit->mesh.points) - place_mm).norm(), k);
-  return said_by(set, fitted, std::move(near));
+  return said_by(set, fitted, in_agreement(set, fitted, std::move(near)));
 }
 
 }  // namespace homolog

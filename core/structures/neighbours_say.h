@@ -22,9 +22,13 @@ inline Vec3 middle_of(const Points& points) {
 Similarity similarity_of_fits(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
                               const std::vector<std::size_t>& which);
 
-/// Where a structure's neighbours say that it is: the similarity that carries the nearest four that are not doubtful,
-/// as they lie in the set, to where they were fitted. One of them that lies far from what the others say has no say.
-/// None where there is no such neighbour.
+/// The four structures nearest to a place of the set that were fitted without doubt, the nearest first; less those that
+/// lie far from what the others say.
+std::vector<std::size_t> near_structures(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
+                                         std::size_t of);
+
+/// Where a structure's neighbours say that it is: the similarity that carries near_structures, as they lie in the set,
+/// to where they were fitted. None where there are none.
 std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
                                              std::size_t of);
 

@@ -62,13 +62,19 @@ Result<void> repair_renamed(const SetOfTemplates& set, VolumeRead& map, int fram
 }  // namespace
 
 Result<RepairedMap> repair_map(const SetOfTemplates& set, VolumeRead& map, int frame, const MapRepairOptions& options) {
-  auto result = look_at(set, map, frame, options.progress);
+  constexpr double first_share = 0.5;
+  Progress unseen;
+  Progress& whole = options.progress != nullptr ? *options.progress : unseen;
+  Progress first(whole, first_share), second(whole, 1 - first_share);
+  auto result = look_at(set, map, frame, &first);
   if (!result) return fail(result.error());
   const auto names = find_names(set, result->subject, result->fitted, result->signs);
   std::vector<std::size_t> changed(names.size());
   if (any_renamed(set, names)) {
     changed = rename_labels(set, result->subject, names, map, frame);
-    if (auto repaired = repair_renamed(set, map, frame, options, names, *result); !repaired)
+    MapRepairOptions again = options;
+    again.progress = &second;
+    if (auto repaired = repair_renamed(set, map, frame, again, names, *result); !repaired)
       return fail(repaired.error());
   } else {
     for (std::size_t k = 0; k < names.size(); ++k) result->structures[k].p_named = names[k].p_named;

@@ -58,7 +58,7 @@ std::string free_structure_id(const Document& document, const std::vector<std::s
 }
 
 std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfTemplates& set, const SetInMap& subject,
-                                          const FittedSet& fitted) {
+                                          const FittedSet& fitted, const std::vector<std::string>& found) {
   std::vector<EditStep> steps;
   std::vector<std::string> used;
   for (std::size_t k = 0; k < fitted.structures.size(); ++k) {
@@ -72,6 +72,7 @@ std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfT
     used.push_back(id);
     SetStructure action = described(id, name, subject.structures[k].segment, one);
     if (!action.colour) action.colour = set.set.structures[k].colour;
+    if (!found.empty() && !found[k].empty()) action.doubt = found[k];
     if (there != nullptr && !action.doubt) action.doubt = "";
     std::optional<Structure> begun;
     if (there == nullptr) {

@@ -37,23 +37,35 @@ Result<SetModel> set_model(const ShapeModel& model, const SetOfTemplates& set) {
   return result;
 }
 
-std::optional<Points> said_by_model(const SetModel& model, const std::vector<FittedStructure>& fitted, std::size_t of) {
-  IncompleteShape shape{Eigen::VectorXd::Zero(model.shapes.rows()), std::vector<bool>(model.parts.size())};
-  const StructurePart* asked = nullptr;
-  for (std::size_t part = 0; part < model.parts.size(); ++part) {
-    if (!model.place[part]) continue;
-    const std::size_t k = *model.place[part];
-    const StructurePart& own = model.parts[part];
-    if (k == of) asked = &own;
-    if (k == of || !has_a_say(fitted[k])) continue;
-    shape.has[part] = true;
-    const Points& points = fitted[k].fit->mesh.points;
-    shape.points.segment(3 * own.first_vertex, points.size()) =
-        Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
+std::optional<Points> said_by_model(const SetModel& model, const SetOfTemplates& set,
+                                    const std::vector<FittedStructure>& fitted, std::size_t of) {
+  const std::vector<std::size_t> near = near_structures(set, fitted, of);
+  // The structure that is asked for, then those that say where it is.
+  std::vector<std::size_t> which{of};
+  which.insert(which.end(), near.begin(), near.end());
+  std::vector<StructurePart> parts;
+  IncompleteShape shape;
+  ShapeMatrix complete(0, model.shapes.cols());
+  for (const std::size_t k : which) {
+    const auto part = std::ranges::find(model.place, std::optional<std::size_t>(k)) - model.place.begin();
+    if (part == std::ssize(model.place)) {
+      if (k == of) return std::nullopt;
+      continue;
+    }
+    const StructurePart& own = model.parts[static_cast<std::size_t>(part)];
+    const Eigen::Index first = complete.rows() / 3, rows = 3 * own.vertices;
+    parts.push_back({own.name, first, own.vertices, 0, 0});
+    shape.has.push_back(k != of);
+    complete.conservativeResize(3 * first + rows, Eigen::NoChange);
+    complete.bottomRows(rows) = rows_of(own, model.shapes);
+    shape.points.conservativeResize(3 * first + rows);
+    if (k == of)
+      shape.points.tail(rows).setZero();
+    else
+      shape.points.tail(rows) = Eigen::Map<const Eigen::VectorXd>(fitted[k].fit->mesh.points.data(), rows);
   }
-  if (asked == nullptr || std::ranges::none_of(shape.has, [](bool has) { return has; })) return std::nullopt;
-  const CompletedShape whole = completed_shape(model.shapes, model.parts, shape, model.alignment);
-  return points_of(whole.points).middleRows(asked->first_vertex, asked->vertices);
+  if (parts.size() < 2) return std::nullopt;
+  return points_of(completed_shape(complete, parts, shape, model.alignment).points).topRows(parts.front().vertices);
 }
 
 }  // namespace homolog

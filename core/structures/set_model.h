@@ -26,8 +26,10 @@ struct SetModel {
 /// numbering than its template.
 Result<SetModel> set_model(const ShapeModel& model, const SetOfTemplates& set);
 
-/// The shape that the model expects of a structure of the set, in the subject (n×3, LPS mm), given the fits of the
-/// others that are not doubtful [completed_shape]. None where the model lacks it, or where no other one is known.
-std::optional<Points> said_by_model(const SetModel& model, const std::vector<FittedStructure>& fitted, std::size_t of);
+/// The shape that the model expects of a structure of the set, in the subject (n×3, LPS mm), given the fits of its
+/// neighbours [near_structures, completed_shape]. The model of these alone is taken: how the rest of the body lies
+/// would say less of it. None where the model lacks it, or where no neighbour is known.
+std::optional<Points> said_by_model(const SetModel& model, const SetOfTemplates& set,
+                                    const std::vector<FittedStructure>& fitted, std::size_t of);
 
 }  // namespace homolog

@@ -89,11 +89,19 @@ void draw_set_fit(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   caption(theme, "Fit a template set to the label map");
   draw_set_choice(ui, out);
+  const std::string refusal = set_fit_refusal(ui.state, ui.on_screen, ui.work);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
   if (button(theme, "Fit the set",
              "Fits each template of the set to its label. The structures come into the case as one step to undo",
-             set_fit_refusal(ui.state, ui.on_screen, ui.work), ImGui::GetContentRegionAvail().x,
-             ui.document().structures.size() < 2))
+             refusal, half, ui.document().structures.size() < 2))
     out.send(FitSet{});
+  ImGui::SameLine(0, theme.px(4));
+  if (button(
+          theme, "Repair and fit",
+          "Finds what is wrong with the labels first (missing, halves, levels, bridges\xe2\x80\xa6) and fits to what "
+          "it proposes. What was found stands on top of the list. The label map stays as it is. One step to undo",
+          refusal, half))
+    out.send(FitSet{true});
   if (!ui.work.set_fitter.busy()) return;
   if (work_area(theme, "",
                 WorkShown{"Fitting the set", ui.work.set_fitter.fraction(), "The case stays as it is (Escape)"}))

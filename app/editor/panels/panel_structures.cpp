@@ -159,6 +159,27 @@ void draw_judging(const UiContext& ui, Outbox& out) {
     out.send(AcceptStructure{});
 }
 
+/// What a repair changed of the structure that is worked on, and the way back.
+void draw_repair(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const StructureLooks& looks = ui.state.look.structures;
+  const Structure* active = ui.structure();
+  if (active == nullptr || looks.as_read.empty()) return;
+  if (!active->doubt.empty()) explanation(theme, active->doubt.c_str());
+  const bool changed = looks.as_read.contains(active->id), missing = changed && !looks.as_read.at(active->id);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
+  const bool shown = looks.as_read_shown;
+  if (button(theme, shown ? "Hide as read" : "Show as read",
+             "Shows repaired structures also as the label map has them, in white (H)", {}, half))
+    out.send(ShowAsRead{!shown});
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "As read",
+             missing ? "The label map has no such structure, and it goes again. One step to undo"
+                     : "Takes the proposal back: the structure is as the label map has it. One step to undo",
+             changed ? "" : "The repair did not change this structure.", half))
+    out.send(TakeBackRepair{});
+}
+
 /// Other names for a spine whose levels were counted wrongly.
 void draw_levels(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
@@ -197,6 +218,7 @@ void draw_structures_section(const UiContext& ui, Outbox& out) {
   ImGui::PopStyleVar();
   draw_eyes(ui, listed, out);
   draw_judging(ui, out);
+  draw_repair(ui, out);
   draw_levels(ui, out);
   if (ui.labels().volume || ui.work.set_fitter.busy()) draw_set_fit(ui, out);
 }

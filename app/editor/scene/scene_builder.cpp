@@ -15,6 +15,7 @@ namespace {
 constexpr Eigen::Index wireframe_below = 12000;
 constexpr float label_opacity = 0.35f;                           // of a label's surface: the mesh is compared with it
 constexpr float other_opacity = 0.45f, other_outline_px = 1.2f;  // of a structure that is not worked on
+constexpr Rgb as_read_colour{1, 1, 1};                           // of one before its repair
 
 }  // namespace
 
@@ -97,23 +98,28 @@ void SceneBuilder::update_label_surface(const Input& input) {
 }
 
 void SceneBuilder::update_others(const Input& input) {
+  const StructureLooks& looks = input.state.look.structures;
   const Structure* active = active_structure(input.state, *input.document);
   std::map<std::string, Other> before = std::exchange(others_, {});
-  for (const auto& structure : input.document->structures) {
-    const Shape* shape = structure->shape(input.document->frame);
-    if (structure.get() == active || shape == nullptr || !input.state.look.structures.shows(structure->id)) continue;
-    Other other = std::move(before[structure->id]);
-    const auto& topology = structure->the_template->topology;
-    const Rgb colour = structure_colour(*structure);
+  const auto keep = [&](const std::string& id, const auto& topology, const auto& points, const Rgb& colour) {
+    Other other = std::move(before[id]);
     if (other.topology != topology || other.colour != colour) {
       other.colours = std::make_shared<const std::vector<Rgb>>(index(topology->vertices()), colour);
       ++other.revision;
     }
-    if (other.points != shape->points) ++other.revision;
+    if (other.points != points) ++other.revision;
     other.topology = topology;
-    other.points = shape->points;
+    other.points = points;
     other.colour = colour;
-    others_[structure->id] = std::move(other);
+    others_[id] = std::move(other);
+  };
+  for (const auto& structure : input.document->structures) {
+    const Shape* shape = structure->shape(input.document->frame);
+    if (shape == nullptr || !looks.shows(structure->id)) continue;
+    const auto& topology = structure->the_template->topology;
+    if (structure.get() != active) keep(structure->id, topology, shape->points, structure_colour(*structure));
+    if (looks.as_read_shown && shape_as_read(looks, *structure) != nullptr)
+      keep(structure->id + " as read", topology, looks.as_read.at(structure->id), as_read_colour);
   }
 }
 

@@ -10,6 +10,12 @@
 
 namespace homolog {
 
+const Points* shape_as_read(const StructureLooks& looks, const Structure& structure) {
+  const auto kept = looks.as_read.find(structure.id);
+  if (kept == looks.as_read.end() || !kept->second) return nullptr;
+  return kept->second->rows() == structure.the_template->points.rows() ? kept->second.get() : nullptr;
+}
+
 std::string structure_name(const Structure& structure) {
   if (!structure.name.empty()) return structure.name;
   const std::string& source = structure.the_template->source;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,11 +18,16 @@ struct StructureLooks {
   std::string range_from;        ///< the row at which a choice with Shift begins
   std::string filter;            ///< part of a name, as it is typed
   bool worst_first = true;
+  /// What a repair changed: the shapes as the label map had them, n×3, LPS mm; null for one that was missing there.
+  std::map<std::string, std::shared_ptr<const Points>> as_read;
+  bool as_read_shown = true;  ///< beside what the repair proposes
 
   bool shows(const std::string& id) const { return !hidden.contains(id); }
   bool locks(const std::string& id) const { return locked.contains(id); }
 };
 
+/// The shape of a structure before a repair; null where none is kept.
+const Points* shape_as_read(const StructureLooks& looks, const Structure& structure);
 /// What a structure is called: its name, else its template's.
 std::string structure_name(const Structure& structure);
 /// Its own colour, else the one of its name [colour_by_name].

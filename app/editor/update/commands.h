@@ -34,7 +34,7 @@ using AllCommands = TypeList<
     BlendModel, CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
     // structures
     ChooseStructure, ClickStructure, NextStructure, AcceptStructure, RenameLevels, ShowStructures, ShowOnlyStructures,
-    LockStructures, ChooseSet, FitSet, CancelSetFit, FilterStructures, SortStructures,
+    LockStructures, ChooseSet, FitSet, CancelSetFit, FilterStructures, SortStructures, ShowAsRead, TakeBackRepair,
     // files
     OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, CancelOpening, CancelReading, CancelWriting, SaveCase,
     SaveCaseAs, ExportMesh, ExportLabelMap, ExportStructuresMap, ExportStructuresMeshes, ExportLandmarks,

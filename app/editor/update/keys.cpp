@@ -127,6 +127,10 @@ std::vector<KeyRow> rows_of_case() {
        [](const KeyMoment&) -> Given {
          return NextStructure{false, true};
        }},
+      {"H",
+       "repaired structures: also as they were",
+       {{'H'}},
+       [](const KeyMoment& now) -> Given { return ShowAsRead{!now.state.look.structures.as_read_shown}; }},
       {"N", "snap here", {{'N'}}, snap_here},
       {"Shift+N",
        "snap while dragging",

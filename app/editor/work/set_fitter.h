@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/editor/work/worker.h"
+#include "core/structures/fit_repaired.h"
 #include "core/structures/fit_set.h"
 
 namespace homolog {
@@ -18,6 +19,7 @@ namespace homolog {
 struct MapToFit {
   std::filesystem::path file;  ///< read anew, with all its layers
   int frame = 0;
+  std::shared_ptr<const Volume> image;  ///< the scan, for a repair; may be null
 };
 
 /// How far a structure of the set is.
@@ -31,7 +33,8 @@ struct SetFitted {
   std::shared_ptr<const SetOfTemplates> set;
   SetInMap subject;
   FittedSet fitted;
-  std::vector<std::string> warnings;  ///< of the map
+  std::vector<std::string> warnings;    ///< of the map
+  std::optional<RepairedFit> repaired;  ///< where the map was repaired too: what was wrong, and shapes as they were
 };
 
 /// Fits a template set to a label map on a thread of its own. Called from the window's thread only.
@@ -41,7 +44,8 @@ class SetFitter {
   explicit SetFitter(std::function<void()> wake) : wake_(wake), work_(std::move(wake)) {}
 
   /// `case_number`: of the case that gets the structures.
-  void start(std::shared_ptr<const SetOfTemplates> set, MapToFit map, std::uint64_t case_number);
+  /// With `repair` it finds what is wrong with the map first, and fits to what it proposes.
+  void start(std::shared_ptr<const SetOfTemplates> set, MapToFit map, bool repair, std::uint64_t case_number);
   void cancel() { work_.cancel(); }
   bool busy() const { return work_.busy(); }
   double fraction() const { return work_.fraction(); }

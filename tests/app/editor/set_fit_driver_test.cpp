@@ -1,11 +1,14 @@
 #include <doctest/doctest.h>
 
+#include <array>
+
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/structures/template_set.h"
 #include "core/volume/volume_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"
+#include "tests/stones.h"
 
 // A template set fitted to a label map in the window: several structures come into the case.
 
@@ -121,6 +124,83 @@ TEST_CASE("a second fit of a set gives its structures new meshes and leaves lock
   CHECK(*driver.document().structures[0]->shape(0)->points == kept);
   CHECK(off_ball_mm(driver.document(), 0, 0) > 3);
   CHECK(off_ball_mm(driver.document(), 1, 50) < 1.2);
+}
+
+TEST_CASE("the window repairs a label map: what was missing is proposed, shown beside what was read, and taken back") {
+  const TemporaryFolder folder;
+  const SetOfTemplates stones_of = stone_set();
+  TemplateSet set = stones_of.set;
+  for (std::size_t k = 0; k < set.structures.size(); ++k) {
+    set.structures[k].file = folder.path / (set.structures[k].name + ".ply");
+    REQUIRE(write_mesh({stones_of.templates[k]->topology, stones_of.templates[k]->points}, set.structures[k].file));
+  }
+  const auto set_file = folder.path / "stones.set.json", labels = folder.path / "labels.nii.gz";
+  REQUIRE(write_template_set(set, set_file));
+  // The third stone is missing, and the fourth has a hollow.
+  VolumeRead map = stone_map();
+  const Vec3 hollow = 1.04 * place_of(3);
+  const VolumeGeometry& grid = map.volume.geometry;
+  const std::array<std::size_t, 3> dims{90, 70, 230};
+  std::visit(
+      [&](auto& voxels) {
+        using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
+        for (std::size_t v = 0; v < voxels.size(); ++v) {
+          const auto in_row = v % dims[0], in_slice = v / dims[0] % dims[1], slice = v / dims[0] / dims[1];
+          const Vec3 voxel(static_cast<double>(in_row), static_cast<double>(in_slice), static_cast<double>(slice));
+          const bool is_hollow = (grid.to_mm(voxel) - hollow).norm() < 6;
+          if (voxels[v] == Voxel{3} || (voxels[v] == Voxel{4} && is_hollow)) voxels[v] = Voxel{0};
+        }
+      },
+      map.volume.data);
+  REQUIRE(write_volume(map.volume, labels));
+
+  Driver driver(new_document(labels.string(), std::make_shared<const Volume>(map.volume), nullptr));
+  driver.app().send(open_labels(labels));
+  driver.settle();
+  driver.app().send(ChooseSet{set_file.string()});
+  driver.wait_until("the set is read", [&] { return driver.state().automatic.set != nullptr; });
+  driver.settle();
+  driver.click("Repair and fit");
+  driver.wait_until("the set is fitted", [&] { return driver.document().structures.size() == 5; });
+  driver.settle();
+  CHECK(driver.shows("something was found in 2"));
+  const auto id_of = [&](int k) {
+    for (const auto& one : driver.document().structures)
+      if (one->name == name_of_stone(k)) return one->id;
+    return std::string();
+  };
+  CHECK(driver.document().structure(id_of(2))->doubt == "Found: missing.");
+  CHECK(driver.document().structure(id_of(3))->doubt == "Found: hole.");
+  CHECK(driver.document().structure(id_of(1))->doubt.empty());
+  const auto& as_read = driver.state().look.structures.as_read;
+  CHECK(as_read.size() == 2);
+
+  // The hole: H shows how it was; its own button gives that back, and undo the proposal again.
+  driver.app().send(ChooseStructure{id_of(3)});
+  driver.settle();
+  CHECK(driver.state().look.structures.as_read_shown);
+  driver.press('H');
+  driver.settle();
+  CHECK_FALSE(driver.state().look.structures.as_read_shown);
+  const Points proposed = *driver.document().structure(id_of(3))->shape(0)->points;
+  driver.click("As read");
+  driver.settle();
+  const Points given_back = *driver.document().structure(id_of(3))->shape(0)->points;
+  CHECK((given_back - *as_read.at(id_of(3))).cwiseAbs().maxCoeff() < 1e-3);
+  CHECK((given_back - proposed).rowwise().norm().maxCoeff() > 0.05);
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK((*driver.document().structure(id_of(3))->shape(0)->points == proposed));
+
+  // The missing one goes, and comes back.
+  driver.app().send(ChooseStructure{id_of(2)});
+  driver.settle();
+  driver.click("As read");
+  driver.settle();
+  CHECK(driver.document().structures.size() == 4);
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK(driver.document().structures.size() == 5);
 }
 
 TEST_CASE("a fit of a set that is stopped leaves the case as it was") {

@@ -7,70 +7,16 @@
 #include <map>
 
 #include "core/experiment/corrupt_labels.h"
-#include "core/mesh/icosphere.h"
 #include "core/structures/level_names.h"
 #include "core/structures/right_names.h"
-#include "core/structures/set_map.h"
 #include "core/structures/set_model.h"
 #include "tests/must.h"
 #include "tests/refusal.h"
+#include "tests/stones.h"
 
 namespace homolog {
 
 namespace {
-
-/// A ball with three axes of its own, so that no turn leaves it as it is.
-Mesh stone_at(const Vec3& place, double radius_mm, double growth) {
-  Mesh stone = icosphere(3, radius_mm);
-  for (Eigen::Index v = 0; v < stone.points.rows(); ++v) {
-    Vec3 p = stone.points.row(v);
-    p.x() *= 1.4;
-    p.z() *= 0.8;
-    p += 0.15 * radius_mm * std::max(0.0, p.y() / radius_mm) * Vec3::UnitX();
-    stone.points.row(v) = place + growth * p;
-  }
-  return stone;
-}
-
-constexpr int stones = 5;
-
-Vec3 place_of(int k) {
-  return {4.0 * (k % 2), 3.0 * (k % 3), 31.0 * k};
-}
-double radius_of(int k) {
-  return 13 + 1.5 * k;
-}
-std::string name_of_stone(int k) {
-  return "vertebrae_L" + std::to_string(k + 1);
-}
-
-/// Five stones in a row, larger downwards.
-SetOfTemplates stone_set() {
-  SetOfTemplates set;
-  for (int k = 0; k < stones; ++k) {
-    TemplateOfSet one;
-    one.name = name_of_stone(k);
-    one.value = k + 1;
-    set.set.structures.push_back(one);
-    const Mesh stone = stone_at(place_of(k), radius_of(k), 1);
-    MeshFile file;
-    file.points = stone.points;
-    file.triangles = stone.topology->triangles();
-    set.templates.push_back(test::must(make_template(file, one.name)));
-  }
-  return set;
-}
-
-/// Another subject: each a little larger, and moved.
-VolumeRead stone_map() {
-  VolumeGeometry grid;
-  grid.dims = {90, 70, 230};
-  grid.origin_mm = Vec3(-40, -32, -30);
-  std::vector<MeshOfSegment> meshes;
-  for (int k = 0; k < stones; ++k)
-    meshes.push_back({{name_of_stone(k), k + 1, 0, {}, {}}, stone_at(1.04 * place_of(k), radius_of(k), 1.05)});
-  return std::move(map_of_meshes(meshes, grid).map);
-}
 
 const SetOfTemplates& the_set() {
   static const SetOfTemplates set = stone_set();

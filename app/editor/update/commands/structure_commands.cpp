@@ -7,6 +7,8 @@
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/set_fit.h"
 #include "core/case/actions/fields.h"
+#include "core/case/placing.h"
+#include "core/placement/similarity_fit.h"
 #include "core/structures/level_names.h"
 
 namespace homolog {
@@ -71,7 +73,19 @@ void AcceptStructure::run(Editing& editing) const {
   if (more) editing.out.send(NextStructure{false, true});
 }
 
-namespace {}  // namespace
+void TakeBackRepair::run(Editing& editing) const {
+  const Structure* active = editing.structure();
+  const StructureLooks& looks = editing.state.look.structures;
+  if (active == nullptr || !looks.as_read.contains(active->id)) return;
+  const auto& document = editing.shown.document();
+  if (const Points* before = shape_as_read(looks, *active)) {
+    const Shape shape = shape_of_frame(*active, document.frame, document.frame);
+    editing.apply(points_edit({*active, shape, document.frame}, *before, by_set_fit,
+                              nearest_similarity(active->the_template->points, *before, {})));
+  } else if (document.structures.size() > 1) {
+    editing.apply(RemoveStructure{active->id});
+  }
+}
 
 void RenameLevels::spell(Fields& line) {
   line.member("steps", steps);
@@ -145,8 +159,11 @@ void ChooseSet::run(Editing& editing) const {
   choose_set(editing, source);
 }
 
+void FitSet::spell(Fields& line) {
+  line.member("repair", repair);
+}
 void FitSet::run(Editing& editing) const {
-  start_set_fit(editing);
+  start_set_fit(editing, repair);
 }
 
 void CancelSetFit::run(Editing& editing) const {

@@ -43,6 +43,11 @@ struct AcceptStructure {
   static constexpr const char* key = "accept structure";
   void run(Editing& editing) const;
 };
+/// Gives the structure that is worked on the shape back that it had before a repair; one that was missing goes.
+struct TakeBackRepair {
+  static constexpr const char* key = "take back repair";
+  void run(Editing& editing) const;
+};
 /// Gives the structure that is worked on, and all at its level of the spine and below, the names of so many levels
 /// farther down (above 0) or up. One step.
 struct RenameLevels {
@@ -85,6 +90,8 @@ struct ChooseSet {
 struct FitSet {
   static constexpr const char* key = "fit set";
   static constexpr Logged logged = Logged::when_done;
+  bool repair = false;  ///< to the map that its repair proposes
+  void spell(Fields& line);
   void run(Editing& editing) const;
 };
 struct CancelSetFit {
@@ -97,5 +104,7 @@ using FilterStructures =
     Setting<"filter structures", "text", &EditorState::look, &Look::structures, &StructureLooks::filter>;
 using SortStructures =
     Setting<"sort structures", "worst_first", &EditorState::look, &Look::structures, &StructureLooks::worst_first>;
+using ShowAsRead =
+    Setting<"show as read", "shown", &EditorState::look, &Look::structures, &StructureLooks::as_read_shown>;
 
 }  // namespace homolog

@@ -31,22 +31,51 @@ void say_fitted(EditorState& state, const SetFitted& found, std::size_t locked) 
     if (!one.why_not.empty()) failed += (failed.empty() ? "" : ", ") + found.set->set.structures[k].name;
   }
   std::string said = count_of(fitted, "structure") + " fitted";
-  said += doubtful == 0 ? "; none is doubtful." : "; " + std::to_string(doubtful) + " to look at, on top of the list.";
+  if (found.repaired) {
+    const auto wrong = std::ranges::count_if(found.repaired->found, [](const auto& one) { return !one.empty(); });
+    said += wrong == 0 ? "; nothing wrong was found."
+                       : "; something was found in " + std::to_string(wrong) + ", on top of the list.";
+  } else {
+    said +=
+        doubtful == 0 ? "; none is doubtful." : "; " + std::to_string(doubtful) + " to look at, on top of the list.";
+  }
   if (locked > 0) said += " " + count_of(locked, "locked one") + " stayed as it was.";
   if (!failed.empty()) said += " Not fitted: " + failed + ".";
   add_notice(state, std::move(said), false);
 }
 
+/// Keeps the shapes that a repair changed as they were, by the ids of the structures that the steps bring.
+void keep_as_read(StructureLooks& looks, const SetFitted& found, const std::vector<EditStep>& steps) {
+  looks.as_read.clear();
+  looks.as_read_shown = true;
+  if (!found.repaired) return;
+  const auto& structures = found.set->set.structures;
+  for (const EditStep& step : steps) {
+    const auto* set = std::get_if<SetStructure>(&step.action);
+    if (set == nullptr || !set->name) continue;
+    const auto k =
+        static_cast<std::size_t>(std::ranges::find(structures, *set->name, &TemplateOfSet::name) - structures.begin());
+    const auto& fit = found.fitted.structures[k].fit;
+    const auto& before = found.repaired->as_read[k];
+    if (!before)
+      looks.as_read[set->id] = nullptr;
+    else if (*before != fit->mesh.points)
+      looks.as_read[set->id] = std::make_shared<const Points>(*before);
+  }
+}
+
 void take_set_fit(Editing& editing, const SetFitted& found) {
   EditorState& state = editing.state;
   const Document& document = *editing.shown.snapshot().document;
-  auto steps = steps_of_fitted_set(document, *found.set, found.subject, found.fitted);
+  auto steps = steps_of_fitted_set(document, *found.set, found.subject, found.fitted,
+                                   found.repaired ? found.repaired->found : std::vector<std::string>());
   std::size_t locked = 0;
   std::erase_if(steps, [&](const EditStep& step) {
     const bool stays = is_of(step, state.look.structures.locked);
     locked += stays && std::holds_alternative<SetStructure>(step.action) ? 1 : 0;
     return stays;
   });
+  keep_as_read(state.look.structures, found, steps);
   bool joined = false;
   for (EditStep& step : steps)
     editing.shown.session().apply(std::move(step.action), std::exchange(joined, true), std::move(step.of));
@@ -54,7 +83,7 @@ void take_set_fit(Editing& editing, const SetFitted& found) {
   say_fitted(state, found, locked);
   state.look.making_shown = false;
   editing.work.set_enters = true;
-  editing.log.is_done(FitSet{});
+  editing.log.is_done(FitSet{found.repaired.has_value()});
 }
 
 }  // namespace
@@ -84,11 +113,13 @@ std::string set_fit_refusal(const EditorState& state, const ShownCase& shown, co
   return {};
 }
 
-void start_set_fit(Editing& editing) {
+void start_set_fit(Editing& editing, bool repair) {
   if (const std::string why = set_fit_refusal(editing.state, editing.shown, editing.work); !why.empty())
     return add_notice(editing.state, why, false);
-  editing.work.set_fitter.start(editing.state.automatic.set,
-                                {editing.shown.labels().file, editing.shown.document().frame}, editing.shown.number());
+  editing.work.set_fitter.start(
+      editing.state.automatic.set,
+      {editing.shown.labels().file, editing.shown.document().frame, editing.shown.document().scan.image}, repair,
+      editing.shown.number());
 }
 
 bool update_set_fit(Editing& editing) {

@@ -10,8 +10,9 @@ namespace homolog {
 
 /// Reads a set beside the window; it is the chosen one from then on.
 void choose_set(Editing& editing, const std::string& source);
-/// Begins the fit of the chosen set. Says why where that cannot be.
-void start_set_fit(Editing& editing);
+/// Begins the fit of the chosen set; with `repair`, to what the repair of the map proposes. Says why where that cannot
+/// be.
+void start_set_fit(Editing& editing, bool repair);
 /// Takes in what a fit of a set found; gives it up where another case or frame is shown meanwhile. True where there is
 /// something new to draw.
 bool update_set_fit(Editing& editing);

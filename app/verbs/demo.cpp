@@ -9,6 +9,7 @@
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
+#include "core/model/leave_one_out.h"
 #include "core/model/statismo.h"
 #include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
@@ -111,8 +112,9 @@ class HeadlessDemo {
       names.push_back("phantom " + std::to_string(demo_subject + k));
     }
     align(shapes, Alignment::similarity);
-    const ShapeModel model = make_model(principal_components(std::move(shapes)), 0.95,
-                                        session.document().structure()->the_template->topology, names);
+    const auto components = principal_components(std::move(shapes));
+    ShapeModel model = make_model(components, 0.95, session.document().structure()->the_template->topology, names);
+    model.left_out_distances = left_out_distances(components, model.modes());
     if (auto done = write_model(model, written("model.h5.json")); !done) return done;
     report_.values["model"] = {{"shapes", others + 1}, {"modes", model.modes()}};
     const auto picture = modes_picture(model, 2, {});

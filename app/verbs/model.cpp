@@ -5,6 +5,7 @@
 #include "core/base/listed.h"
 #include "core/groupwise/optimise.h"
 #include "core/mesh/formats/formats.h"
+#include "core/model/leave_one_out.h"
 #include "core/model/model_files.h"
 #include "core/model/shape_files.h"
 #include "core/model/statismo.h"
@@ -155,6 +156,7 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   model.parts = training->parts;
   model.poses = training->poses;
   model.completed = training->completed;
+  model.left_out_distances = left_out_distances(components, model.modes());
   if (auto written = write_model(model, options.out); !written) return fail(written.error());
   Report report;
   report.warnings = std::move(training->warnings);

@@ -223,8 +223,9 @@ Result<Report> score(const ScoreJob& job, Progress& progress) {
                                         : "gives no shape to score; the first reason: " + report.warnings.front());
   if (!job.out.empty())
     if (auto written = write_score_table(subjects, job.out / "scores.csv"); !written) return fail(written.error());
-  const auto others = left_out_distances(*model);
-  report.values = {{"subjects", std::move(subjects)}, {"training_distances", others}};
+  const auto& others = model->left_out_distances;
+  report.values = {{"subjects", std::move(subjects)},
+                   {"training_distances", std::vector<double>(others.begin(), others.end())}};
   return report;
 }
 

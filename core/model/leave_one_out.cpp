@@ -20,8 +20,8 @@ constexpr double mode_share = 1e-13;
 
 LeaveOneOut::LeaveOneOut(const PrincipalComponents& components, Eigen::Index shape) {
   const Eigen::VectorXd& d = components.scatter;
-  const auto shapes = static_cast<double>(components.shapes());
-  rho_ = shapes / (shapes - 1);
+  shapes_ = static_cast<double>(components.shapes());
+  rho_ = shapes_ / (shapes_ - 1);
   z_ = d.cwiseSqrt().cwiseProduct(components.vectors.row(shape).transpose());
   std::vector<double> poles, weights;
   for (Eigen::Index j = 0; j < d.size(); ++j) {
@@ -122,6 +122,23 @@ Eigen::VectorXd LeaveOneOut::error(Eigen::Index modes) const {
   for (const Mode& mode : beyond_) error += part_along(mode);
   for (std::size_t k = static_cast<std::size_t>(modes); k < modes_.size(); ++k) error += part_along(modes_[k]);
   return error;
+}
+
+double LeaveOneOut::mahalanobis(Eigen::Index modes) const {
+  double squared = 0;
+  const auto known = std::min(static_cast<std::size_t>(modes), modes_.size());
+  for (std::size_t k = 0; k < known; ++k) squared += modes_[k].square / modes_[k].eigenvalue * (shapes_ - 2);
+  return std::sqrt(squared);
+}
+
+Eigen::VectorXd left_out_distances(const PrincipalComponents& components, Eigen::Index modes) {
+  constexpr Eigen::Index enough = 4;
+  if (components.shapes() < enough) return {};
+  Eigen::VectorXd distances(components.shapes());
+  in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index i = first; i < last; ++i) distances[i] = LeaveOneOut(components, i).mahalanobis(modes);
+  });
+  return distances;
 }
 
 Eigen::MatrixXd left_out_errors(const PrincipalComponents& components, Eigen::Index modes) {

@@ -20,6 +20,9 @@ class LeaveOneOut {
   /// The error itself with `modes` modes in the coordinates of the whole set's components (r numbers): its
   /// points are basis(r) · error. Not clamped.
   Eigen::VectorXd error(Eigen::Index modes) const;
+  /// The Mahalanobis distance of y from the others' mean in their first `modes` modes, or all of them where they are
+  /// fewer.
+  double mahalanobis(Eigen::Index modes) const;
 
  private:
   /// An axis of the others' model: its root μ = poles_[near] − offset, kept as an offset so that neither loses digits.
@@ -33,6 +36,7 @@ class LeaveOneOut {
   double distance(Eigen::Index pole, const Mode& mode) const { return poles_[pole] - poles_[mode.near] + mode.offset; }
   Eigen::VectorXd part_along(const Mode& mode) const;
 
+  double shapes_ = 0;  ///< M
   double rho_ = 1;
   Eigen::VectorXd z_;                ///< r coefficients of the shape
   std::vector<Eigen::Index> group_;  ///< the pole of each coefficient; −1 where the shape has none of it
@@ -41,6 +45,10 @@ class LeaveOneOut {
   std::vector<Mode> modes_;          ///< of the others' model, by descending eigenvalue
   std::vector<Mode> beyond_;         ///< what of y lies outside every model of the others: at most one
 };
+
+/// How far each of M shapes lies from the model that the others make with as many modes, in standard deviations (M
+/// numbers): the modes are the others' own. Empty for fewer than four shapes.
+Eigen::VectorXd left_out_distances(const PrincipalComponents& components, Eigen::Index modes);
 
 /// The errors of all shapes with `modes` modes as combinations of the centred shapes, M×M, a shape a column: its error
 /// in mm is centred · column. So errors can be had a few vertices at a time.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/mesh/mesh_quality.h"
@@ -75,19 +74,6 @@ ScoreOfPart score_of_rows(const VertexScalars& z, const Points& beyond, Eigen::I
 
 }  // namespace
 
-std::vector<double> left_out_distances(const ShapeModel& model) {
-  const auto shapes = static_cast<double>(model.scores.cols());
-  std::vector<double> distances;
-  if (model.scores.cols() < model.modes() + 3) return distances;
-  for (Eigen::Index k = 0; k < model.scores.cols(); ++k) {
-    const double q = (model.scores.col(k).array().square() / model.variances.array()).sum();
-    const double most = shapes / (shapes - 1), left = 1 - most * q / (shapes - 1);
-    const double squared = most * most * (shapes - 2) / (shapes - 1) * q / left;
-    distances.push_back(left > 0 ? std::sqrt(squared) : std::numeric_limits<double>::infinity());
-  }
-  return distances;
-}
-
 Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, const VertexScalars& doubt_mm) {
   if (!model.topology || model.modes() == 0 || model.variances.minCoeff() <= 0)
     return fail("", "is a model without faces or without modes that vary; make one with model of shapes with faces");
@@ -123,11 +109,9 @@ Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, con
   score.residual_mm = score.all.residual_mm;
   for (const StructurePart& part : model.parts)
     score.parts.push_back(score_of_rows(score.z, beyond, part.first_vertex, part.vertices));
-  const auto others = left_out_distances(model);
-  if (!others.empty()) {
-    const auto nearer = std::ranges::count_if(others, [&](double other) { return other < score.distance; });
-    score.percentile = 100 * static_cast<double>(nearer) / static_cast<double>(others.size());
-  }
+  if (const Eigen::VectorXd& others = model.left_out_distances; others.size() > 0)
+    score.percentile =
+        100 * static_cast<double>((others.array() < score.distance).count()) / static_cast<double>(others.size());
   return score;
 }
 

@@ -36,10 +36,4 @@ struct ShapeScore {
 /// number of vertices, a model without modes or faces.
 Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, const VertexScalars& doubt_mm = {});
 
-/// The Mahalanobis distance of each training shape from the model of all others, by their coordinates in this model's
-/// modes: D² = (M/(M−1))² (M−2)/(M−1) · q / (1 − M q/(M−1)²), with q its own squared distance. It is the
-/// covariance less one shape, by the formula of Sherman and Morrison. Empty where the file holds no coordinates, or
-/// fewer than three shapes more than modes.
-std::vector<double> left_out_distances(const ShapeModel& model);
-
 }  // namespace homolog

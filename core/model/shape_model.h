@@ -40,16 +40,18 @@ Eigen::Index modes_holding(const Eigen::VectorXd& variances, double share);
 
 /// A statistical shape model x = mean + basis · b [Erdt 2009, §2.3].
 struct ShapeModel {
-  std::shared_ptr<const Topology> topology;     ///< null for a model of points alone
-  Eigen::VectorXd mean;                         ///< 3n, mm
-  Eigen::MatrixXd basis;                        ///< 3n×t, orthonormal columns
-  Eigen::VectorXd variances;                    ///< λ of the t modes, mm², descending
-  double noise_variance = 0;                    ///< mm², of every coordinate, beside the modes
-  Eigen::MatrixXd scores;                       ///< t×M coefficients of the training shapes, mm; may be empty
-  std::vector<std::string> names;               ///< of the training shapes; may be empty
-  std::vector<StructurePart> parts;             ///< of a joint model of several structures; else empty
-  std::optional<StructurePoses> poses;          ///< of a joint model
-  std::optional<Alignment> alignment{};         ///< how the training shapes were aligned; none: the file does not say
+  std::shared_ptr<const Topology> topology;  ///< null for a model of points alone
+  Eigen::VectorXd mean;                      ///< 3n, mm
+  Eigen::MatrixXd basis;                     ///< 3n×t, orthonormal columns
+  Eigen::VectorXd variances;                 ///< λ of the t modes, mm², descending
+  double noise_variance = 0;                 ///< mm², of every coordinate, beside the modes
+  Eigen::MatrixXd scores;                    ///< t×M coefficients of the training shapes, mm; may be empty
+  std::vector<std::string> names;            ///< of the training shapes; may be empty
+  std::vector<StructurePart> parts;          ///< of a joint model of several structures; else empty
+  std::optional<StructurePoses> poses;       ///< of a joint model
+  std::optional<Alignment> alignment{};      ///< how the training shapes were aligned; none: the file does not say
+  /// M: how far each training shape lies from the model of the others [leave_one_out.h]; empty: not known.
+  Eigen::VectorXd left_out_distances{};
   std::vector<CompletedStructure> completed{};  ///< of a joint model: training shapes of which parts were predicted
   Eigen::Index modes() const { return variances.size(); }
 };

@@ -44,7 +44,7 @@ Result<FloatMatrix> matrix_at(const HdfTree& tree, const std::string& path, Eige
 
 namespace {
 
-constexpr const char* alignment_path = "/homolog/alignment";
+constexpr const char *alignment_path = "/homolog/alignment", *left_out_path = "/homolog/left_out_distances";
 constexpr std::array<std::pair<const char*, Alignment>, 3> alignments{
     {{"similarity", Alignment::similarity}, {"rigid", Alignment::rigid}, {"none", Alignment::none}}};
 constexpr const char* names_start = "/modelinfo/modelBuilder-0/dataInfo/URI_";  // before the number of a shape
@@ -121,6 +121,10 @@ HdfTree tree_of(const ShapeModel& model) {
     for (const auto& [name, alignment] : alignments)
       if (alignment == *model.alignment) datasets[alignment_path] = text_of(name);
   }
+  if (model.left_out_distances.size() > 0) {
+    tree.groups["/homolog"];
+    datasets[left_out_path] = floats_of(model.left_out_distances, true);
+  }
   statismo::add_structures(model, tree);
   return tree;
 }
@@ -193,6 +197,8 @@ Result<ShapeModel> model_of(const HdfTree& tree) {
   if (tree.datasets.contains(alignment_path))
     for (const auto& [name, alignment] : alignments)
       if (tree.text(alignment_path) == name) model.alignment = alignment;
+  const auto distances = matrix_at(tree, left_out_path, model.scores.cols(), 1);
+  if (distances && model.scores.cols() > 0) model.left_out_distances = distances->cast<double>();
   statismo::read_structures(tree, model);
   return model;
 }
@@ -203,7 +209,7 @@ HdfParts model_parts() {
   HdfParts parts{.attributes = {{"/representer", "datasetType"}},
                  .datasets = {"/version/majorVersion", "/version/minorVersion", "/representer/cells", "/model/mean",
                               "/model/pcaBasis", "/model/pcaVariance", "/model/noiseVariance", "/modelinfo/scores",
-                              alignment_path},
+                              alignment_path, left_out_path},
                  .numbered = {names_start}};
   statismo::add_structure_parts(parts);
   return parts;

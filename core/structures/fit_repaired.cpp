@@ -20,7 +20,7 @@ Result<RepairedFit> fit_repaired(const SetOfTemplates& set, VolumeRead& map, int
   const bool is_changed =
       std::ranges::any_of(repaired->structures, [](const RepairedStructure& one) { return one.changed_voxels > 0; });
   if (is_changed) {
-    auto fitted = fit_set(set, result.subject, {0, &fitting, {}});
+    auto fitted = fit_set(set, result.subject, {0, &fitting, options.tell});
     if (!fitted) return fail(fitted.error());
     result.fitted = std::move(*fitted);
   } else {

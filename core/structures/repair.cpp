@@ -12,10 +12,11 @@ namespace homolog {
 namespace {
 
 /// A map as it is, against its fits and what neighbours expect.
-Result<RepairedMap> look_at(const SetOfTemplates& set, const VolumeRead& map, int frame, Progress* progress) {
+Result<RepairedMap> look_at(const SetOfTemplates& set, const VolumeRead& map, int frame,
+                            const MapRepairOptions& options) {
   RepairedMap result;
   result.subject = find_in_map(set.set, map, frame);
-  auto fitted = fit_set(set, result.subject, {0, progress});
+  auto fitted = fit_set(set, result.subject, {0, options.progress, options.tell});
   if (!fitted) return fail(fitted.error());
   result.fitted = std::move(*fitted);
   result.expected = expected_shapes(set, result.subject, result.fitted);
@@ -38,7 +39,7 @@ std::optional<std::size_t> place_of(const SetOfTemplates& set, const std::string
 /// Repairs a map of which labels have been renamed, and puts what is found under the names that they had.
 Result<void> repair_renamed(const SetOfTemplates& set, VolumeRead& map, int frame, const MapRepairOptions& options,
                             const std::vector<NameFound>& names, RepairedMap& result) {
-  auto renamed = look_at(set, map, frame, options.progress);
+  auto renamed = look_at(set, map, frame, options);
   if (!renamed) return fail(renamed.error());
   std::vector<std::optional<std::size_t>> came_from(names.size());
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -66,7 +67,9 @@ Result<RepairedMap> repair_map(const SetOfTemplates& set, VolumeRead& map, int f
   Progress unseen;
   Progress& whole = options.progress != nullptr ? *options.progress : unseen;
   Progress first(whole, first_share), second(whole, 1 - first_share);
-  auto result = look_at(set, map, frame, &first);
+  MapRepairOptions looking = options;
+  looking.progress = &first;
+  auto result = look_at(set, map, frame, looking);
   if (!result) return fail(result.error());
   const auto names = find_names(set, result->subject, result->fitted, result->signs);
   std::vector<std::size_t> changed(names.size());

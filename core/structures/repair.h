@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,7 @@ struct MapRepairOptions {
   int image_frame = 0;
   const SetModel* model = nullptr;  ///< says how what is missing lies and looks, and what shapes are likely
   Progress* progress = nullptr;
+  std::function<void(std::size_t structure, SetFitStep step)> tell{};  ///< as FitSetOptions::tell, of every fit
 };
 
 /// Finds what is wrong with the structures of a label map, and changes its voxels as it proposes: islands go, holes are

@@ -7,63 +7,73 @@
 
 namespace homolog {
 
+namespace {
+
+/// Fits the set to what the map's repair proposes.
+Result<SetFitted> repair_and_fit(SetFitted done, VolumeRead& read, const MapToFit& map, const FitSetOptions& options) {
+  MapRepairOptions repairing;
+  repairing.image = map.image.get();
+  repairing.image_frame = map.image && map.image->frames > map.frame ? map.frame : 0;
+  repairing.progress = options.progress;
+  repairing.tell = options.tell;
+  auto repaired = fit_repaired(*done.set, read, std::min(map.frame, read.volume.frames - 1), repairing);
+  if (!repaired) return fail(map.file.filename().string(), repaired.error().what);
+  done.subject = std::move(repaired->subject);
+  done.fitted = std::move(repaired->fitted);
+  done.repaired = std::move(*repaired);
+  return done;
+}
+
+}  // namespace
+
+/// Reads the map and fits the set to it.
+Result<SetFitted> SetFitter::fit(std::shared_ptr<const SetOfTemplates> set, const MapToFit& map, bool repair,
+                                 Shared& shared, const std::function<void()>& wake, Progress& progress) {
+  constexpr double reading_share = 0.05;
+  progress.part(0, reading_share);
+  VolumeReadOptions reading;
+  reading.progress = &progress;
+  auto read = read_labels(map.file, reading);
+  if (!read) return fail(read.error());
+  progress.part(reading_share, 1);
+  SetFitted done;
+  done.set = set;
+  done.warnings = std::move(read->warnings);
+  done.subject = find_in_map(set->set, *read, std::min(map.frame, read->volume.frames - 1));
+  {
+    const std::lock_guard lock(shared.mutex);
+    for (std::size_t k = 0; k < done.subject.structures.size(); ++k) {
+      if (!done.subject.structures[k].is_there() || set->templates[k] == nullptr) continue;
+      shared.there.push_back(k);
+      shared.structures.push_back({set->set.structures[k].name});
+    }
+    if (shared.there.empty())
+      return fail(map.file.filename().string(), "has no label of this set; choose another set, or rename its labels");
+  }
+  FitSetOptions options;
+  options.progress = &progress;
+  options.tell = [&](std::size_t structure, SetFitStep step) {
+    {
+      const std::lock_guard lock(shared.mutex);
+      const auto at = std::ranges::find(shared.there, structure) - shared.there.begin();
+      if (at < std::ssize(shared.structures)) shared.structures[static_cast<std::size_t>(at)].step = step;
+    }
+    wake();
+  };
+  if (repair) return repair_and_fit(std::move(done), *read, map, options);
+  auto fitted = fit_set(*set, done.subject, options);
+  if (!fitted) return fail(map.file.filename().string(), fitted.error().what);
+  done.fitted = std::move(*fitted);
+  return done;
+}
+
 void SetFitter::start(std::shared_ptr<const SetOfTemplates> set, MapToFit map, bool repair, std::uint64_t case_number) {
   case_number_ = case_number;
   frame_ = map.frame;
   shared_ = std::make_shared<Shared>();
-  work_.start(map.file.string(),
-              [set, map, repair, shared = shared_, wake = wake_](Progress& progress) -> Result<SetFitted> {
-                constexpr double reading_share = 0.05;
-                progress.part(0, reading_share);
-                VolumeReadOptions reading;
-                reading.progress = &progress;
-                auto read = read_labels(map.file, reading);
-                if (!read) return fail(read.error());
-                progress.part(reading_share, 1);
-                SetFitted done;
-                done.set = set;
-                done.warnings = std::move(read->warnings);
-                const int frame = std::min(map.frame, read->volume.frames - 1);
-                done.subject = find_in_map(set->set, *read, frame);
-                {
-                  const std::lock_guard lock(shared->mutex);
-                  for (std::size_t k = 0; k < done.subject.structures.size(); ++k) {
-                    if (!done.subject.structures[k].is_there() || set->templates[k] == nullptr) continue;
-                    shared->there.push_back(k);
-                    shared->structures.push_back({set->set.structures[k].name});
-                  }
-                  if (shared->there.empty())
-                    return fail(map.file.filename().string(),
-                                "has no label of this set; choose another set, or rename its labels");
-                }
-                if (repair) {
-                  MapRepairOptions repairing;
-                  repairing.image = map.image.get();
-                  repairing.image_frame = map.image && map.image->frames > map.frame ? map.frame : 0;
-                  repairing.progress = &progress;
-                  auto repaired = fit_repaired(*set, *read, frame, repairing);
-                  if (!repaired) return fail(map.file.filename().string(), repaired.error().what);
-                  done.subject = std::move(repaired->subject);
-                  done.fitted = std::move(repaired->fitted);
-                  done.repaired = std::move(*repaired);
-                  return done;
-                }
-                FitSetOptions options;
-                options.progress = &progress;
-                options.tell = [&](std::size_t structure, SetFitStep step) {
-                  {
-                    const std::lock_guard lock(shared->mutex);
-                    const auto at = std::ranges::find(shared->there, structure) - shared->there.begin();
-                    if (at < std::ssize(shared->structures))
-                      shared->structures[static_cast<std::size_t>(at)].step = step;
-                  }
-                  wake();
-                };
-                auto fitted = fit_set(*set, done.subject, options);
-                if (!fitted) return fail(map.file.filename().string(), fitted.error().what);
-                done.fitted = std::move(*fitted);
-                return done;
-              });
+  work_.start(map.file.string(), [set, map, repair, shared = shared_, wake = wake_](Progress& progress) {
+    return fit(set, map, repair, *shared, wake, progress);
+  });
 }
 
 std::vector<StructureFitShown> SetFitter::structures() const {

@@ -63,6 +63,8 @@ class SetFitter {
     std::vector<std::size_t> there;  ///< of the set
     std::vector<StructureFitShown> structures;
   };
+  static Result<SetFitted> fit(std::shared_ptr<const SetOfTemplates> set, const MapToFit& map, bool repair,
+                               Shared& shared, const std::function<void()>& wake, Progress& progress);
   std::function<void()> wake_;
   std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
   std::uint64_t case_number_ = 0;

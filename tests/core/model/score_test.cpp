@@ -2,7 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "core/mesh/icosphere.h"
+#include "core/model/leave_one_out.h"
 #include "tests/must.h"
 
 using namespace homolog;
@@ -25,7 +28,9 @@ ShapeModel ball_model() {
       shapes.col(k).segment<3>(3 * v) += p + p / 30 * (2 * b[0] * p.x() / 30 + b[1] * p.y() * p.z() / 450);
     }
   }
-  ShapeModel model = make_model(principal_components(std::move(shapes)), 0.9, ball.topology, {});
+  const auto components = principal_components(std::move(shapes));
+  ShapeModel model = make_model(components, 0.9, ball.topology, {});
+  model.left_out_distances = left_out_distances(components, model.modes());
   model.alignment = Alignment::none;
   return model;
 }
@@ -93,21 +98,51 @@ TEST_CASE("a vertex in doubt says less") {
   CHECK(std::abs(doubted.modes[0] - 1) < std::abs(sure.modes[0] - 1) / 3);
 }
 
-TEST_CASE("the distance of a training shape that is left out is that of the model of the others") {
-  const ShapeModel model = ball_model();
-  const auto distances = left_out_distances(model);
-  REQUIRE(std::ssize(distances) == training);
-  for (const Eigen::Index out : {0, 17, 59}) {
-    Eigen::MatrixXd others(2, training - 1);
-    for (Eigen::Index k = 0, to = 0; k < training; ++k)
-      if (k != out) others.col(to++) = model.scores.col(k);
-    const Eigen::Vector2d mean = others.rowwise().mean();
-    others.colwise() -= mean;
-    const Eigen::Matrix2d covariance = others * others.transpose() / static_cast<double>(training - 2);
-    const Eigen::Vector2d off = model.scores.col(out) - mean;
-    CHECK(distances[static_cast<std::size_t>(out)] ==
-          doctest::Approx(std::sqrt(off.dot(covariance.inverse() * off))).epsilon(1e-9));
+namespace {
+
+/// Shapes that vary in many ways, each of which varies less than the one before. They need no mesh to mean something.
+ShapeMatrix many_ways(Eigen::Index shapes, unsigned seed) {
+  constexpr Eigen::Index rows = 3 * 162;
+  Eigen::VectorXd deviations(rows);
+  for (Eigen::Index row = 0; row < rows; ++row) deviations[row] = 2 * std::pow(0.93, static_cast<double>(row));
+  return deviations.asDiagonal() * sampled_coefficients(Eigen::VectorXd::Ones(rows), shapes, seed);
+}
+
+}  // namespace
+
+TEST_CASE("the distance of a training shape that is left out is that of the model that the others make") {
+  constexpr Eigen::Index shapes = 12, modes = 4;
+  const ShapeMatrix all = many_ways(shapes, 3);
+  const Eigen::VectorXd distances = left_out_distances(principal_components(all), modes);
+  REQUIRE(distances.size() == shapes);
+  for (const Eigen::Index out : {0, 5, 11}) {
+    ShapeMatrix others(all.rows(), shapes - 1);
+    others << all.leftCols(out), all.rightCols(shapes - 1 - out);
+    const auto components = principal_components(others);
+    const Eigen::VectorXd b = components.basis(modes).transpose() * (all.col(out) - components.mean);
+    const Eigen::VectorXd variances = components.variances().head(modes);
+    const double distance = std::sqrt((b.array().square() / variances.array()).sum());
+    CHECK(distances[out] == doctest::Approx(distance).epsilon(1e-9));
   }
+}
+
+TEST_CASE("new subjects are as far from the model as training shapes that are left out") {
+  const Mesh ball = icosphere(2, 30);
+  double percentiles = 0;
+  int count = 0;
+  for (unsigned draw = 0; draw < 20; ++draw) {
+    const ShapeMatrix all = many_ways(30, 100 + draw);
+    const auto components = principal_components(all.leftCols(20));
+    ShapeModel model = make_model(components, 0.95, ball.topology, {});
+    model.left_out_distances = left_out_distances(components, model.modes());
+    model.alignment = Alignment::none;
+    for (Eigen::Index k = 20; k < all.cols(); ++k) {
+      percentiles += *test::must(score_shape(model, points_of(all, k))).percentile;
+      ++count;
+    }
+  }
+  CHECK(percentiles / count > 44);
+  CHECK(percentiles / count < 56);
 }
 
 TEST_CASE("a shape of another size or place scores the same where the model was aligned") {

@@ -9,6 +9,7 @@
 #include "app/editor/update/results/worklist.h"
 #include "core/base/files.h"
 #include "core/model/landmark_table.h"
+#include "core/model/leave_one_out.h"
 #include "core/model/statismo.h"
 
 namespace homolog {
@@ -52,7 +53,11 @@ void CancelStudyFile::run(Editing& editing) const {
 void ExportModel::run(Editing& editing) const {
   const ModelsState& models = editing.state.models;
   if (models.model)
-    write_beside(editing, path, [of = models.model](const auto& to, Progress&) { return write_model(of->model, to); });
+    write_beside(editing, path, [of = models.model](const auto& to, Progress&) {
+      ShapeModel model = of->model;
+      model.left_out_distances = left_out_distances(*of->components, model.modes());
+      return write_model(model, to);
+    });
 }
 
 void ExportEvaluation::run(Editing& editing) const {

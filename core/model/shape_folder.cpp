@@ -14,6 +14,22 @@ namespace homolog {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// ShapeWorks writes the points of a shape twice, as it lies in its scan and as it is aligned. The aligned ones go
+/// where both are there.
+void take_local_particles(std::map<std::string, fs::path>& meshes) {
+  constexpr std::string_view world = "_world";
+  std::erase_if(meshes, [&](const auto& one) {
+    const auto& [name, file] = one;
+    if (file.extension() != ".particles" || !name.ends_with(world)) return false;
+    const auto local = meshes.find(name.substr(0, name.size() - world.size()) + "_local");
+    return local != meshes.end() && local->second.extension() == ".particles";
+  });
+}
+
+}  // namespace
+
 bool goes_on_after_fit(const fs::path& case_file) {
   const auto text = read_whole_file(case_file);
   if (!text) return false;
@@ -44,6 +60,7 @@ Result<std::vector<fs::path>> shapes_in_folder(const fs::path& folder) {
     }
   }
   if (error) return fail(folder.string(), "cannot be read: " + error.message());
+  take_local_particles(meshes);
   std::map<std::string, fs::path> shapes = cases;
   for (const auto& [name, mesh] : meshes) {
     constexpr std::string_view imported = "-imported";

@@ -144,6 +144,17 @@ void spread_movement(const Topology& topology, const VertexScalars& held, Points
   }
 }
 
+double share_within(const Mesh& mesh, const Mesh& other) {
+  const Depths depths(other);
+  const Box reach = bounds_of(other.points);
+  Eigen::Index within = 0;
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) {
+    const Vec3 p = mesh.points.row(v);
+    if (reach.contains(p) && depths.at(p).mm > 0) ++within;
+  }
+  return static_cast<double>(within) / static_cast<double>(mesh.points.rows());
+}
+
 double depth_mm(const Mesh& mesh, const Mesh& other, double near_mm) {
   const Depths depths(other);
   const Box reach = grown(bounds_of(other.points), near_mm);

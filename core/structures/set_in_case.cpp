@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/case/placing.h"
+#include "core/structures/keep_apart.h"
 
 namespace homolog {
 
@@ -55,6 +56,30 @@ std::string free_structure_id(const Document& document, const std::vector<std::s
         std::ranges::find(more, id) == more.end())
       return id;
   }
+}
+
+std::optional<SetPoints> apart_from_others(const Document& document, const std::string& of) {
+  constexpr double mostly = 0.5;
+  const auto shown = document.view(of);
+  if (!shown || !shown->the_template().topology->closed()) return std::nullopt;
+  std::vector<Mesh> meshes{{shown->the_template().topology, *shown->shape.points}};
+  std::vector<MeshPair> pairs;
+  const Box reach = bounds_of(*shown->shape.points);
+  for (const auto& one : document.structures) {
+    const Shape* shape = one->shape(document.frame);
+    if (one.get() == document.structure(of) || shape == nullptr || !one->the_template->topology->closed()) continue;
+    if (!reach.intersects(bounds_of(*shape->points))) continue;
+    Mesh other{one->the_template->topology, *shape->points};
+    if (share_within(other, meshes.front()) > mostly || share_within(meshes.front(), other) > mostly) continue;
+    pairs.push_back({0, meshes.size()});
+    meshes.push_back(std::move(other));
+  }
+  if (pairs.empty()) return std::nullopt;
+  std::vector<char> yields(meshes.size());
+  yields.front() = 1;
+  keep_apart(meshes, pairs, 0, yields);
+  if (meshes.front().points == *shown->shape.points) return std::nullopt;
+  return points_edit(*shown, meshes.front().points, by_keep_apart);
 }
 
 std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfTemplates& set, const SetInMap& subject,

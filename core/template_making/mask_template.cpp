@@ -19,8 +19,9 @@ namespace {
 
 // Shares of the organ's size.
 constexpr double auto_width_share = 0.035;
-constexpr double widest_share = 0.6;     ///< that is looked for where a number of tunnels is asked for
-constexpr double most_thin_share = 0.8;  ///< of the voxels: from here on an organ is thin as a whole
+constexpr double widest_share = 0.6;           ///< that is looked for where a number of tunnels is asked for
+constexpr double most_thin_share = 0.8;        ///< of the voxels: from here on an organ is thin as a whole
+constexpr double missed_worth_saying = 0.005;  ///< of the label
 
 std::string number(double value, int digits = 1) {
   char text[32];
@@ -252,16 +253,26 @@ class Making {
             way == 0 ? surface_distance(made_.mesh, target_) : surface_distance(target_, made_.mesh);
     });
     if (progress_ && progress_->cancelled()) return cancelled();
+    say_what_is_far();
     return std::move(made_);
   }
 
+  /// Where voxels are long, much may be lost although it lies less than two of them away.
+  void say_what_is_far() {
+    constexpr double most_edges_off = 1.5;
+    if (made_.missed_share >= missed_worth_saying || made_.from_mask.p95_mm <= most_edges_off * edge_mm_) return;
+    made_.warnings.push_back("5 % of the surface of " + label_name(options_.label) + " lies more than " +
+                             number(made_.from_mask.p95_mm) + " mm from the mesh, at most " +
+                             number(made_.from_mask.max_mm) +
+                             " mm: thin parts were severed or filled; more vertices hold more of them");
+  }
+
   void say_what_is_missed() {
-    constexpr double worth_saying = 0.005;
     const auto voxels = static_cast<double>(std::count(region_.inside.begin(), region_.inside.end(), 1));
     const auto missed = static_cast<double>(voxels_off(region_, made_.mesh));
     made_.missed_ml = missed * region_.grid.voxel_volume_mm3() / 1000;
     made_.missed_share = missed / voxels;
-    if (made_.missed_share < worth_saying) return;
+    if (made_.missed_share < missed_worth_saying) return;
     made_.warnings.push_back(number(100 * made_.missed_share) + " % of label " + std::to_string(options_.label) + " (" +
                              number(made_.missed_ml) +
                              " ml) lies more than two voxels from the mesh: parts thinner than the opening of " +

@@ -220,6 +220,11 @@ void draw_structures_section(const UiContext& ui, Outbox& out) {
   draw_judging(ui, out);
   draw_repair(ui, out);
   draw_levels(ui, out);
+  bool apart = ui.state.automatic.keep_apart;
+  if (toggle(theme, "Keep apart", apart,
+             "At the end of a pull or a grab the structure goes out of its neighbours, where they lie within each "
+             "other. One step to undo with the gesture"))
+    out.send(KeepApartAfterStrokes{apart});
   if (ui.labels().volume || ui.work.set_fitter.busy()) draw_set_fit(ui, out);
 }
 

@@ -242,7 +242,8 @@ struct Automatic {
   std::string set_source;                     ///< of the template set that was chosen; empty: none was
   std::shared_ptr<const SetOfTemplates> set;  ///< it, once it is read
   SnapSettings snap;
-  double model_help = 0;  ///< 0…1: how far the study's model completes every stroke
+  double model_help = 0;   ///< 0…1: how far the study's model completes every stroke
+  bool keep_apart = true;  ///< at the end of a stroke the structure goes out of its neighbours
 };
 
 /// What was found on the structure that is worked on. Another structure begins with nothing.

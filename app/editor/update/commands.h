@@ -35,6 +35,7 @@ using AllCommands = TypeList<
     // structures
     ChooseStructure, ClickStructure, NextStructure, AcceptStructure, RenameLevels, ShowStructures, ShowOnlyStructures,
     LockStructures, ChooseSet, FitSet, CancelSetFit, FilterStructures, SortStructures, ShowAsRead, TakeBackRepair,
+    KeepApart, KeepApartAfterStrokes,
     // files
     OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, CancelOpening, CancelReading, CancelWriting, SaveCase,
     SaveCaseAs, ExportMesh, ExportLabelMap, ExportStructuresMap, ExportStructuresMeshes, ExportLandmarks,

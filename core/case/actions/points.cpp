@@ -87,12 +87,12 @@ void spell_moves(Fields& line, MovePoints& move) {
 
 /// Whether such an edit leaves vertices where the fit put them along the surface. Only then does its doubt still hold.
 bool keeps_doubt(const std::string& by) {
-  return by == by_model || by == by_snap;
+  return by == by_model || by == by_snap || by == by_keep_apart;
 }
 
 /// Whether what was pulled before such an edit is still held: a person's place for it goes before that of the image.
 bool keeps_pulls(const std::string& by) {
-  return by == by_model || by == by_snap || by == by_refinement;
+  return by == by_model || by == by_snap || by == by_refinement || by == by_keep_apart;
 }
 
 /// What an edit by `action`, which is not yet done, leaves of what was pulled and of the shape without snaps.

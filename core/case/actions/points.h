@@ -19,6 +19,8 @@ inline constexpr const char* by_model = "model help";
 inline constexpr const char* by_refinement = "refine";
 /// Vertices went along their normals to the edge in the image.
 inline constexpr const char* by_snap = "snap";
+/// Vertices went out of a neighbour.
+inline constexpr const char* by_keep_apart = "keep apart";
 /// The mesh came from other frames of a cine: it does not make the frame a known one.
 inline constexpr const char* by_propagation = "propagate";
 /// Puts every vertex where an automatic step found it: a fit, a snap, a shape model. The points themselves are kept, so

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "core/mesh/mesh_io.h"
+#include "core/structures/keep_apart.h"
 #include "core/volume/read_labels.h"
 
 #include "tests/desk.h"
@@ -79,6 +80,49 @@ TEST_CASE("what a hand pulls is the structure that is worked on") {
   CHECK(driver.document().structure("s1")->paint.base == 7);
   CHECK(driver.document().structure("s2")->paint.base == 3);
   CHECK(driver.lines_with(R"("of":"s2")") == 1);
+}
+
+TEST_CASE("after a stroke the structure goes out of its neighbour, and both are one step to undo") {
+  Driver driver(demo());
+  start_with_two(driver);
+  driver.app().send(ChooseStructure{"s2"});
+  driver.settle();
+  const auto& topology = driver.document().view()->the_template().topology;
+  const auto depth = [&] {
+    const Mesh first{topology, points_of(driver, "s1")}, second{topology, points_of(driver, "s2")};
+    return depth_mm(second, first, 5);
+  };
+  // It is moved to where it lies some millimetres within the other, and then pulled a little.
+  const Vec3 way = bounds_of(points_of(driver, "s1")).center() - bounds_of(points_of(driver, "s2")).center();
+  Points moved = points_of(driver, "s2");
+  for (int steps = 0; steps < 60 && depth_mm({topology, moved}, {topology, points_of(driver, "s1")}, 5) < 3; ++steps)
+    moved.rowwise() += way.normalized().transpose();
+  driver.app().send(ApplyEdit{SetPoints{by_fit, std::nullopt, std::make_shared<const Points>(moved)}});
+  driver.settle();
+  const double within_mm = depth();
+  REQUIRE(within_mm > 2);
+  const Points first = points_of(driver, "s1"), before = points_of(driver, "s2");
+  const auto pull = [&] {
+    const auto [x, y] = on_axial_outline(driver, "s2");
+    driver.move(x, y);
+    driver.frame();
+    REQUIRE(driver.state().pointer.hover->on_mesh);
+    driver.button(MouseButton::left, true);
+    driver.move(x + 2, y);
+    driver.frame();
+    driver.button(MouseButton::left, false);
+    driver.settle();
+  };
+  pull();
+  CHECK(depth() < 0.1);
+  CHECK(points_of(driver, "s1") == first);
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK(points_of(driver, "s2") == before);
+  driver.app().send(KeepApartAfterStrokes{false});
+  driver.settle();
+  pull();
+  CHECK(depth() > 2);
 }
 
 TEST_CASE("a structure that undo takes away is worked on no more") {

@@ -4,6 +4,8 @@
 
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/structures/set_in_case.h"
+#include "tests/must.h"
 
 namespace homolog {
 
@@ -56,6 +58,34 @@ TEST_CASE("one that yields goes all the way") {
   Eigen::Index on_axis = 0;
   ball_at_37.points.rowwise().norm().minCoeff(&on_axis);
   CHECK(balls[1].points(on_axis, 0) == doctest::Approx(20).epsilon(0.01));
+}
+
+TEST_CASE("a structure of a case goes out of its neighbour and stays in the wall that holds it") {
+  const auto ball_at = [](double x_mm, double radius_mm) {
+    MeshFile file;
+    file.points = icosphere(3, radius_mm).points.rowwise() + Eigen::RowVector3d(x_mm, 0, 0);
+    file.triangles = icosphere(3, radius_mm).topology->triangles();
+    return test::must(make_template(file, "ball"));
+  };
+  const auto small = ball_at(0, 10), neighbour = ball_at(17, 10), wall = ball_at(3, 16);
+  Document document = new_document({}, nullptr, small);
+  const auto add = [&](const char* id, const std::shared_ptr<const Template>& of) {
+    Structure more = new_structure(of, Similarity{});
+    more.id = id;
+    document.structures.push_back(std::make_shared<const Structure>(std::move(more)));
+  };
+  add("s2", neighbour);
+  add("s3", wall);
+  const auto& id = document.structures.front()->id;
+  const auto edit = apart_from_others(document, id);
+  REQUIRE(edit);
+  const Mesh moved{small->topology, *edit->points}, other{neighbour->topology, neighbour->points};
+  CHECK(depth_mm({small->topology, *document.view()->shape.points}, other, 5) > 2);
+  CHECK(depth_mm(moved, other, 5) < 0.1);
+  CHECK(moved.points.row(0).norm() < 20);
+  CHECK(share_within(moved, {wall->topology, wall->points}) == doctest::Approx(1));
+  document.structures.erase(document.structures.begin() + 1);
+  CHECK_FALSE(apart_from_others(document, id));
 }
 
 TEST_CASE("three in a row come apart, and those that touch nobody stay") {

@@ -162,6 +162,37 @@ TEST_CASE("a strand thinner than the mesh can show is severed") {
   CHECK(make_mask_template(mask, options).value().mesh.topology->genus() > 0);
 }
 
+TEST_CASE("what is lost between long voxels is said") {
+  // A bowl of a thin wall in slices of 9 mm, as hearts are often scanned: its wall tears.
+  VolumeGeometry grid;
+  grid.dims = {100, 100, 10};
+  grid.spacing_mm = {1.2, 1.2, 9};
+  grid.origin_mm = {-60, -60, -45};
+  Volume mask;
+  mask.geometry = grid;
+  std::vector<std::uint8_t> voxels;
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i) {
+        const Vec3 p = grid.to_mm(Vec3(i, j, k));
+        const double r = Vec3(p.x(), p.y(), 0.6 * p.z()).norm();
+        voxels.push_back(r < 40 && r > 35.5 && p.z() < 30 ? 1 : 0);
+      }
+  mask.data = voxels;
+  mask.range_max = 1;
+  const auto torn = make_mask_template(mask, options_with(600));
+  REQUIRE(torn);
+  const auto says_far = [](const MaskTemplate& made) {
+    return std::ranges::any_of(made.warnings, [](const std::string& one) {
+      return one.find("thin parts were severed") != std::string::npos || one.find("made") != std::string::npos;
+    });
+  };
+  CHECK(says_far(*torn));
+  const auto whole = make_mask_template(mask_where([](const Vec3& p) { return p.norm() < 16; }), options_with(600));
+  REQUIRE(whole);
+  CHECK_FALSE(says_far(*whole));
+}
+
 TEST_CASE("islands and cavities are left out and reported") {
   const Volume mask =
       mask_where([](const Vec3& p) { return (p.norm() < 16 && p.norm() > 4) || (p - Vec3(25, 25, 25)).norm() < 3; });

@@ -10,6 +10,7 @@
 #include "core/case/placing.h"
 #include "core/placement/similarity_fit.h"
 #include "core/structures/level_names.h"
+#include "core/structures/set_in_case.h"
 
 namespace homolog {
 
@@ -71,6 +72,15 @@ void AcceptStructure::run(Editing& editing) const {
   const bool more = std::ranges::any_of(editing.shown.document().structures,
                                         [&](const auto& one) { return one.get() != active && is_doubtful(*one); });
   if (more) editing.out.send(NextStructure{false, true});
+}
+
+void KeepApart::run(Editing& editing) const {
+  editing.shown.session().apply_computed(
+      [](const Document& document, const std::string& of) -> Result<std::optional<Action>> {
+        if (auto edit = apart_from_others(document, of)) return std::optional<Action>(std::move(*edit));
+        return std::optional<Action>();
+      },
+      true, editing.state.look.structure);
 }
 
 void TakeBackRepair::run(Editing& editing) const {

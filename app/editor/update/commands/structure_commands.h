@@ -43,6 +43,11 @@ struct AcceptStructure {
   static constexpr const char* key = "accept structure";
   void run(Editing& editing) const;
 };
+/// Moves the structure that is worked on out of its neighbours. Undone together with the edit before it.
+struct KeepApart {
+  static constexpr const char* key = "keep apart";
+  void run(Editing& editing) const;
+};
 /// Gives the structure that is worked on the shape back that it had before a repair; one that was missing goes.
 struct TakeBackRepair {
   static constexpr const char* key = "take back repair";
@@ -104,6 +109,8 @@ using FilterStructures =
     Setting<"filter structures", "text", &EditorState::look, &Look::structures, &StructureLooks::filter>;
 using SortStructures =
     Setting<"sort structures", "worst_first", &EditorState::look, &Look::structures, &StructureLooks::worst_first>;
+using KeepApartAfterStrokes =
+    Setting<"keep apart after strokes", "on", &EditorState::automatic, &Automatic::keep_apart>;
 using ShowAsRead =
     Setting<"show as read", "shown", &EditorState::look, &Look::structures, &StructureLooks::as_read_shown>;
 

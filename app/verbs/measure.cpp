@@ -1,8 +1,10 @@
 #include <map>
 
+#include "app/verbs/measure_recipe.h"
 #include "app/verbs/verb.h"
 #include "core/base/files.h"
 #include "core/base/listed.h"
+#include "core/catalogue/catalogue.h"
 #include "core/measure/meeting.h"
 #include "core/mesh/formats/formats.h"
 #include "core/model/landmark_table.h"
@@ -218,12 +220,33 @@ Result<Report> run_observers(const fs::path& first, const fs::path& second, cons
 
 void add_measure(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<ShapesVerb>();
-  CLI::App* verb =
-      add_verb(app, "measure", "Volume, area and distances between named landmarks of every shape, as a table");
+  auto job = std::make_shared<RecipeJob>();
+  CLI::App* verb = add_verb(app, "measure",
+                            "Volume, area and distances between named landmarks of every shape, or what a recipe "
+                            "names, as a table");
   add_shapes(*verb, *options);
-  verb->add_option("--csv", options->out, "Also write the table there");
-  verb->callback(
-      [options, &asked] { asked.run = [options](Progress& progress) { return run_measure(*options, progress); }; });
+  verb->add_option("--csv,-o,--output", options->out, "Also write the table there");
+  verb->add_option("--recipe", job->recipe,
+                   "What to measure: a file (.json), or " + listed(shipped_recipes(), ", ") + "; without it that of the template");
+  verb->add_option("--template", job->the_template,
+                   "Lends its landmarks and regions to shapes of its numbering that have none");
+  verb->add_option("--landmarks", job->landmarks,
+                   "The landmarks of a shape, or a folder with a file of each shape's name");
+  auto* model = verb->add_option("--model", job->model, "Measure along the modes of this model too (.h5, .h5.json)");
+  verb->add_option("--modes", job->modes, "How many modes, else 3")->check(CLI::Range(1, 1000))->needs(model);
+  verb->callback([verb, options, job, &asked] {
+    const bool by_recipe = verb->count("--recipe") + verb->count("--template") > 0;
+    if (!by_recipe)
+      for (const char* option : {"--landmarks", "--model"}) refuse_without_effect(*verb, option, "--recipe");
+    asked.run = [options, job, by_recipe](Progress& progress) {
+      if (!by_recipe) return run_measure(*options, progress);
+      job->files = options->files;
+      job->all_frames = options->all_frames;
+      job->group = options->group;
+      job->out = options->out;
+      return measure_by_recipe(*job, progress);
+    };
+  });
 }
 
 void add_landmarks(CLI::App& app, CommandLine& asked) {

@@ -1,12 +1,20 @@
 #include "core/catalogue/catalogue.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <limits>
 #include <optional>
 #include <string_view>
 
+#include "core/base/listed.h"
+#include "core/base/nearest_names.h"
 #include "core/base/text.h"
 #include "core/phantom/phantom_scene.h"
+
+// assets/recipes, embedded by core/CMakeLists.txt.
+extern const unsigned char recipe_femur[], recipe_vertebra[], recipe_ventricle[];
+extern const std::size_t recipe_femur_size, recipe_vertebra_size, recipe_ventricle_size;
 
 namespace homolog {
 
@@ -30,6 +38,20 @@ Result<MeshFile> built_in_of_set(const std::string& source, const std::string& s
   for (SceneStructure& one : spine_phantom_truth(0))
     if (one.name == structure) return std::move(one.truth);
   return fail(source, "is no template of the built-in set; homolog set info " + built_in_set_source() + " lists them");
+}
+
+/// A recipe that ships.
+struct ShippedRecipe {
+  const char* name;
+  std::string_view text;
+};
+std::array<ShippedRecipe, 3> recipes() {
+  const auto text = [](const unsigned char* bytes, std::size_t size) {
+    return std::string_view(reinterpret_cast<const char*>(bytes), size);
+  };
+  return {{{"femur", text(recipe_femur, recipe_femur_size)},
+           {"vertebra", text(recipe_vertebra, recipe_vertebra_size)},
+           {"ventricle", text(recipe_ventricle, recipe_ventricle_size)}}};
 }
 
 }  // namespace
@@ -96,6 +118,40 @@ Result<std::shared_ptr<const Template>> load_template(const std::string& source)
   auto file = read_mesh_file(source);
   if (!file) return fail(file.error());
   return make_template(std::move(*file), source);
+}
+
+std::vector<std::string> shipped_recipes() {
+  std::vector<std::string> names;
+  for (const ShippedRecipe& one : recipes()) names.emplace_back(one.name);
+  return names;
+}
+
+Result<Recipe> load_recipe(const std::string& source) {
+  for (const ShippedRecipe& one : recipes())
+    if (source == one.name) {
+      auto recipe = parse_recipe(one.text);
+      if (!recipe) return fail(source, recipe.error().what);
+      return recipe;
+    }
+  std::error_code ignored;
+  const bool is_word = source.find_first_of("./") == std::string::npos;
+  if (!is_word || std::filesystem::exists(source, ignored)) return read_recipe(source);
+  const auto near = nearest_names(source, shipped_recipes(), 1);
+  return fail(excerpt(source), "is neither a file nor a recipe that ships (" + listed(shipped_recipes(), ", ") + ")" +
+                                   (near.empty() ? "" : "; " + near.front() + " is the nearest"));
+}
+
+std::string recipe_of_template(const std::string& template_source) {
+  if (is_built_in(template_source)) {
+    const auto organ = built_in_organ(template_source);
+    const std::string name = organ ? organ_name(*organ) : "";
+    const std::vector<std::string> shipped = shipped_recipes();
+    return std::ranges::find(shipped, name) == shipped.end() ? std::string() : name;
+  }
+  std::filesystem::path beside = template_source;
+  beside.replace_extension(".recipe.json");
+  std::error_code ignored;
+  return std::filesystem::exists(beside, ignored) ? beside.string() : std::string();
 }
 
 Result<VolumeRead> load_volume(const std::string& source, const VolumeReadOptions& options) {

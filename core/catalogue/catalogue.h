@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "core/measure/recipe/recipe.h"
 #include "core/phantom/phantom.h"
 #include "core/template/template.h"
 #include "core/volume/volume_io.h"
@@ -36,6 +38,15 @@ std::string template_sources();
 
 /// Reads a template file, or makes a built-in template.
 Result<std::shared_ptr<const Template>> load_template(const std::string& source);
+
+/// The recipes that ship: "femur", "vertebra", "ventricle".
+std::vector<std::string> shipped_recipes();
+/// A recipe that ships, or that of a file [parse_recipe]. Errors: those of read_recipe; a word that is neither, with the
+/// nearest.
+Result<Recipe> load_recipe(const std::string& source);
+/// The recipe that is kept with a template: NAME.recipe.json beside NAME.ply; of a built-in template the one of its
+/// name. Empty: there is none.
+std::string recipe_of_template(const std::string& template_source);
 
 /// Reads a volume (see read_volume), or makes a phantom's image.
 Result<VolumeRead> load_volume(const std::string& source, const VolumeReadOptions& options = {});

@@ -46,6 +46,19 @@ struct FileRead {
   std::vector<std::string> warnings;
 };
 
+/// Puts the other structures of a case beside one of them, those that have a mesh at the frame.
+void add_others(ReadShape& shape, const ShapesOfFile& shapes, const WhichShape& which, bool flipped) {
+  const auto name_of = [](const ShapesOfStructure& one) { return one.name.empty() ? one.id : one.name; };
+  const ShapesOfStructure* own = shapes.structure(which.structure);
+  shape.structure = name_of(*own);
+  for (const ShapesOfStructure& one : shapes.structures) {
+    const auto found = one.frames.find(which.frame.value_or(shapes.shown));
+    if (&one == own || found == one.frames.end()) continue;
+    shape.others.emplace_back(
+        name_of(one), flipped ? std::make_shared<const MeshFile>(mirrored(*found->second)) : found->second);
+  }
+}
+
 FileRead read_file(const OneFile& file, const ShapeReading& reading, std::mutex& one_image) {
   FileRead read;
   const fs::path& path = file.sources.front()->file;
@@ -64,6 +77,7 @@ FileRead read_file(const OneFile& file, const ShapeReading& reading, std::mutex&
       }
       ReadShape shape{source->name(frame), std::move(*mesh), reading.doubts ? source->doubt : std::string()};
       if (source->flipped) shape.mesh = std::make_shared<const MeshFile>(mirrored(*shape.mesh));
+      add_others(shape, *shapes, {source->structure, frame}, source->flipped);
       if (reading.doubts && !source->done && source->doubt.empty()) shape.doubt = doubt_of_shape(*shape.mesh);
       read.shapes.emplace_back(std::move(shape));
     }
@@ -96,6 +110,7 @@ ShapesOfFile shapes_of(const Document& document) {
   for (const auto& structure : document.structures) {
     ShapesOfStructure& of = shapes.structures.emplace_back();
     of.id = structure->id;
+    of.name = structure->name;
     for (const auto& [frame, shared] : structure->shapes) {
       const Shape& shape = *shared;
       MeshFile file = to_mesh_file({*structure, shape, frame}, document.scan.frames() > 1);

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -21,6 +22,7 @@ struct ShapesOfStructure {
   std::string id;                                         ///< empty: of a mesh
   std::map<int, std::shared_ptr<const MeshFile>> frames;  ///< frame 0 alone where it is no cine
   std::vector<int> edited;                                ///< frames that were worked on, ascending
+  std::string name{};                                     ///< empty: it has none
 };
 
 /// Which shape of a file is meant.
@@ -78,6 +80,9 @@ struct ReadShape {
   std::string name;  ///< the file's, with the frame where one of several is taken
   std::shared_ptr<const MeshFile> mesh;
   std::string doubt;  ///< why it is in doubt; empty: it is not, or nobody asked
+  /// The other structures of a case at the same frame, by their names (their ids, where they have none).
+  std::vector<std::pair<std::string, std::shared_ptr<const MeshFile>>> others{};
+  std::string structure{};  ///< its own name among them; empty: of a mesh
 };
 using TakeShape = std::function<Result<void>(ReadShape shape)>;
 

@@ -134,8 +134,9 @@ class Finder {
 }  // namespace
 
 Result<std::vector<CaseFiles>> structure_files(const std::vector<fs::path>& folders,
-                                               const std::vector<std::string>& structures, ShapeWorksFrame frame) {
-  if (structures.size() < 2)
+                                               const std::vector<std::string>& structures, ShapeWorksFrame frame,
+                                               std::size_t least) {
+  if (structures.size() < least)
     return fail("--structures", "names one structure only; name two or more, as A,B, or give that one's meshes");
   std::set<std::string> seen;
   for (const std::string& name : structures)

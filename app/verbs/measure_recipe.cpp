@@ -1,0 +1,281 @@
+#include "app/verbs/measure_recipe.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "app/verbs/case_landmarks.h"
+#include "core/base/files.h"
+#include "core/base/listed.h"
+#include "core/catalogue/catalogue.h"
+#include "core/mesh/landmark_io.h"
+#include "core/mesh/mesh_frame.h"
+#include "core/model/model_files.h"
+#include "core/model/recipe_shapes.h"
+#include "core/model/sizes.h"
+#include "core/model/statismo.h"
+#include "core/model/structure_files.h"
+
+namespace homolog {
+
+namespace {
+
+/// One shape, measured.
+struct MeasuredCase {
+  std::string name;
+  std::string group;  ///< of a study's case; empty: none
+  std::optional<int> frame;
+  std::vector<MeasuredNumber> values;
+};
+
+/// Measures shapes one after the other, as they are read.
+class RecipeWork {
+ public:
+  RecipeWork(const RecipeJob& job, Recipe recipe) : job_(job), recipe_(std::move(recipe)) {}
+
+  Result<Report> run(Progress& progress) {
+    if (!job_.the_template.empty()) {
+      auto lender = load_template(job_.the_template);
+      if (!lender) return fail(lender.error());
+      lenders_.add(std::move(*lender));
+    }
+    progress.part(0, job_.model.empty() ? 1 : 0.8);
+    if (auto read = read_all(progress); !read) return fail(read.error());
+    std::vector<std::string> names;
+    for (const MeasuredCase& one : cases_) names.push_back(one.name);
+    names = shape_names(names);
+    for (std::size_t k = 0; k < cases_.size(); ++k) cases_[k].name = names[k];
+    for (const MeasuredCase& one : cases_) note_missing(one.name, one.values);
+    if (!job_.model.empty()) {
+      progress.part(0.8, 1);
+      if (auto along = measure_model(progress); !along) return fail(along.error());
+    }
+    say_missing();
+    return report();
+  }
+
+ private:
+  /// Folders of cases with a mesh for each structure, where the recipe names structures; all else as shapes.
+  Result<void> read_all(Progress& progress) {
+    const std::vector<std::string> structures = recipe_.structures();
+    std::vector<std::filesystem::path> files, folders;
+    std::error_code ignored;
+    for (const auto& file : job_.files)
+      (!structures.empty() && std::filesystem::is_directory(file, ignored) ? folders : files).push_back(file);
+    if (!folders.empty())
+      if (auto read = read_folders(folders, structures, progress); !read) return read;
+    if (files.empty()) return {};
+    const auto sources = shape_sources(files, job_.group);
+    if (!sources) return fail(sources.error());
+    alone_ = sources->size() == 1 && folders.empty();
+    std::map<std::string, std::string> group_of;
+    for (const ShapeSource& source : *sources)
+      if (!source.group.empty()) group_of[source.name(source.frame)] = source.group;
+    const auto take = [&](ReadShape shape) -> Result<void> {
+      MeasuredShape measured;
+      if (auto added = add_structure(measured, shape.structure, *shape.mesh); !added)
+        return fail(shape.name, added.error().what);
+      for (const auto& [name, mesh] : shape.others)
+        if (auto added = add_structure(measured, name, *mesh); !added) return fail(shape.name, added.error().what);
+      return measure_one(shape.name, group_of[shape.name], noted_frame(*shape.mesh), std::move(measured));
+    };
+    const auto warnings = read_shapes(*sources, {job_.all_frames}, take, &progress);
+    if (!warnings) return fail(warnings.error());
+    warnings_.insert(warnings_.end(), warnings->begin(), warnings->end());
+    return {};
+  }
+
+  Result<void> read_folders(const std::vector<std::filesystem::path>& folders,
+                            const std::vector<std::string>& structures, Progress& progress) {
+    const auto cases = structure_files(folders, structures, ShapeWorksFrame::local, 1);
+    if (!cases) return fail(cases.error());
+    double done = 0;
+    for (const CaseFiles& one : *cases) {
+      if (progress.cancelled()) return fail("", "the measurements were cancelled");
+      progress.report(done++ / static_cast<double>(cases->size()));
+      MeasuredShape shape;
+      for (std::size_t k = 0; k < structures.size(); ++k) {
+        if (one.of_structure[k].empty()) continue;
+        const auto mesh = read_mesh_file(one.of_structure[k]);
+        if (!mesh) {
+          warnings_.push_back(mesh.error().sentence() + " (left out)");
+          continue;
+        }
+        if (auto added = add_structure(shape, structures[k], *mesh); !added)
+          return fail(one.of_structure[k].string(), added.error().what);
+      }
+      if (shape.structures.empty()) continue;
+      if (auto measured = measure_one(one.name, {}, {}, std::move(shape)); !measured) return measured;
+    }
+    return {};
+  }
+
+  Result<void> add_structure(MeasuredShape& shape, const std::string& name, const MeshFile& mesh) {
+    auto structure = measured_structure(name, mesh, faces_);
+    if (!structure) return fail(structure.error());
+    shape.structures.push_back(std::move(*structure));
+    return {};
+  }
+
+  Result<void> measure_one(const std::string& name, const std::string& group, std::optional<int> frame,
+                           MeasuredShape shape) {
+    if (auto placed = add_landmarks(name, shape.structures.front()); !placed) return placed;
+    lenders_.lend_to(shape);
+    if (!job_.model.empty() && cases_.empty()) lenders_.add(shape);
+    cases_.push_back({name, group, frame, measure(recipe_, shape)});
+    return {};
+  }
+
+  /// Landmarks that lie in files of their own; they count before those of the mesh.
+  Result<void> add_landmarks(const std::string& name, MeasuredStructure& structure) const {
+    if (job_.landmarks.empty()) return {};
+    std::filesystem::path file = job_.landmarks;
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored))
+      file = landmark_file_in(file, case_name_of(name));
+    else if (!alone_)
+      return fail(file.string(), "is one file for several shapes; give the folder with a file of each shape's name");
+    if (file.empty()) return {};
+    auto read = read_landmarks(file);
+    if (!read) return fail(read.error());
+    for (const Landmark& placed : *read)
+      std::erase_if(structure.landmarks, [&](const Landmark& own) { return own.name == placed.name; });
+    structure.landmarks.insert(structure.landmarks.end(), read->begin(), read->end());
+    return {};
+  }
+
+  Result<void> measure_model(Progress& progress) {
+    const auto model = read_model(job_.model);
+    if (!model) return fail(model.error());
+    const int there = static_cast<int>(model->modes());
+    if (job_.modes > there)
+      warnings_.push_back(job_.model.string() + ": has " + std::to_string(there) + " modes, so these are measured");
+    auto along = measure_modes(recipe_, *model, std::min(job_.modes, there), lenders_, progress);
+    if (!along) return fail(along.error());
+    modes_ = std::move(*along);
+    if (!modes_.empty()) note_missing("the model", modes_.front().values);
+    return {};
+  }
+
+  /// Remembers why a shape lacks measurements, by the reason.
+  void note_missing(const std::string& name, const std::vector<MeasuredNumber>& values) {
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const RecipeStep& step = recipe_.steps[recipe_.measurements[k]];
+      if (values[k].value || step.optional) continue;
+      missing_[name][values[k].missing].push_back(step.name);
+    }
+  }
+
+  /// A sentence for each shape and reason; one for all where all shapes lack the same.
+  void say_missing() {
+    std::map<std::string, std::size_t> shapes_without;
+    for (const auto& [name, reasons] : missing_)
+      for (const auto& [reason, unused] : reasons) ++shapes_without[reason];
+    std::set<std::string> said;
+    const std::size_t all = cases_.size() + (modes_.empty() ? 0 : 1);
+    for (const auto& [name, reasons] : missing_)
+      for (const auto& [reason, measurements] : reasons) {
+        const bool of_all = all > 1 && shapes_without[reason] == all;
+        if (of_all && !said.insert(reason).second) continue;
+        warnings_.push_back((of_all ? std::string("every shape") : name) + ": " + reason + ", so " +
+                            listed(measurements, " and ") + (measurements.size() == 1 ? " is" : " are") + " left empty");
+      }
+  }
+
+  Json values_of(const std::vector<MeasuredNumber>& values) const {
+    Json by_name = Json::object();
+    for (std::size_t k = 0; k < values.size(); ++k)
+      by_name[recipe_.steps[recipe_.measurements[k]].name] = values[k].value ? Json(*values[k].value) : Json();
+    return by_name;
+  }
+
+  Result<Report> report() {
+    Json measurements = Json::array(), cases = Json::array(), modes = Json::array();
+    for (std::size_t k = 0; k < recipe_.measurements.size(); ++k) {
+      std::vector<std::optional<double>> values;
+      for (const MeasuredCase& one : cases_) values.push_back(one.values[k].value);
+      const Spread spread = spread_of(values);
+      const RecipeStep& step = recipe_.steps[recipe_.measurements[k]];
+      Json row{{"name", step.name}, {"unit", step.unit}, {"kind", kind_word(step)}, {"count", spread.count}};
+      row["mean"] = spread.count > 0 ? Json(spread.mean) : Json();
+      row["sd"] = spread.count > 0 ? Json(spread.sd) : Json();
+      measurements.push_back(std::move(row));
+    }
+    for (const MeasuredCase& one : cases_) {
+      Json row{{"name", one.name}};
+      if (one.frame) row["frame"] = *one.frame;
+      if (!one.group.empty()) row["group"] = one.group;
+      row["values"] = values_of(one.values);
+      cases.push_back(std::move(row));
+    }
+    for (const ModeValues& one : modes_)
+      modes.push_back({{"mode", one.mode}, {"sd", one.sd}, {"values", values_of(one.values)}});
+    Report report;
+    report.warnings = std::move(warnings_);
+    report.values = {{"recipe", recipe_.name}, {"measurements", std::move(measurements)}, {"cases", std::move(cases)}};
+    if (!job_.model.empty()) report.values["modes"] = std::move(modes);
+    if (job_.out.empty()) return report;
+    if (auto written = write_whole_file(job_.out, table()); !written) return fail(written.error());
+    report.values["table"] = job_.out.string();
+    return report;
+  }
+
+  std::string table() const {
+    const auto any = [&](const auto& has) { return std::ranges::any_of(cases_, has); };
+    const bool frames = any([](const MeasuredCase& one) { return one.frame.has_value(); });
+    const bool groups = any([](const MeasuredCase& one) { return !one.group.empty(); });
+    std::string text = "name";
+    for (const auto& [there, column] : {std::pair(frames, ",frame"), {groups, ",group"}, {!modes_.empty(), ",mode,sd"}})
+      if (there) text += column;
+    for (const std::size_t k : recipe_.measurements)
+      text += ',' + csv_field(recipe_.steps[k].name + (recipe_.steps[k].unit == "1" ? "" : ' ' + recipe_.steps[k].unit));
+    text += '\n';
+    const auto add_values = [&](const std::vector<MeasuredNumber>& values) {
+      for (const MeasuredNumber& one : values) {
+        char number[40] = "";
+        if (one.value) std::snprintf(number, sizeof number, "%.9g", *one.value);
+        text += std::string(",") + number;
+      }
+      text += '\n';
+    };
+    for (const MeasuredCase& one : cases_) {
+      text += csv_field(one.name);
+      if (frames) text += ',' + (one.frame ? std::to_string(*one.frame) : "");
+      if (groups) text += ',' + csv_field(one.group);
+      if (!modes_.empty()) text += ",,";
+      add_values(one.values);
+    }
+    for (const ModeValues& one : modes_) {
+      text += std::string("model") + (frames ? "," : "") + (groups ? "," : "");
+      text += ',' + std::to_string(one.mode) + ',' + std::to_string(static_cast<int>(one.sd));
+      add_values(one.values);
+    }
+    return text;
+  }
+
+  const RecipeJob& job_;
+  Recipe recipe_;
+  Lenders lenders_;
+  std::shared_ptr<const Topology> faces_;  ///< of the mesh before
+  bool alone_ = false;                     ///< one shape is measured
+  std::vector<MeasuredCase> cases_;
+  std::vector<ModeValues> modes_;
+  std::map<std::string, std::map<std::string, std::vector<std::string>>> missing_;  ///< measurements by shape and reason
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+Result<Report> measure_by_recipe(const RecipeJob& job, Progress& progress) {
+  const std::string source = job.recipe.empty() ? recipe_of_template(job.the_template) : job.recipe;
+  if (source.empty())
+    return fail(job.the_template, "has no recipe beside it; give one with --recipe (" +
+                                      listed(shipped_recipes(), ", ") + " or a file)");
+  auto recipe = load_recipe(source);
+  if (!recipe) return fail(recipe.error());
+  return RecipeWork(job, std::move(*recipe)).run(progress);
+}
+
+}  // namespace homolog

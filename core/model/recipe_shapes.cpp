@@ -1,0 +1,88 @@
+#include "core/model/recipe_shapes.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/mesh/mirror.h"
+#include "core/model/procrustes.h"
+
+namespace homolog {
+
+Result<MeasuredStructure> measured_structure(std::string name, const MeshFile& mesh,
+                                             std::shared_ptr<const Topology>& faces) {
+  MeasuredStructure structure{std::move(name), {nullptr, mesh.points}, mesh.landmarks, mesh.regions};
+  if (mesh.triangles.rows() == 0) return structure;
+  if (!faces || faces->vertices() != mesh.points.rows() || faces->triangles() != mesh.triangles) {
+    auto made = Topology::make(mesh.points.rows(), mesh.triangles);
+    if (!made) return fail(made.error());
+    faces = *made;
+  }
+  structure.mesh.topology = faces;
+  return structure;
+}
+
+void Lenders::add(const MeasuredShape& shape) {
+  for (const MeasuredStructure& one : shape.structures) {
+    if (one.mesh.topology == nullptr || (one.landmarks.empty() && one.regions.list.empty())) continue;
+    MeshFile file;
+    file.points = one.mesh.points;
+    file.triangles = one.mesh.topology->triangles();
+    file.landmarks = one.landmarks;
+    file.regions = one.regions;
+    if (auto made = make_template(std::move(file), one.name)) add(std::move(*made));
+  }
+}
+
+void Lenders::lend_to(MeasuredShape& shape) const {
+  for (MeasuredStructure& one : shape.structures)
+    for (const auto& lender : lenders_) {
+      if (lender->points.rows() != one.mesh.points.rows()) continue;
+      const Triangles& faces = lender->topology->triangles();
+      // Points alone are taken to be in the lender's order.
+      if (one.mesh.topology != nullptr && one.mesh.topology->triangles() != faces &&
+          !turned_faces(one.mesh.topology->triangles(), faces))
+        continue;
+      for (Landmark& landmark : carried_landmarks(*lender, one.mesh.points)) {
+        const auto same = [&](const Landmark& own) { return own.name == landmark.name; };
+        if (std::ranges::none_of(one.landmarks, same)) one.landmarks.push_back(std::move(landmark));
+      }
+      if (one.regions.list.empty()) one.regions = lender->regions;
+    }
+}
+
+Result<MeasuredShape> measured_shape(const ShapeModel& model, const Points& points) {
+  MeasuredShape shape;
+  if (model.parts.empty()) {
+    shape.structures.push_back({"", {model.topology, points}, {}, {}});
+    return shape;
+  }
+  for (const StructurePart& part : model.parts) {
+    MeshFile mesh;
+    mesh.points = points.middleRows(part.first_vertex, part.vertices);
+    if (model.topology) mesh.triangles = triangles_of(part, model.topology->triangles());
+    std::shared_ptr<const Topology> faces;
+    auto structure = measured_structure(part.name, mesh, faces);
+    if (!structure) return fail(structure.error());
+    shape.structures.push_back(std::move(*structure));
+  }
+  return shape;
+}
+
+Result<std::vector<ModeValues>> measure_modes(const Recipe& recipe, const ShapeModel& model, int modes,
+                                              const Lenders& lenders, Progress& progress) {
+  constexpr std::array deviations{-2.0, -1.0, 0.0, 1.0, 2.0};
+  std::vector<ModeValues> all;
+  for (int mode = 1; mode <= modes; ++mode)
+    for (const double sd : deviations) {
+      if (progress.cancelled()) return fail("", "the measurements were cancelled");
+      progress.report(static_cast<double>(all.size()) / static_cast<double>(deviations.size() * static_cast<std::size_t>(modes)));
+      auto shape = measured_shape(model, mode_shape(model, mode - 1, sd));
+      if (!shape) return fail(shape.error());
+      lenders.lend_to(*shape);
+      all.push_back({mode, sd, measure(recipe, *shape)});
+    }
+  return all;
+}
+
+}  // namespace homolog

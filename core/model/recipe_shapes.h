@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/measure/recipe/measuring.h"
+#include "core/model/shape_files.h"
+#include "core/model/shape_model.h"
+#include "core/template/template.h"
+
+namespace homolog {
+
+// Shapes, models and templates as a recipe measures them.
+
+/// A mesh as a structure to measure. `faces`: of a mesh before, used again where this one has the same; becomes those
+/// of this one. Errors: faces that are no surface.
+Result<MeasuredStructure> measured_structure(std::string name, const MeshFile& mesh,
+                                             std::shared_ptr<const Topology>& faces);
+
+/// Meshes that lend landmarks and regions to those of the same faces that lack them: a landmark goes to the same place
+/// of the surface, a region to the same vertices.
+class Lenders {
+ public:
+  void add(std::shared_ptr<const Template> lender) { lenders_.push_back(std::move(lender)); }
+  /// The structures of a shape whose landmarks or regions can be lent.
+  void add(const MeasuredShape& shape);
+  void lend_to(MeasuredShape& shape) const;
+
+ private:
+  std::vector<std::shared_ptr<const Template>> lenders_;
+};
+
+/// A shape of a model as what is measured: of a joint model each structure by its name. `points`: n×3 of the model.
+/// Errors: faces that are no surface.
+Result<MeasuredShape> measured_shape(const ShapeModel& model, const Points& points);
+
+/// The measurements of one shape of a model.
+struct ModeValues {
+  int mode = 0;   ///< from 1
+  double sd = 0;  ///< of the mode: 0 is the mean
+  std::vector<MeasuredNumber> values;
+};
+/// The mean and each of the first `modes` modes at −2, −1, 0, 1 and 2 standard deviations. Errors: cancelled; faces that
+/// are no surface.
+Result<std::vector<ModeValues>> measure_modes(const Recipe& recipe, const ShapeModel& model, int modes,
+                                              const Lenders& lenders, Progress& progress);
+
+}  // namespace homolog

@@ -22,7 +22,7 @@ const std::map<std::string_view, Examples> examples{
     {"replay", {"replay case_1.homolog -o case_1.ply", "replay cine.homolog --frame 4 -o frame_4.ply"}},
     {"compare",
      {"compare fits/case_1.ply --mask labels/case_1.nii.gz", "compare fits/case_1.ply --mesh expert/case_1.ply"}},
-    {"measure", {"measure fits/ --csv sizes.csv", "measure kidneys.study.json --group healthy"}},
+    {"measure", {"measure fits/ --csv sizes.csv", "measure fits/ --recipe vertebra --model L1.h5 --csv modes.csv"}},
     {"landmarks", {"landmarks fits/ -o landmarks.tps", "landmarks fits/ --vertices -o vertices.csv"}},
     {"observers", {"observers anna/ ben/", "observers anna.study.json ben.study.json --csv agreement.csv"}},
     {"label-map",

@@ -226,18 +226,24 @@ void add_measure(CLI::App& app, CommandLine& asked) {
                             "names, as a table");
   add_shapes(*verb, *options);
   verb->add_option("--csv,-o,--output", options->out, "Also write the table there");
-  verb->add_option("--recipe", job->recipe,
-                   "What to measure: a file (.json), or " + listed(shipped_recipes(), ", ") + "; without it that of the template");
+  verb->add_option(
+      "--recipe", job->recipe,
+      "What to measure: a file (.json), or " + listed(shipped_recipes(), ", ") + "; without it that of the template");
   verb->add_option("--template", job->the_template,
                    "Lends its landmarks and regions to shapes of its numbering that have none");
   verb->add_option("--landmarks", job->landmarks,
                    "The landmarks of a shape, or a folder with a file of each shape's name");
+  auto* image = verb->add_option("--image", job->image,
+                                 "What image_mean samples along the normals: an image, or a folder with one of each "
+                                 "shape's name");
+  verb->add_option("--profiles", job->profiles, "Folder for each mesh (.vtp) with the image along its normals")
+      ->needs(image);
   auto* model = verb->add_option("--model", job->model, "Measure along the modes of this model too (.h5, .h5.json)");
   verb->add_option("--modes", job->modes, "How many modes, else 3")->check(CLI::Range(1, 1000))->needs(model);
   verb->callback([verb, options, job, &asked] {
     const bool by_recipe = verb->count("--recipe") + verb->count("--template") > 0;
     if (!by_recipe)
-      for (const char* option : {"--landmarks", "--model"}) refuse_without_effect(*verb, option, "--recipe");
+      for (const char* option : {"--landmarks", "--model", "--image"}) refuse_without_effect(*verb, option, "--recipe");
     asked.run = [options, job, by_recipe](Progress& progress) {
       if (!by_recipe) return run_measure(*options, progress);
       job->files = options->files;

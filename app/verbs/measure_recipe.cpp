@@ -7,6 +7,7 @@
 #include <set>
 
 #include "app/verbs/case_landmarks.h"
+#include "app/verbs/read_image.h"
 #include "core/base/files.h"
 #include "core/base/listed.h"
 #include "core/catalogue/catalogue.h"
@@ -122,10 +123,65 @@ class RecipeWork {
   Result<void> measure_one(const std::string& name, const std::string& group, std::optional<int> frame,
                            MeasuredShape shape) {
     if (auto placed = add_landmarks(name, shape.structures.front()); !placed) return placed;
+    if (auto seen = add_image(name, frame.value_or(0), shape); !seen) return seen;
     lenders_.lend_to(shape);
     if (!job_.model.empty() && cases_.empty()) lenders_.add(shape);
     cases_.push_back({name, group, frame, measure(recipe_, shape)});
+    return job_.profiles.empty() ? Result<void>() : write_profiles(name, shape);
+  }
+
+  /// The image that is sampled along normals: one for all, or of the shape's name.
+  Result<void> add_image(const std::string& name, int frame, MeasuredShape& shape) {
+    if (job_.image.empty()) return {};
+    std::filesystem::path file = job_.image;
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored)) {
+      file.clear();
+      for (const auto& entry : std::filesystem::directory_iterator(job_.image, ignored))
+        if (case_name_of(entry.path()) == case_name_of(name) && looks_like_volume(entry.path())) file = entry.path();
+      if (file.empty()) return {};
+    }
+    if (file != image_file_) {
+      Progress unseen;
+      auto read = read_image(file, frame, unseen);
+      if (!read) return fail(read.error());
+      image_ = std::move(read->volume);
+      image_file_ = file;
+    }
+    if (frame >= image_.frames) return fail(file.string(), "has no frame " + std::to_string(frame));
+    shape.image = &image_;
+    shape.frame = frame;
     return {};
+  }
+
+  /// The first structure of a shape with the image along its normals, an array for each offset and one of their mean.
+  Result<void> write_profiles(const std::string& name, const MeasuredShape& shape) {
+    const MeasuredStructure& structure = shape.structures.front();
+    if (shape.image == nullptr || structure.mesh.topology == nullptr) return {};
+    MeshFile file;
+    file.points = structure.mesh.points;
+    file.triangles = structure.mesh.topology->triangles();
+    for (const std::size_t k : recipe_.measurements) {
+      const RecipeStep& step = recipe_.steps[k];
+      if (step.unit != "image") continue;
+      const auto offset_mm = [&](const char* key) {
+        const auto found = step.given.find(key);
+        return found == step.given.end() || !found->second.steps.empty() ? 0.0 : found->second.numbers.front();
+      };
+      constexpr int offsets = 9;
+      const NormalProfile profile = profile_along_normals(structure.mesh, *shape.image, shape.frame,
+                                                          offset_mm("from_mm"), offset_mm("to_mm"), offsets);
+      file.values[step.name] = profile.mean();
+      for (int at = 0; at < offsets; ++at) {
+        char offset[40];
+        std::snprintf(offset, sizeof offset, " at %+.2f mm", profile.offsets_mm[static_cast<std::size_t>(at)]);
+        file.values[step.name + offset] = profile.values.col(at);
+      }
+    }
+    if (file.values.empty())
+      return fail("--profiles", "has no effect here: the recipe has no measurement of the kind image_mean");
+    if (auto made = make_folder(job_.profiles); !made) return made;
+    return write_mesh_file(file, job_.profiles / (case_name_of(name) + ".vtp"));
   }
 
   /// Landmarks that lie in files of their own; they count before those of the mesh.
@@ -180,7 +236,8 @@ class RecipeWork {
         const bool of_all = all > 1 && shapes_without[reason] == all;
         if (of_all && !said.insert(reason).second) continue;
         warnings_.push_back((of_all ? std::string("every shape") : name) + ": " + reason + ", so " +
-                            listed(measurements, " and ") + (measurements.size() == 1 ? " is" : " are") + " left empty");
+                            listed(measurements, " and ") + (measurements.size() == 1 ? " is" : " are") +
+                            " left empty");
       }
   }
 
@@ -216,6 +273,7 @@ class RecipeWork {
     report.warnings = std::move(warnings_);
     report.values = {{"recipe", recipe_.name}, {"measurements", std::move(measurements)}, {"cases", std::move(cases)}};
     if (!job_.model.empty()) report.values["modes"] = std::move(modes);
+    if (!job_.profiles.empty()) report.values["profiles"] = job_.profiles.string();
     if (job_.out.empty()) return report;
     if (auto written = write_whole_file(job_.out, table()); !written) return fail(written.error());
     report.values["table"] = job_.out.string();
@@ -230,7 +288,8 @@ class RecipeWork {
     for (const auto& [there, column] : {std::pair(frames, ",frame"), {groups, ",group"}, {!modes_.empty(), ",mode,sd"}})
       if (there) text += column;
     for (const std::size_t k : recipe_.measurements)
-      text += ',' + csv_field(recipe_.steps[k].name + (recipe_.steps[k].unit == "1" ? "" : ' ' + recipe_.steps[k].unit));
+      text +=
+          ',' + csv_field(recipe_.steps[k].name + (recipe_.steps[k].unit == "1" ? "" : ' ' + recipe_.steps[k].unit));
     text += '\n';
     const auto add_values = [&](const std::vector<MeasuredNumber>& values) {
       for (const MeasuredNumber& one : values) {
@@ -259,10 +318,13 @@ class RecipeWork {
   Recipe recipe_;
   Lenders lenders_;
   std::shared_ptr<const Topology> faces_;  ///< of the mesh before
-  bool alone_ = false;                     ///< one shape is measured
+  Volume image_;                           ///< of `image_file_`
+  std::filesystem::path image_file_;
+  bool alone_ = false;  ///< one shape is measured
   std::vector<MeasuredCase> cases_;
   std::vector<ModeValues> modes_;
-  std::map<std::string, std::map<std::string, std::vector<std::string>>> missing_;  ///< measurements by shape and reason
+  std::map<std::string, std::map<std::string, std::vector<std::string>>>
+      missing_;  ///< measurements by shape and reason
   std::vector<std::string> warnings_;
 };
 
@@ -271,8 +333,8 @@ class RecipeWork {
 Result<Report> measure_by_recipe(const RecipeJob& job, Progress& progress) {
   const std::string source = job.recipe.empty() ? recipe_of_template(job.the_template) : job.recipe;
   if (source.empty())
-    return fail(job.the_template, "has no recipe beside it; give one with --recipe (" +
-                                      listed(shipped_recipes(), ", ") + " or a file)");
+    return fail(job.the_template,
+                "has no recipe beside it; give one with --recipe (" + listed(shipped_recipes(), ", ") + " or a file)");
   auto recipe = load_recipe(source);
   if (!recipe) return fail(recipe.error());
   return RecipeWork(job, std::move(*recipe)).run(progress);

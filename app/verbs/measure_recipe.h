@@ -18,7 +18,7 @@ struct RecipeJob {
   std::filesystem::path landmarks;  ///< of one shape, or a folder with a file of each shape's name; empty: none
   std::filesystem::path model;      ///< empty: none
   int modes = 3;
-  std::filesystem::path image;     ///< of one shape, or a folder with a file of each shape's name; empty: none
+  std::filesystem::path image;     ///< of all shapes, or a folder with a file of each shape's name; empty: none
   std::filesystem::path out;       ///< the table; empty: none
   std::filesystem::path profiles;  ///< a folder for meshes with the image along normals; empty: none
 };

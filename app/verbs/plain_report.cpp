@@ -23,10 +23,26 @@ std::string plain_text(const Json& value) {
   return printable(value.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
+/// Rows whose "values" by name are columns of their own.
+Json with_values_as_columns(const Json& rows) {
+  Json all = Json::array();
+  for (const Json& row : rows) {
+    Json flat = Json::object();
+    for (const auto& [key, value] : row.items())
+      if (key == "values" && value.is_object())
+        flat.update(value);
+      else
+        flat[key] = value;
+    all.push_back(std::move(flat));
+  }
+  return all;
+}
+
 /// A table for a list of objects.
 class Table {
  public:
-  explicit Table(const Json& rows) {
+  explicit Table(const Json& given) {
+    const Json rows = with_values_as_columns(given);
     for (const Json& row : rows)
       for (const auto& [key, value] : row.items())
         if (cell_of(value) && std::find(columns_.begin(), columns_.end(), key) == columns_.end())

@@ -54,9 +54,7 @@ class PlaneCut {
   }
 
  private:
-  bool above(Eigen::Index face, int corner) const {
-    return height_mm_[mesh_.topology->triangles()(face, corner)] >= 0;
-  }
+  bool above(Eigen::Index face, int corner) const { return height_mm_[mesh_.topology->triangles()(face, corner)] >= 0; }
   Eigen::Index across(Eigen::Index face, int edge) const {
     return mesh_.topology->neighbours(face)[static_cast<std::size_t>(edge)];
   }

@@ -40,14 +40,17 @@ std::vector<std::int32_t> faces_at(const Topology& topology, const SurfacePoint&
 class PathSearch {
  public:
   PathSearch(const Mesh& mesh, const SurfacePoint& from, const SurfacePoint& to)
-      : mesh_(mesh), topology_(*mesh.topology), start_faces_(faces_at(topology_, from)),
+      : mesh_(mesh),
+        topology_(*mesh.topology),
+        start_faces_(faces_at(topology_, from)),
         end_faces_(faces_at(topology_, to)),
         start_(from.interpolate(topology_, mesh.points).transpose()),
         end_(to.interpolate(topology_, mesh.points).transpose()) {}
 
   Result<SurfacePath> path() {
     for (const std::int32_t face : start_faces_)
-      if (std::ranges::find(end_faces_, face) != end_faces_.end()) return SurfacePath{{start_, end_}, (end_ - start_).norm()};
+      if (std::ranges::find(end_faces_, face) != end_faces_.end())
+        return SurfacePath{{start_, end_}, (end_ - start_).norm()};
     gather_edges();
     if (!search()) return fail("", "goes between parts of the surface that do not hang together");
     pull_straight();
@@ -125,7 +128,8 @@ class PathSearch {
       }
     }
     if (before[static_cast<std::size_t>(last)] < 0) return false;
-    for (std::int32_t node = before[static_cast<std::size_t>(last)]; node >= 0; node = before[static_cast<std::size_t>(node)])
+    for (std::int32_t node = before[static_cast<std::size_t>(last)]; node >= 0;
+         node = before[static_cast<std::size_t>(node)])
       crossings_.push_back(crossing_of(node));
     std::ranges::reverse(crossings_);
     return true;

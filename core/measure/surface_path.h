@@ -14,8 +14,8 @@ struct SurfacePath {
 };
 
 /// The shortest way over a surface from one point to another: found over points on the edges (three on each), then
-/// pulled straight over the faces that it crosses. It is at most a few thousandths longer than the shortest. Errors: the
-/// points lie on parts that do not hang together.
+/// pulled straight over the faces that it crosses. It is at most a few thousandths longer than the shortest. Errors:
+/// the points lie on parts that do not hang together.
 Result<SurfacePath> shortest_path(const Mesh& mesh, const SurfacePoint& from, const SurfacePoint& to);
 
 }  // namespace homolog

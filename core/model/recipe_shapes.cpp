@@ -76,7 +76,8 @@ Result<std::vector<ModeValues>> measure_modes(const Recipe& recipe, const ShapeM
   for (int mode = 1; mode <= modes; ++mode)
     for (const double sd : deviations) {
       if (progress.cancelled()) return fail("", "the measurements were cancelled");
-      progress.report(static_cast<double>(all.size()) / static_cast<double>(deviations.size() * static_cast<std::size_t>(modes)));
+      progress.report(static_cast<double>(all.size()) /
+                      static_cast<double>(deviations.size() * static_cast<std::size_t>(modes)));
       auto shape = measured_shape(model, mode_shape(model, mode - 1, sd));
       if (!shape) return fail(shape.error());
       lenders.lend_to(*shape);

@@ -6,6 +6,7 @@ stop() { echo "faults: $1" >&2; exit 1; }
 mkdir "$work/in" && cd "$work/in" || exit 1
 for k in 1 2 3; do "$program" phantom kidney --subject $k -o . > /dev/null || stop "no phantom"; done
 ln kidney-1-truth.ply a.ply; ln kidney-2-truth.ply b.ply; ln kidney-3-truth.ply c.ply
+printf "%s" "{\"homolog_recipe\":1,\"measurements\":[{\"name\":\"v\",\"kind\":\"volume\"}]}" > recipe.json
 ln kidney-1-image.nii.gz image.nii.gz; ln kidney-1-labels.nii.gz mask.nii.gz
 "$program" study user built-in:kidney --mask mask.nii.gz --pulls 2 -o case.homolog > /dev/null || stop "no case"
 "$program" model a.ply b.ply c.ply -o m.h5 > /dev/null || stop "no model"
@@ -25,7 +26,7 @@ quick=(
   "convert|a.ply old.ply" "convert|a.ply old.vtk" "convert|a.ply old.vtp" "convert|a.ply old.stl" "convert|image.nii.gz old.nrrd"
   "convert|image.nii.gz old.nii.gz" "convert|image.nii.gz old.mha"
   "mirror|a.ply -o old.ply" "label-map|a.ply --like image.nii.gz -o old.nii.gz" "repair-mesh|a.ply -o old.obj"
-  "replay|case.homolog -o old.ply" "measure|a.ply b.ply --csv old.csv" "landmarks|a.ply b.ply --vertices -o old.tps"
+  "replay|case.homolog -o old.ply" "measure|a.ply b.ply --csv old.csv" "measure|a.ply b.ply --recipe recipe.json --csv old.csv" "landmarks|a.ply b.ply --vertices -o old.tps"
   "observers|a.ply b.ply --csv old.csv" "model|a.ply b.ply c.ply -o old.h5" "model|a.ply b.ply c.ply -o old.h5.json --csv tables --aligned aligned"
   "evaluate|a.ply b.ply c.ply --samples 2 --csv old.csv" "score|a.ply --model m.h5 -o scores" "phantom|kidney --subject 1 -o phantom" "fit|built-in:kidney --mask mask.nii.gz -o old.ply"
   "test|a.ply b.ply c.ply --covariates t.csv --formula size~age --csv tables"

@@ -33,7 +33,7 @@ def strict(schema):
 
 
 schemas = {}
-for name in ("case-line", "study", "set", "template-comment", "reports"):
+for name in ("case-line", "study", "set", "recipe", "template-comment", "reports"):
     schema = json.loads((source / "docs/schemas" / f"{name}.schema.json").read_text())
     jsonschema.Draft202012Validator.check_schema(schema)
     schemas[name] = schema
@@ -107,6 +107,12 @@ run("sample", "-o", "sample")
 run("replay", "case.homolog", "-o", "replayed.ply")
 run("compare", one, "--mesh", two)
 run("measure", one, two)
+for file in (source / "assets/recipes").glob("*.json"):
+    check(json.loads(file.read_text()), "recipe", file.name)
+for recipe in re.findall(r"^```json\n(.*?)^```", (source / "docs/recipes.md").read_text(), re.M | re.S):
+    check(json.loads(recipe), "recipe", "a recipe of docs/recipes.md")
+check({"homolog_recipe": 1, "measurements": [{"name": "a", "kind": "lenght"}]}, "recipe", "a kind that is none", valid=False)
+(folder / "r.json").write_text('{"homolog_recipe": 1, "measurements": [{"name": "volume", "kind": "volume"}]}')
 run("landmarks", one, two, "-o", "all.tps")
 run("observers", one, one)
 (folder / "tested").mkdir()
@@ -123,6 +129,7 @@ run("repair-mesh", one, "-o", "out.obj")
 run("template", one, "-o", "template.ply", "--vertices", "500")
 run("model", one, two, "fitted.ply", "-o", "model.h5")
 run("info", "model.h5")
+run("measure", one, two, "--recipe", "r.json", "--model", "model.h5", "--modes", "1", "-o", "table.csv")
 run("evaluate", one, two, "fitted.ply", "--samples", "2")
 for subject, file in ("1", one), ("2", two), ("3", "fitted.ply"):
     (folder / "joint" / subject).mkdir(parents=True)

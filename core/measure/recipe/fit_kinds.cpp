@@ -125,7 +125,11 @@ const std::vector<StepKind>& fit_kinds() {
       {"sphere", Gives::sphere, "", {of_part}, sphere_of_part},
       {"sphere", Gives::sphere, "", {{"through", Takes::steps, point, 4, many}}, sphere_of_points},
       {"cylinder", Gives::cylinder, "", {of_part, towards}, cylinder_of_part},
-      {"section", Gives::section, "", {{"plane", Takes::steps, plane}, {"near", Takes::steps, point, 0}}, section_of_mesh},
+      {"section",
+       Gives::section,
+       "",
+       {{"plane", Takes::steps, plane}, {"near", Takes::steps, point, 0}},
+       section_of_mesh},
   };
   return kinds;
 }

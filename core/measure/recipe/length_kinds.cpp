@@ -36,9 +36,7 @@ Result<StepValue> distance_between(Measuring& measuring, const RecipeStep& step)
     const Vec3 off = *p - axis.at;
     return (off - off.dot(axis.direction) * axis.direction).norm();
   }
-  const auto is_plane = [&](const char* key) {
-    return std::holds_alternative<FittedPlane>(measuring.of(step, key));
-  };
+  const auto is_plane = [&](const char* key) { return std::holds_alternative<FittedPlane>(measuring.of(step, key)); };
   if (is_plane("from") || is_plane("to")) return fail("", "goes from a plane to what is no point; give a point");
   return distance_of_lines(measuring.axis(step, "from"), measuring.axis(step, "to"));
 }
@@ -135,7 +133,8 @@ Result<StepValue> extent(Measuring& measuring, const RecipeStep& step) {
     low = std::min(low, p.dot(along));
     high = std::max(high, p.dot(along));
   };
-  if (const auto* section = measuring.has(step, "of") ? std::get_if<SectionValue>(&measuring.of(step, "of")) : nullptr) {
+  if (const auto* section =
+          measuring.has(step, "of") ? std::get_if<SectionValue>(&measuring.of(step, "of")) : nullptr) {
     for (const SectionLine& line : section->lines)
       for (const Vec3& p : line.points) take(p);
     return high - low;
@@ -172,7 +171,8 @@ const std::vector<StepKind>& length_kinds() {
   constexpr unsigned point = bits(Gives::point), plane = bits(Gives::plane), section = bits(Gives::section);
   constexpr unsigned round = bits(Gives::sphere) | bits(Gives::cylinder);
   const StepMember two{"of", Takes::steps, bits(Gives::number), 2, 2};
-  const StepMember from{"from", Takes::steps, point | any_axis | plane}, to{"to", Takes::steps, point | any_axis | plane};
+  const StepMember from{"from", Takes::steps, point | any_axis | plane},
+      to{"to", Takes::steps, point | any_axis | plane};
   static const std::vector<StepKind> kinds{
       {"distance", Gives::number, "mm", {from, to}, distance_between},
       {"angle",

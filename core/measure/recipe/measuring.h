@@ -43,9 +43,9 @@ std::vector<MeasuredNumber> measure(const Recipe& recipe, const MeasuredShape& s
 
 /// Along the outward normals of vertices: the image's values from `from_mm` to `to_mm` (negative: inside).
 struct NormalProfile {
-  std::vector<double> offsets_mm;           ///< k, evenly
-  Eigen::MatrixXd values;                   ///< n×k; NaN beyond the image
-  VertexScalars mean() const;               ///< n; of those that are in the image; NaN where none is
+  std::vector<double> offsets_mm;  ///< k, evenly
+  Eigen::MatrixXd values;          ///< n×k; NaN beyond the image
+  VertexScalars mean() const;      ///< n; of those that are in the image; NaN where none is
 };
 /// `steps`: k. The mesh has a topology.
 NormalProfile profile_along_normals(const Mesh& mesh, const Volume& image, int frame, double from_mm, double to_mm,

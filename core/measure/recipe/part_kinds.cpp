@@ -45,7 +45,7 @@ Result<StepValue> listed_vertices(Measuring& measuring, const RecipeStep& step) 
     part.vertices.push_back(static_cast<std::int32_t>(number));
   }
   std::ranges::sort(part.vertices);
-  part.vertices.erase(std::ranges::unique(part.vertices).begin(), part.vertices.end());
+  part.vertices.erase(std::unique(part.vertices.begin(), part.vertices.end()), part.vertices.end());
   return part;
 }
 
@@ -55,7 +55,8 @@ Result<StepValue> near_point(Measuring& measuring, const RecipeStep& step) {
   const Vec3 point = measuring.point(step, "point");
   const double within_mm = measuring.number(step, "within_mm");
   const Points& points = measuring.surface(part->structure).mesh().points;
-  return filtered(std::move(part), [&](std::int32_t v) { return (points.row(v).transpose() - point).norm() <= within_mm; });
+  return filtered(std::move(part),
+                  [&](std::int32_t v) { return (points.row(v).transpose() - point).norm() <= within_mm; });
 }
 
 /// Between two planes across an axis.
@@ -100,9 +101,8 @@ Result<StepValue> sheet(Measuring& measuring, const RecipeStep& step) {
   if (number < 1 || number > topology.components())
     return lacks("has " + std::to_string(topology.components()) + (topology.components() == 1 ? " sheet" : " sheets") +
                  " and none of number " + std::to_string(number));
-  return filtered(measuring.part(step, "of"), [&](std::int32_t v) {
-    return topology.component()[static_cast<std::size_t>(v)] == number - 1;
-  });
+  return filtered(measuring.part(step, "of"),
+                  [&](std::int32_t v) { return topology.component()[static_cast<std::size_t>(v)] == number - 1; });
 }
 
 Result<StepValue> joined(Measuring& measuring, const RecipeStep& step) {
@@ -113,7 +113,7 @@ Result<StepValue> joined(Measuring& measuring, const RecipeStep& step) {
     all.vertices.insert(all.vertices.end(), more.vertices.begin(), more.vertices.end());
   }
   std::ranges::sort(all.vertices);
-  all.vertices.erase(std::ranges::unique(all.vertices).begin(), all.vertices.end());
+  all.vertices.erase(std::unique(all.vertices.begin(), all.vertices.end()), all.vertices.end());
   return all;
 }
 

@@ -126,6 +126,19 @@ Result<StepValue> nearest_on_mesh(Measuring& measuring, const RecipeStep& step) 
   return measuring.surface(*there).search().nearest(measuring.point(step, "of")).position;
 }
 
+/// Where a ray first meets the surface.
+Result<StepValue> hit(Measuring& measuring, const RecipeStep& step) {
+  const auto there = measuring.faces(step);
+  if (!there) return fail(there.error());
+  const LineValue along = measuring.axis(step, "along");
+  if (!along.directed) return fail("", "goes along an axis without a direction; give that \"towards\"");
+  const bool back = measuring.has(step, "backward") && measuring.given(step, "backward").flag;
+  const auto met =
+      measuring.surface(*there).search().first_hit(measuring.point(step, "from"), (back ? -1 : 1) * along.direction);
+  if (!met) return fail("", "meets no surface");
+  return met->position;
+}
+
 Result<StepValue> farthest_along(Measuring& measuring, const RecipeStep& step) {
   const auto part = measuring.part(step, "of");
   if (!part) return fail(part.error());
@@ -145,7 +158,11 @@ const std::vector<StepKind>& point_kinds() {
   static const std::vector<StepKind> kinds{
       {"landmark", Gives::point, "", {{"landmark", Takes::texts, 0, 0, 20}}, named_landmark},
       {"vertex", Gives::point, "", {{"vertex", Takes::whole_numbers}}, vertex_by_number},
-      {"place", Gives::point, "", {{"face", Takes::whole_numbers}, {"weights", Takes::numbers, 0, 3, 3}}, place_on_face},
+      {"place",
+       Gives::point,
+       "",
+       {{"face", Takes::whole_numbers}, {"weights", Takes::numbers, 0, 3, 3}},
+       place_on_face},
       {"centroid", Gives::point, "", {{"of", Takes::steps, part, 0}}, centroid_of_part},
       {"centre", Gives::point, "", {{"of", Takes::steps, centred}}, centre_of_step},
       {"midpoint", Gives::point, "", {{"of", Takes::steps, point, 2, many}}, midpoint},
@@ -159,9 +176,22 @@ const std::vector<StepKind>& point_kinds() {
        "",
        {{"of", Takes::steps, point}, {"onto", Takes::steps, any_axis | plane}},
        projection},
-      {"crossing", Gives::point, "", {{"of", Takes::steps, any_axis}, {"with", Takes::steps, any_axis | plane}}, crossing},
+      {"crossing",
+       Gives::point,
+       "",
+       {{"of", Takes::steps, any_axis}, {"with", Takes::steps, any_axis | plane}},
+       crossing},
       {"on_surface", Gives::point, "", {{"of", Takes::steps, point}}, nearest_on_mesh},
-      {"farthest", Gives::point, "", {{"of", Takes::steps, part, 0}, {"along", Takes::steps, any_axis}}, farthest_along},
+      {"hit",
+       Gives::point,
+       "",
+       {{"from", Takes::steps, point}, {"along", Takes::steps, any_axis}, {"backward", Takes::flag, 0, 0}},
+       hit},
+      {"farthest",
+       Gives::point,
+       "",
+       {{"of", Takes::steps, part, 0}, {"along", Takes::steps, any_axis}},
+       farthest_along},
   };
   return kinds;
 }

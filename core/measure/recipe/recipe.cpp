@@ -32,19 +32,19 @@ Error unknown_word(const std::string& where, const std::string& word, const std:
   std::vector<std::string> all;
   for (const std::string& one : known) all.push_back(in_quotes(one));
   return {"", where + " has the unknown word " + in_quotes(word) +
-                  (near.empty() ? "; use " + listed(all, " or ") : "; the nearest that fits is " + in_quotes(near.front()))};
+                  (near.empty() ? "; use " + listed(all, " or ")
+                                : "; the nearest that fits is " + in_quotes(near.front()))};
 }
 
 std::string what_it_gives(unsigned accepts) {
-  static constexpr std::array<std::pair<Gives, const char*>, 8> words{
-      {{Gives::point, "a point"},
-       {Gives::line, "a line"},
-       {Gives::plane, "a plane"},
-       {Gives::sphere, "a sphere"},
-       {Gives::cylinder, "a cylinder"},
-       {Gives::part, "a part of the surface"},
-       {Gives::section, "a section"},
-       {Gives::number, "a number"}}};
+  static constexpr std::array<std::pair<Gives, const char*>, 8> words{{{Gives::point, "a point"},
+                                                                       {Gives::line, "a line"},
+                                                                       {Gives::plane, "a plane"},
+                                                                       {Gives::sphere, "a sphere"},
+                                                                       {Gives::cylinder, "a cylinder"},
+                                                                       {Gives::part, "a part of the surface"},
+                                                                       {Gives::section, "a section"},
+                                                                       {Gives::number, "a number"}}};
   std::vector<std::string> all;
   for (const auto& [gives, word] : words)
     if ((accepts & bits(gives)) != 0) all.emplace_back(word);
@@ -59,8 +59,7 @@ class RecipeReader {
       recipe_.name = name->get<std::string>();
     for (const char* list : {"elements", "measurements"})
       if (auto named = take_names(json, list); !named) return fail(named.error());
-    if (recipe_.measurements.empty())
-      return fail("", "names no measurement; add one to \"measurements\"");
+    if (recipe_.measurements.empty()) return fail("", "names no measurement; add one to \"measurements\"");
     const std::size_t named = recipe_.steps.size();
     for (std::size_t k = 0; k < named; ++k)
       if (auto read = read_step(k, *sources_[k]); !read) return fail(read.error());
@@ -134,9 +133,8 @@ class RecipeReader {
     }
     for (const auto& [key, value] : json.items()) {
       if (std::ranges::find(known, key) == known.end()) return fail(unknown_word(where, key, known));
-      const auto member = std::ranges::find_if((*kind)->members, [&, &called = key](const StepMember& one) {
-        return called == one.key;
-      });
+      const auto member = std::ranges::find_if((*kind)->members,
+                                               [&, &called = key](const StepMember& one) { return called == one.key; });
       if (member == (*kind)->members.end()) continue;
       if (auto read = read_member(number, *member, value); !read) return read;
     }
@@ -208,7 +206,8 @@ class RecipeReader {
         if (!json.is_string()) return fail("", where + " is no text; write it in quotes");
         const std::string text = json.get<std::string>();
         const std::vector<std::string> words(member.words.begin(), member.words.end());
-        if (!words.empty() && std::ranges::find(words, text) == words.end()) return fail(unknown_word(where, text, words));
+        if (!words.empty() && std::ranges::find(words, text) == words.end())
+          return fail(unknown_word(where, text, words));
         given.texts.push_back(text);
         return {};
       }

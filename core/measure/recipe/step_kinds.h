@@ -42,10 +42,11 @@ struct StepKind {
 
 /// The kinds by what they give.
 const std::vector<StepKind>& point_kinds();
-const std::vector<StepKind>& fit_kinds();      ///< lines, planes, spheres, cylinders, sections
-const std::vector<StepKind>& part_kinds();     ///< vertices of a structure
-const std::vector<StepKind>& length_kinds();   ///< numbers that need no area
-const std::vector<StepKind>& surface_kinds();  ///< numbers of surfaces: areas, volumes, thickness, an image along normals
+const std::vector<StepKind>& fit_kinds();     ///< lines, planes, spheres, cylinders, sections
+const std::vector<StepKind>& part_kinds();    ///< vertices of a structure
+const std::vector<StepKind>& length_kinds();  ///< numbers that need no area
+const std::vector<StepKind>&
+surface_kinds();  ///< numbers of surfaces: areas, volumes, thickness, an image along normals
 /// All of them.
 std::vector<const StepKind*> step_kinds();
 

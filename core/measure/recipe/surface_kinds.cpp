@@ -140,7 +140,8 @@ Result<StepValue> thickness(Measuring& measuring, const RecipeStep& step) {
   const std::size_t other = to_other ? measuring.as<PartValue>(step, "to").structure : part->structure;
   if (auto sound = measuring.check_faces(other); !sound) return fail(sound.error());
   MeasuredSurface& surface = measuring.surface(part->structure);
-  const bool outward = measuring.has(step, "direction") && measuring.given(step, "direction").texts.front() == "outward";
+  const bool outward =
+      measuring.has(step, "direction") && measuring.given(step, "direction").texts.front() == "outward";
   const double most_mm = measuring.number(step, "at_most_mm", std::numeric_limits<double>::infinity());
   // The faces around the vertex itself are passed over.
   const double skip_mm = 1e-3 * mean_edge_mm(*surface.mesh().topology, surface.mesh().points);
@@ -150,7 +151,8 @@ Result<StepValue> thickness(Measuring& measuring, const RecipeStep& step) {
     const Vec3 direction = (outward ? 1 : -1) * surface.normals().row(v).transpose();
     const double weight = surface.areas()[v];
     all += weight;
-    const auto mm = wall_mm(measuring.surface(other).search(), surface.mesh().points.row(v), direction, skip_mm, to_other);
+    const auto mm =
+        wall_mm(measuring.surface(other).search(), surface.mesh().points.row(v), direction, skip_mm, to_other);
     if (mm && *mm <= most_mm)
       values.emplace_back(*mm, weight);
     else

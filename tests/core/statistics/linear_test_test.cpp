@@ -37,7 +37,7 @@ Eigen::MatrixXd response() {
   return y;
 }
 
-Eigen::MatrixXd random_shapes(std::uint64_t seed, Eigen::Index vertices) {
+Eigen::MatrixXd noise_shapes(std::uint64_t seed, Eigen::Index vertices) {
   phantom::Random random(seed);
   return Eigen::MatrixXd::NullaryExpr(3 * vertices, 10, [&] { return random.normal(); });
 }
@@ -85,13 +85,13 @@ TEST_CASE("p is 1 where every order is the one found and never 0") {
   for (Eigen::Index row = 0; row < 9; ++row) std::iota(same.row(row).begin(), same.row(row).end(), 0);
   const Design design = design_of("y ~ g + x");
   for (const TermTest& one : test_terms(design, response(), even, same).terms) CHECK(one.p == 1);
-  CHECK(test_landmarks(design, 0, random_shapes(3, 5), even, same).p == Eigen::VectorXd::Ones(5));
+  CHECK(test_landmarks(design, 0, noise_shapes(3, 5), even, same).p == Eigen::VectorXd::Ones(5));
   for (const TermTest& one : test_terms(design, 1e6 * response(), even, random_permutations(together, 9, 1)).terms)
     CHECK(one.p >= 0.1);
 }
 
 TEST_CASE("one vertex alone is tested as the whole shape is") {
-  const Eigen::MatrixXd shapes = random_shapes(5, 70);
+  const Eigen::MatrixXd shapes = noise_shapes(5, 70);
   const Permutations orders = random_permutations(together, 300, 2);
   const Design design = design_of("shape ~ g * x");
   Eigen::VectorXd weights = even;
@@ -106,7 +106,7 @@ TEST_CASE("one vertex alone is tested as the whole shape is") {
 }
 
 TEST_CASE("results are the same for any number of threads and turned shapes give the same sums") {
-  const Eigen::MatrixXd shapes = random_shapes(8, 200);
+  const Eigen::MatrixXd shapes = noise_shapes(8, 200);
   const Permutations orders = random_permutations(together, 500, 2);
   const Design design = design_of("shape ~ g + x");
   const LandmarkTest all = test_landmarks(design, 0, shapes, even, orders);
@@ -123,7 +123,7 @@ TEST_CASE("results are the same for any number of threads and turned shapes give
 }
 
 TEST_CASE("an effect is the way between the groups with the other terms held") {
-  Eigen::MatrixXd shapes = 0.001 * random_shapes(4, 3);
+  Eigen::MatrixXd shapes = 0.001 * noise_shapes(4, 3);
   Eigen::VectorXd x(10);
   x << 1, 4, 2, 8, 5, 7, 3, 9, 6, 2;
   for (Eigen::Index k = 0; k < 10; ++k) {
@@ -148,7 +148,7 @@ TEST_CASE("an effect is the way between the groups with the other terms held") {
 }
 
 TEST_CASE("of two groups the pair has the p of the term") {
-  const Eigen::MatrixXd shapes = random_shapes(11, 4);
+  const Eigen::MatrixXd shapes = noise_shapes(11, 4);
   const auto code = [](const Variable& variable) -> Result<CodedVariable> {
     if (variable.name == "g") return coded_groups("g", {"a", "b", "a", "a", "b", "a", "a", "b", "b", "a"});
     return coded_numbers("x", Eigen::VectorXd::LinSpaced(10, 0, 1).cwiseAbs2());

@@ -51,6 +51,8 @@ const std::map<std::string_view, Examples> examples{
     {"picture study",
      {"picture study kidneys.study.json -o study.png",
       "picture study kidneys.study.json --only gallery -o gallery.png"}},
+    {"report",
+     {"report kidneys.study.json -o kidneys.html", "report kidney.h5.json --title \"Healthy kidneys\" -o kidneys.html"}},
     {"convert", {"convert dicom/ ct.nii.gz", "convert fits/case_1.ply case_1.vtp"}},
     {"repair",
      {"repair ct-labels.nii.gz --templates trunk.set.json -o mended",

@@ -18,22 +18,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The cases of the studies among the files, by the name that their shape has in a training set.
-Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<fs::path>& files) {
-  std::map<std::string, StudyCase> cases;
-  for (const fs::path& file : files) {
-    if (!file.string().ends_with(".study.json")) continue;
-    auto read = read_study(file);
-    if (!read) return fail(read.error());
-    for (StudyCase& one : read->study.cases) {
-      ShapeSource source{one.file, one.frame};
-      source.structure = one.structure;
-      cases.emplace(source.name(one.frame), std::move(one));
-    }
-  }
-  return cases;
-}
-
 /// What a study knows of its cases: their group and the columns that its table had. Of no study nothing.
 CovariateTable covariates_of(const std::map<std::string, StudyCase>& cases, const std::string& source) {
   CovariateTable table{source, {}, {}, {}};
@@ -191,6 +175,21 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSet& set, co
 }
 
 }  // namespace
+
+Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<fs::path>& files) {
+  std::map<std::string, StudyCase> cases;
+  for (const fs::path& file : files) {
+    if (!file.string().ends_with(".study.json")) continue;
+    auto read = read_study(file);
+    if (!read) return fail(read.error());
+    for (StudyCase& one : read->study.cases) {
+      ShapeSource source{one.file, one.frame};
+      source.structure = one.structure;
+      cases.emplace(source.name(one.frame), std::move(one));
+    }
+  }
+  return cases;
+}
 
 Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progress) {
   const auto studies = cases_of_studies(asked.shapes.files);

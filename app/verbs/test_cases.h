@@ -1,11 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "app/verbs/training.h"
+#include "core/model/study.h"
 #include "core/statistics/covariates.h"
 #include "core/statistics/formula.h"
 
@@ -32,6 +34,9 @@ struct TestCases {
   std::vector<DoubtfulShape> left_out;  ///< shapes and rows without a partner or a value, with the reason
   std::vector<std::string> warnings;
 };
+
+/// The cases of the studies among the files, by the name that their shape has in a training set. Errors: read_study's.
+Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<std::filesystem::path>& files);
 
 /// Reads table and shapes, brings them together by their names, leaves out what lacks a partner or a value that the
 /// formula needs, and aligns the rest. Errors: those of read_covariates and read_training_set; a word of the formula

@@ -23,24 +23,6 @@ Rgb on_scale(const std::vector<Rgb>& scale, double share) {
   return mix(scale[low], scale[low + 1], place - static_cast<double>(low));
 }
 
-// Scales that differ in lightness as well as in hue, so that they are read without colour vision: every other step of
-// nine is told apart by all eyes (tests/app/editor/colour_vision_test.cpp).
-const std::vector<Rgb>& diverging() {
-  static const std::vector<Rgb> scale{{0.13f, 0.35f, 0.85f},
-                                      {0.55f, 0.72f, 0.95f},
-                                      {0.93f, 0.93f, 0.93f},
-                                      {0.96f, 0.62f, 0.47f},
-                                      {0.82f, 0.16f, 0.16f}};
-  return scale;
-}
-const std::vector<Rgb>& rising() {
-  static const std::vector<Rgb> scale{{0.17f, 0.19f, 0.38f},
-                                      {0.15f, 0.45f, 0.56f},
-                                      {0.29f, 0.69f, 0.49f},
-                                      {0.68f, 0.85f, 0.32f},
-                                      {1.00f, 0.97f, 0.70f}};
-  return scale;
-}
 const std::vector<Rgb>& quality_scale() {
   static const std::vector<Rgb> scale{
       {0.64f, 0.02f, 0.16f}, {0.93f, 0.48f, 0.22f}, {0.97f, 0.77f, 0.48f}, {0.93f, 0.94f, 0.95f}};
@@ -49,12 +31,6 @@ const std::vector<Rgb>& quality_scale() {
 
 const std::vector<Rgb>& confidence_scale() {
   static const std::vector<Rgb> scale{{0.80f, 0.10f, 0.32f}, {0.97f, 0.62f, 0.30f}, {0.60f, 0.98f, 0.88f}};
-  return scale;
-}
-
-/// From sure to doubtful: the confidence, read from its other end.
-const std::vector<Rgb>& doubt_scale() {
-  static const std::vector<Rgb> scale(confidence_scale().rbegin(), confidence_scale().rend());
   return scale;
 }
 
@@ -126,6 +102,27 @@ std::string figure_text(const char* pattern, double value) {
 
 }  // namespace
 
+const std::vector<Rgb>& diverging_scale() {
+  static const std::vector<Rgb> scale{{0.13f, 0.35f, 0.85f},
+                                      {0.55f, 0.72f, 0.95f},
+                                      {0.93f, 0.93f, 0.93f},
+                                      {0.96f, 0.62f, 0.47f},
+                                      {0.82f, 0.16f, 0.16f}};
+  return scale;
+}
+const std::vector<Rgb>& rising_scale() {
+  static const std::vector<Rgb> scale{{0.17f, 0.19f, 0.38f},
+                                      {0.15f, 0.45f, 0.56f},
+                                      {0.29f, 0.69f, 0.49f},
+                                      {0.68f, 0.85f, 0.32f},
+                                      {1.00f, 0.97f, 0.70f}};
+  return scale;
+}
+const std::vector<Rgb>& doubt_scale() {
+  static const std::vector<Rgb> scale(confidence_scale().rbegin(), confidence_scale().rend());
+  return scale;
+}
+
 VertexScalars moved_mm(const ShapeView& shown) {
   return (*shown.shape.points - *shown.shape.reference).rowwise().norm();
 }
@@ -194,28 +191,28 @@ double share_of_stretch(double ratio) {
   return 0.5 + std::log2(std::max(ratio, 1e-6)) / (2 * stretch_octaves);
 }
 void colour_stretch(const ColouringInput& of, std::vector<Rgb>& colours) {
-  colour_by(edge_stretch(of.shown), diverging(), share_of_stretch, colours);
+  colour_by(edge_stretch(of.shown), diverging_scale(), share_of_stretch, colours);
 }
 Legend stretch_legend(const ShapeView&) {
-  return {"0.5\xc3\x97", "1\xc3\x97", "2\xc3\x97", diverging(), {}};
+  return {"0.5\xc3\x97", "1\xc3\x97", "2\xc3\x97", diverging_scale(), {}};
 }
 
 void colour_moved(const ColouringInput& of, std::vector<Rgb>& colours) {
   const double most = moved_scale_mm(of.shown);
   colour_by(
-      moved_mm(of.shown), rising(), [most](double distance) { return distance / most; }, colours);
+      moved_mm(of.shown), rising_scale(), [most](double distance) { return distance / most; }, colours);
 }
 Legend moved_legend(const ShapeView& shown) {
-  return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(shown)), rising(), {}};
+  return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(shown)), rising_scale(), {}};
 }
 
 void colour_stiffness(const ColouringInput& of, std::vector<Rgb>& colours) {
   const double most = stiffness_scale(of.shown);
   colour_by(
-      *of.shown.paint().stiffness, rising(), [most](double factor) { return factor / most; }, colours);
+      *of.shown.paint().stiffness, rising_scale(), [most](double factor) { return factor / most; }, colours);
 }
 Legend stiffness_legend(const ShapeView& shown) {
-  return {"0 soft", "", "stiff " + figure_text("%.1f\xc3\x97", stiffness_scale(shown)), rising(), {}};
+  return {"0 soft", "", "stiff " + figure_text("%.1f\xc3\x97", stiffness_scale(shown)), rising_scale(), {}};
 }
 
 void colour_regions(const ColouringInput& of, std::vector<Rgb>& colours) {

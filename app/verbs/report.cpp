@@ -1,0 +1,88 @@
+#include "app/pictures/pictures.h"
+#include "app/verbs/report_content.h"
+#include "app/verbs/report_page.h"
+#include "app/verbs/verbs.h"
+#include "core/base/files.h"
+#include "core/base/picture_module.h"
+#include "core/base/text.h"
+#include "core/model/statismo.h"
+
+// The verb `report`: a model as one page to read and to send.
+
+namespace homolog {
+
+namespace {
+
+/// The bytes of a picture of the first modes (PNG). Errors: no OpenGL, no picture module.
+Result<std::string> picture_of_modes(const ShapeModel& model) {
+  constexpr int rows = 3, cell_px = 320;
+  MontageOptions options;
+  options.width_px = 3 * cell_px;
+  options.height_px = static_cast<int>(std::min<Eigen::Index>(rows, model.modes())) * cell_px;
+  options.transparent = true;
+  const auto made = modes_picture(model, rows, options);
+  if (!made) return fail(made.error());
+  const auto module = picture_module();
+  if (!module) return fail(module.error());
+  const auto bytes = (*module)->encode(made->picture, "modes.png");
+  if (!bytes) return fail(bytes.error());
+  return std::string(bytes->begin(), bytes->end());
+}
+
+Result<Report> write_report(const ReportVerb& verb, Progress& progress) {
+  auto content = page_content(verb, progress);
+  if (!content) return fail(content.error());
+  progress.part(0.9, 1);
+  Report report;
+  report.warnings = content->warnings;
+  const auto picture = picture_of_modes(content->model);
+  if (!picture)
+    report.warnings.push_back("the page has no picture for browsers without WebGL: " + picture.error().sentence());
+  const std::string page = report_page(*content, picture.value_or(""));
+  if (progress.cancelled()) return fail("", "cancelled");
+  if (auto written = write_whole_file(verb.out, page); !written) return fail(written.error());
+  const auto left_out = std::ssize(content->cases) - content->cases_in_model();
+  report.values = {{"cases", content->cases_in_model()},
+                   {"left_out", left_out},
+                   {"vertices", content->model.mean.size() / 3},
+                   {"modes", content->model.modes()},
+                   {"groups", content->groups()},
+                   {"picture", picture.has_value()},
+                   {"bytes", page.size()}};
+  return report;
+}
+
+bool reports_on_model(const ReportVerb& verb) {
+  return verb.training.files.size() == 1 && is_model_name(verb.training.files.front());
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, CommandLine& asked) {
+  auto options = std::make_shared<ReportVerb>();
+  CLI::App* verb = add_verb(app, "report", "A model as one page (.html) that a browser shows without a network");
+  add_training_options(*verb, options->training);
+  verb->get_option("SHAPE")->description(
+      "A study (.study.json), a model (.h5, .h5.json), or shapes in correspondence and folders of them");
+  verb->add_option("-o,--output", options->out, "The page to write (.html)")
+      ->required()
+      ->check([](const std::string& text) {
+        const std::string ending = lower_case(std::filesystem::path(text).extension().string());
+        return ending == ".html" || ending == ".htm" ? std::string() : text + " is not the name of a page; use .html";
+      });
+  verb->add_option("--title", options->title, "What the page is called (default: the name of the first file)");
+  verb->add_option("--modes", options->modes,
+                   "How many modes it shows (default: those that hold 95 % of the variance, at most 10)")
+      ->check(CLI::Range(1, 100));
+  verb->add_option("--samples", options->samples, "How many random shapes to draw for specificity")
+      ->check(CLI::Range(1, 1000000));
+  verb->callback([options, verb, &asked] {
+    if (reports_on_model(*options))
+      for (const char* option : {"--keep-scale", "--no-align", "--all-frames", "--flip-mirrored", "--group",
+                                 "--without-doubtful", "--structures", "--samples"})
+        refuse_without_effect(*verb, option, "shapes");
+    asked.run = [options](Progress& progress) { return write_report(*options, progress); };
+  });
+}
+
+}  // namespace homolog

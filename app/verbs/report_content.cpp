@@ -1,0 +1,257 @@
+#include "app/verbs/report_content.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "app/verbs/test_cases.h"
+#include "core/base/file_stem.h"
+#include "core/model/model_files.h"
+#include "core/model/score.h"
+#include "core/model/shape_files.h"
+#include "core/model/statismo.h"
+#include "core/model/study.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int most_modes_by_default = 10;
+
+/// "kidneys" of "folder/kidneys.study.json" and of "kidneys.h5.json".
+std::string plain_title(const fs::path& file) {
+  std::string name = file.filename().empty() ? file.parent_path().filename().string() : file.filename().string();
+  for (const std::string ending : {".study.json", ".h5.json", ".h5"})
+    if (name.ends_with(ending)) return name.substr(0, name.size() - ending.size());
+  return file_stem(name);
+}
+
+/// The command without folders. Many shapes become their number.
+std::string plain_command(const ReportVerb& verb) {
+  std::string command = "homolog report";
+  const TrainingVerb& training = verb.training;
+  if (training.files.size() > 3)
+    command += " (" + std::to_string(training.files.size()) + " files)";
+  else
+    for (const fs::path& file : training.files) command += ' ' + file.filename().string();
+  if (training.keep_scale) command += " --keep-scale";
+  if (training.no_align) command += " --no-align";
+  if (training.reading.all_frames) command += " --all-frames";
+  if (training.reading.flip_mirrored) command += " --flip-mirrored";
+  if (training.reading.without_doubtful) command += " --without-doubtful";
+  if (!training.reading.group.empty()) command += " --group " + training.reading.group;
+  if (!training.structures.empty()) command += " --structures " + listed(training.structures, ",");
+  if (training.together != "common") command += " --alignment " + training.together;
+  if (training.world) command += " --world";
+  if (verb.modes > 0) command += " --modes " + std::to_string(verb.modes);
+  return command + " -o " + verb.out.filename().string();
+}
+
+/// How many modes the page has. Errors: more are asked for than there are.
+Result<Eigen::Index> shown_modes(const ReportVerb& verb, const Eigen::VectorXd& variances) {
+  const Eigen::Index there = (variances.array() > 0).count();
+  if (verb.modes > there)
+    return fail("--modes " + std::to_string(verb.modes),
+                "is more than there are; the most is " + std::to_string(there));
+  if (verb.modes > 0) return verb.modes;
+  return std::min<Eigen::Index>(most_modes_by_default, modes_holding(variances, 0.95));
+}
+
+/// Keeps the first modes of a model.
+void keep_modes(ShapeModel& model, Eigen::Index count) {
+  model.basis.conservativeResize(Eigen::NoChange, count);
+  model.variances.conservativeResize(count);
+  if (model.scores.size() > 0) model.scores.conservativeResize(count, Eigen::NoChange);
+}
+
+/// Cases of the model, named as the model names them, with their distances.
+std::vector<PageCase> named_cases(const ShapeModel& model) {
+  const std::vector<double> distances = left_out_distances(model);
+  std::vector<PageCase> cases;
+  for (Eigen::Index k = 0; k < model.scores.cols(); ++k) {
+    PageCase one;
+    const auto at = static_cast<std::size_t>(k);
+    one.name = at < model.names.size() ? model.names[at] : "shape " + std::to_string(k + 1);
+    one.shape = k;
+    if (at < distances.size()) one.distance_sd = distances[at];
+    cases.push_back(std::move(one));
+  }
+  return cases;
+}
+
+Result<PageContent> content_of_model(const ReportVerb& verb) {
+  const fs::path& file = verb.training.files.front();
+  auto model = read_model(file);
+  if (!model) return fail(model.error());
+  if (!model->topology)
+    return fail(file.string(), "is a model of points without faces, which cannot be drawn; report on its meshes");
+  if (model->modes() == 0) return fail(file.string(), "has no mode to show; make the model of different shapes");
+  PageContent content;
+  content.from_model = true;
+  content.variances = model->variances;
+  content.cases = named_cases(*model);
+  if (model->scores.size() > 0) content.shapes = (model->basis * model->scores).colwise() + model->mean;
+  const auto modes = shown_modes(verb, model->variances);
+  if (!modes) return fail(modes.error());
+  keep_modes(*model, *modes);
+  content.model = std::move(*model);
+  return content;
+}
+
+/// Doubts of the cases' vertices, by the names of the set.
+Result<void> put_doubts(const ReportVerb& verb, const Training& training, PageContent& content, Progress& progress) {
+  if (!training.parts.empty()) return {};
+  const auto sources = shape_sources(verb.training.files, verb.training.reading.group);
+  if (!sources) return fail(sources.error());
+  std::map<std::string, PageCase*> of_name;
+  for (PageCase& one : content.cases)
+    if (one.shape >= 0) of_name[training.names[static_cast<std::size_t>(one.shape)]] = &one;
+  VertexScalars squares = VertexScalars::Zero(training.components.vertices());
+  const auto take = [&](const ReadShape& shape) {
+    const auto& doubt = shape.mesh->doubt_mm;
+    const auto found = of_name.find(shape.name);
+    if (found == of_name.end() || !doubt || doubt->size() != squares.size()) return Result<void>();
+    found->second->doubt_mm = std::sqrt(doubt->cwiseAbs2().mean());
+    squares += doubt->cwiseAbs2();
+    ++content.doubt_cases;
+    return Result<void>();
+  };
+  if (auto read = read_shapes(*sources, {verb.training.reading.all_frames}, take, &progress); !read)
+    return fail(read.error());
+  if (content.doubt_cases > 0) content.doubt_mm = (squares / static_cast<double>(content.doubt_cases)).cwiseSqrt();
+  return {};
+}
+
+/// Why a study's case is not in the model.
+std::string why_excluded(const StudyCase& one, const std::string& file, const ReportVerb& verb,
+                         const std::map<std::string, std::string>& left_out) {
+  if (const auto reason = left_out.find(file); reason != left_out.end()) return reason->second;
+  const std::string& group = verb.training.reading.group;
+  if (!group.empty() && one.group != group) return "is not of the group " + group;
+  return one.waits() ? "has no shape yet" : "its file could not be read";
+}
+
+/// The cases of the set with what studies know of them, then those that were left out.
+Result<std::vector<PageCase>> cases_of_set(const ReportVerb& verb, const Training& training) {
+  std::vector<fs::path> studies;
+  for (const fs::path& file : verb.training.files)
+    if (file.string().ends_with(".study.json")) studies.push_back(file);
+  const auto known = cases_of_studies(studies);
+  if (!known) return fail(known.error());
+  std::map<std::string, std::string> doubtful, left_out;
+  for (const DoubtfulShape& one : training.doubtful) doubtful.emplace(one.name, one.reason);
+  for (const DoubtfulShape& one : training.left_out) left_out.emplace(one.name, one.reason);
+  const auto names = training.parts.empty() ? shape_names(training.names) : training.names;
+  std::vector<PageCase> cases;
+  std::set<std::string> in_model;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    PageCase one;
+    const std::string& file = training.names[k];
+    const auto of_study = known->find(file);
+    one.name = of_study == known->end() ? names[k] : of_study->second.name;
+    if (!training.groups.empty()) one.group = training.groups[k];
+    if (const auto reason = doubtful.find(file); reason != doubtful.end()) one.doubt = reason->second;
+    one.size_mm = training.sizes_mm[k];
+    one.shape = static_cast<Eigen::Index>(k);
+    in_model.insert(file);
+    cases.push_back(std::move(one));
+  }
+  for (const auto& [file, of_study] : *known) {
+    if (in_model.contains(file)) continue;
+    PageCase one;
+    one.name = of_study.name;
+    one.group = of_study.group;
+    one.doubt = of_study.doubt;
+    one.excluded = why_excluded(of_study, file, verb, left_out);
+    left_out.erase(file);
+    cases.push_back(std::move(one));
+  }
+  for (const auto& [file, reason] : left_out) {
+    PageCase one;
+    one.name = training.parts.empty() ? file_stem(file) : file;
+    one.excluded = reason;
+    cases.push_back(std::move(one));
+  }
+  return cases;
+}
+
+/// The name of the template of the first study, without its folder.
+std::string template_of(const std::vector<fs::path>& files) {
+  for (const fs::path& file : files) {
+    if (!file.string().ends_with(".study.json")) continue;
+    const auto read = read_study(file);
+    if (read && !read->study.template_file.empty()) return read->study.template_file.filename().string();
+  }
+  return {};
+}
+
+Result<PageContent> content_of_set(const ReportVerb& verb, Progress& progress) {
+  progress.part(0, 0.4);
+  auto training = train(verb.training, progress);
+  if (!training) return fail(training.error());
+  if (!training->topology)
+    return fail(verb.training.files.front().string(),
+                "has points without faces, which cannot be drawn; give one mesh of the same numbering with them");
+  PageContent content;
+  content.template_name = template_of(verb.training.files);
+  auto cases = cases_of_set(verb, *training);
+  if (!cases) return fail(cases.error());
+  content.cases = std::move(*cases);
+  progress.part(0.4, 0.7);
+  if (auto put = put_doubts(verb, *training, content, progress); !put) return fail(put.error());
+  progress.part(0.7, 0.9);
+  const PrincipalComponents& components = training->components;
+  content.variances = components.variances();
+  const auto modes = shown_modes(verb, content.variances);
+  if (!modes) return fail(modes.error());
+  std::vector<std::string> names;
+  for (const PageCase& one : content.cases)
+    if (one.shape >= 0) names.push_back(one.name);
+  content.model = make_model(components, 0.95, training->topology, names);
+  const std::vector<double> distances = left_out_distances(content.model);
+  for (PageCase& one : content.cases)
+    if (one.shape >= 0 && one.shape < std::ssize(distances))
+      one.distance_sd = distances[static_cast<std::size_t>(one.shape)];
+  if (content.model.modes() < *modes) content.model = make_model(components, 1, training->topology, names);
+  keep_modes(content.model, *modes);
+  content.model.parts = training->parts;
+  content.model.alignment = verb.training.alignment();
+  content.shapes = components.centred.colwise() + components.mean;
+  if (components.shapes() > 2) {
+    content.samples = verb.samples;
+    content.generalisation_rms = generalisation_rms(components);
+    content.specificity_rms = specificity_rms(components, verb.samples, 1);
+  }
+  if (progress.cancelled()) return fail("", "cancelled");
+  content.warnings = std::move(training->warnings);
+  return content;
+}
+
+}  // namespace
+
+Eigen::Index PageContent::cases_in_model() const {
+  return std::count_if(cases.begin(), cases.end(), [](const PageCase& one) { return one.shape >= 0; });
+}
+
+std::vector<std::string> PageContent::groups() const {
+  std::vector<std::string> names;
+  for (const PageCase& one : cases)
+    if (one.shape >= 0 && !one.group.empty() && std::find(names.begin(), names.end(), one.group) == names.end())
+      names.push_back(one.group);
+  return names;
+}
+
+Result<PageContent> page_content(const ReportVerb& verb, Progress& progress) {
+  const std::vector<fs::path>& files = verb.training.files;
+  auto content =
+      files.size() == 1 && is_model_name(files.front()) ? content_of_model(verb) : content_of_set(verb, progress);
+  if (!content) return content;
+  content->title = verb.title.empty() ? plain_title(files.front()) : verb.title;
+  content->command = plain_command(verb);
+  return content;
+}
+
+}  // namespace homolog

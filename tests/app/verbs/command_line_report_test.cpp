@@ -1,0 +1,152 @@
+// The command-line contract of docs/commands.md: report.
+#include <cstring>
+
+#include "core/base/base64.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_io.h"
+#include "core/model/statismo.h"
+#include "tests/command_line.h"
+
+namespace homolog {
+
+namespace {
+
+/// Five ellipsoids of 642 vertices, a study of them in two groups, and a name that HTML would take for an element.
+void put_study(const TemporaryFolder& folder) {
+  const std::vector<Vec3> axes{{30, 20, 10}, {33, 19, 11}, {28, 22, 10}, {31, 20, 12}, {29, 18, 9}};
+  Json cases = Json::array();
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    Mesh mesh = icosphere(3, 1);
+    mesh.points = mesh.points * axes[k].asDiagonal();
+    const std::string name = "e" + std::to_string(k) + ".ply";
+    REQUIRE(write_mesh(mesh, folder.path / name));
+    cases.push_back({{"name", k == 1 ? "</script><b>" : "case " + std::to_string(k)},
+                     {"file", name},
+                     {"group", k < 3 ? "flat" : "tall"},
+                     {"state", "done"}});
+  }
+  cases[4]["doubt"] = "lies 3 mm off the label map";
+  cases[4]["state"] = "in work";
+  const Json study{{"homolog_study", 1}, {"cases", cases}};
+  REQUIRE(write_whole_file(folder.path / "organs.study.json", study.dump()));
+}
+
+Json data_of(const std::string& page) {
+  const std::string open = "<script type=\"application/json\" id=\"data\">";
+  const auto begin = page.find(open) + open.size();
+  return Json::parse(page.substr(begin, page.find("</script>", begin) - begin), nullptr, false);
+}
+
+std::vector<float> floats_of(const Json& text) {
+  const std::vector<unsigned char> bytes = from_base64(text.get<std::string>());
+  std::vector<float> numbers(bytes.size() / sizeof(float));
+  std::memcpy(numbers.data(), bytes.data(), bytes.size());
+  return numbers;
+}
+
+std::string page_in(const TemporaryFolder& folder, const std::string& name) {
+  return read_whole_file(folder.path / name).value_or("");
+}
+
+}  // namespace
+
+TEST_CASE("a report is one page that loads nothing and is the same bytes twice") {
+  const TemporaryFolder folder;
+  put_study(folder);
+  const Ran ran = run(folder, "report organs.study.json -o page.html --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["cases"] == 5);
+  CHECK(ran.json()["groups"] == Json::array({"flat", "tall"}));
+  const std::string page = page_in(folder, "page.html");
+  CHECK(ran.json()["bytes"] == page.size());
+  CHECK(page.size() < 2'500'000);
+  CHECK(page.find("default-src 'none'") != std::string::npos);
+  for (const char* load : {"src=\"http", "href=\"http", "src='http", "url(http", "@import", "<link", "{{"})
+    CHECK_MESSAGE(page.find(load) == std::string::npos, load);
+  CHECK(page.find(folder.path.string()) == std::string::npos);
+  CHECK(page.find("<b>") == page.find("<b></b>"));  // the legend's own, and no name's
+  REQUIRE(run(folder, "report organs.study.json -o again.html --jobs 1").status == 0);
+  std::string again = page_in(folder, "again.html");
+  again.replace(again.find("again.html"), 10, "page.html");
+  CHECK(again == page);
+}
+
+TEST_CASE("the arrays of a report are the model's to float precision") {
+  const TemporaryFolder folder;
+  put_study(folder);
+  REQUIRE(run(folder, "report organs.study.json --modes 3 -o page.html").status == 0);
+  REQUIRE(run(folder, "model organs.study.json --variance 1 -o m.h5.json").status == 0);
+  const ShapeModel model = read_model(folder.path / "m.h5.json").value();
+  const Json data = data_of(page_in(folder, "page.html"));
+  const std::vector<float> mean = floats_of(data["mean"]), modes = floats_of(data["mode_shapes"]);
+  const auto size = static_cast<std::size_t>(model.mean.size());
+  REQUIRE(mean.size() == size);
+  REQUIRE(modes.size() == 3 * size);
+  double farthest = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    farthest = std::max(farthest, std::abs(static_cast<double>(mean[i]) - model.mean[row]));
+    for (Eigen::Index m = 0; m < 3; ++m)
+      farthest = std::max(farthest, std::abs(static_cast<double>(modes[static_cast<std::size_t>(m) * size + i]) -
+                                             model.basis(row, m) * std::sqrt(model.variances[m])));
+  }
+  CHECK(farthest < 1e-5);
+  const std::vector<float> shapes = floats_of(data["shapes"]);
+  REQUIRE(shapes.size() == 5 * size);
+  for (std::size_t k = 0; k < 5; ++k) {
+    CHECK(data["cases"][k]["modes"].size() == 3);
+    for (Eigen::Index m = 0; m < 3; ++m)
+      CHECK(
+          data["cases"][k]["modes"][static_cast<std::size_t>(m)].get<double>() ==
+          doctest::Approx(model.scores(m, static_cast<Eigen::Index>(k)) / std::sqrt(model.variances[m])).epsilon(1e-4));
+  }
+  const std::vector<unsigned char> faces = from_base64(data["faces"].get<std::string>());
+  CHECK(faces.size() == static_cast<std::size_t>(model.topology->triangles().size()) * sizeof(std::uint16_t));
+}
+
+TEST_CASE("a report says which cases are left out and why") {
+  const TemporaryFolder folder;
+  put_study(folder);
+  const Ran ran = run(folder, "report organs.study.json --without-doubtful -o page.html --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["cases"] == 4);
+  CHECK(ran.json()["left_out"] == 1);
+  const std::string page = page_in(folder, "page.html");
+  CHECK(page.find("left out: lies 3 mm off the label map") != std::string::npos);
+  CHECK(page.find("1 case was left out: 1 (lies 3 mm off the label map)") != std::string::npos);
+  CHECK(page.find("from 4 shapes") != std::string::npos);
+  CHECK(page.find("Erdt M, Kirschner M, Wesarg S.") != std::string::npos);
+  CHECK(page.find("homolog report organs.study.json --without-doubtful -o page.html") != std::string::npos);
+}
+
+TEST_CASE("a report of a model has its modes and the places of its training shapes") {
+  const TemporaryFolder folder;
+  put_study(folder);
+  REQUIRE(run(folder, "model organs.study.json -o m.h5").status == 0);
+  const Ran ran = run(folder, "report m.h5 --title \"Organs & more\" -o page.html --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["cases"] == 5);
+  const std::string page = page_in(folder, "page.html");
+  CHECK(page.find("<h1>Organs &amp; more</h1>") != std::string::npos);
+  CHECK(data_of(page)["generalisation_rms"].empty());
+  CHECK(floats_of(data_of(page)["shapes"]).size() == 5 * floats_of(data_of(page)["mean"]).size());
+}
+
+TEST_CASE("a report refuses what is no model and options without effect") {
+  const TemporaryFolder folder;
+  put_study(folder);
+  check_refused(run(folder, "report e0.ply -o page.html"), "needs at least two");
+  REQUIRE(write_whole_file(folder.path / "one.study.json",
+                           R"({"homolog_study":1,"cases":[{"name":"a","file":"e0.ply","state":"done"}]})"));
+  check_refused(run(folder, "report one.study.json -o page.html"), "needs at least two");
+  check_refused(run(folder, "report organs.study.json --modes 9 -o page.html"), "--modes 9");
+  CHECK_FALSE(fs::exists(folder.path / "page.html"));
+  REQUIRE(run(folder, "model organs.study.json -o m.h5").status == 0);
+  CHECK(run(folder, "report m.h5 --keep-scale -o page.html").status == 2);
+  CHECK(run(folder, "report organs.study.json -o page.png").status == 2);
+  REQUIRE(run(folder, "convert e0.ply e0.particles").status == 0);
+  REQUIRE(run(folder, "convert e1.ply e1.particles").status == 0);
+  check_refused(run(folder, "report e0.particles e1.particles -o page.html"), "without faces");
+}
+
+}  // namespace homolog

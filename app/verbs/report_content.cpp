@@ -67,16 +67,25 @@ void keep_modes(ShapeModel& model, Eigen::Index count) {
   if (model.scores.size() > 0) model.scores.conservativeResize(count, Eigen::NoChange);
 }
 
-/// Cases of the model, named as the model names them, with their distances.
-std::vector<PageCase> named_cases(const ShapeModel& model) {
+/// The distances of the cases in the first of the modes. With many modes for few shapes each is far from the others.
+void put_distances(PageContent& content) {
+  ShapeModel model = content.model;
+  keep_modes(model, std::clamp<Eigen::Index>(model.scores.cols() / 3, 1, model.modes()));
   const std::vector<double> distances = left_out_distances(model);
+  if (distances.empty()) return;
+  content.distance_modes = model.modes();
+  for (PageCase& one : content.cases)
+    if (one.shape >= 0) one.distance_sd = distances[static_cast<std::size_t>(one.shape)];
+}
+
+/// Cases of the model, named as the model names them.
+std::vector<PageCase> named_cases(const ShapeModel& model) {
   std::vector<PageCase> cases;
   for (Eigen::Index k = 0; k < model.scores.cols(); ++k) {
     PageCase one;
     const auto at = static_cast<std::size_t>(k);
     one.name = at < model.names.size() ? model.names[at] : "shape " + std::to_string(k + 1);
     one.shape = k;
-    if (at < distances.size()) one.distance_sd = distances[at];
     cases.push_back(std::move(one));
   }
   return cases;
@@ -98,6 +107,7 @@ Result<PageContent> content_of_model(const ReportVerb& verb) {
   if (!modes) return fail(modes.error());
   keep_modes(*model, *modes);
   content.model = std::move(*model);
+  put_distances(content);
   return content;
 }
 
@@ -210,13 +220,9 @@ Result<PageContent> content_of_set(const ReportVerb& verb, Progress& progress) {
   std::vector<std::string> names;
   for (const PageCase& one : content.cases)
     if (one.shape >= 0) names.push_back(one.name);
-  content.model = make_model(components, 0.95, training->topology, names);
-  const std::vector<double> distances = left_out_distances(content.model);
-  for (PageCase& one : content.cases)
-    if (one.shape >= 0 && one.shape < std::ssize(distances))
-      one.distance_sd = distances[static_cast<std::size_t>(one.shape)];
-  if (content.model.modes() < *modes) content.model = make_model(components, 1, training->topology, names);
+  content.model = make_model(components, 1, training->topology, names);
   keep_modes(content.model, *modes);
+  put_distances(content);
   content.model.parts = training->parts;
   content.model.alignment = verb.training.alignment();
   content.shapes = components.centred.colwise() + components.mean;

@@ -38,6 +38,7 @@ struct PageContent {
   std::string template_name;                     ///< of a study; empty: none, or not known
   bool from_model = false;                       ///< of a model's file: nothing is known beyond its modes
   ShapeModel model;                              ///< of exactly the modes that are shown
+  Eigen::Index distance_modes = 0;               ///< in how many of them the cases' distances are; 0: none are known
   Eigen::VectorXd variances;                     ///< mm², of all modes that are known
   ShapeMatrix shapes;                            ///< 3n×M, aligned, mm; empty: the cases' places are not known
   std::vector<PageCase> cases;                   ///< those in the model in the order of `shapes`, then the others

@@ -71,17 +71,19 @@ std::string excluded_sentence(const PageContent& content) {
 
 std::string shapes_paragraph(const PageContent& content, Citations& works) {
   const Eigen::Index cases = content.cases_in_model();
-  std::string text = "The statistical shape model was made with Homolog " + std::string(version) + ' ' +
-                     works.cite(homolog_work) + ", which implements Erdt et al. " + works.cite(erdt_work);
-  if (cases > 0) text += ", from " + counted(cases, "shape", "shapes");
-  text += ". Each shape has " + std::to_string(content.model.mean.size() / 3) +
-          " vertices, and vertex i is the same place of the organ in each.";
-  if (content.from_model)
-    text = "The statistical shape model was read from a file by Homolog " + std::string(version) + ' ' +
-           works.cite(homolog_work) + ". It has " + std::to_string(content.model.mean.size() / 3) + " vertices" +
-           (cases > 0 ? ", and the file holds the coefficients of " +
-                            counted(cases, "training shape", "training shapes") + '.'
-                      : ".");
+  const std::string vertices = std::to_string(content.model.mean.size() / 3) + " vertices";
+  const std::string program = "Homolog " + std::string(version) + ' ' + works.cite(homolog_work);
+  std::string text = "The statistical shape model was ";
+  if (content.from_model) {
+    text += "read from a file by " + program + ". It has " + vertices;
+    if (cases > 0)
+      text += ", and the file holds the coefficients of " + counted(cases, "training shape", "training shapes");
+  } else {
+    text += "made with " + program;
+    text += ", which implements Erdt et al. " + works.cite(erdt_work) + ", from " + counted(cases, "shape", "shapes");
+    text += ". Each shape has " + vertices + ", and vertex i is the same place of the organ in each";
+  }
+  text += '.';
   if (!content.template_name.empty()) text += " The template of the study is " + content.template_name + '.';
   if (!content.model.parts.empty()) {
     std::vector<std::string> names;
@@ -173,8 +175,9 @@ std::string fixed_text(double value, int digits) {
 std::string methods_html(const PageContent& content) {
   Citations works;
   std::vector<std::string> paragraphs{shapes_paragraph(content, works)};
+  const std::string alignment = alignment_sentence(content, works);
   paragraphs.push_back(
-      alignment_sentence(content, works) +
+      alignment +
       " The model is x = mean + P b, where the columns of P are the principal components of the shapes' covariance "
       "(divisor M \xe2\x88\x92 1) " +
       works.cite(erdt_work) + '.' + modes_sentence(content));

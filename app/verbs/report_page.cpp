@@ -1,5 +1,7 @@
 #include "app/verbs/report_page.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <map>
@@ -140,9 +142,9 @@ std::string facts_html(const PageContent& content) {
     html += fact(std::to_string(left_out), "left out");
   html += fact(std::to_string(vertices), "vertices");
   html += fact(std::to_string(modes_holding(content.variances, 0.95)), "modes hold 95 %");
-  html += fact(fixed_text(spread, 2) + " mm", "spread of a vertex");
+  html += fact(fixed_text(spread, 2) + " mm", "spread of a vertex (RMS)");
   if (content.doubt_cases > 0)
-    html += fact(fixed_text(std::sqrt(content.doubt_mm.cwiseAbs2().mean()), 2) + " mm", "doubt of a vertex");
+    html += fact(fixed_text(std::sqrt(content.doubt_mm.cwiseAbs2().mean()), 2) + " mm", "doubt of a vertex (RMS)");
   return html;
 }
 
@@ -160,21 +162,61 @@ std::string modes_table_html(const PageContent& content) {
   return rows;
 }
 
-std::string cell(const std::optional<double>& value, int digits) {
-  return "<td>" + (value ? fixed_text(*value, digits) : std::string("\xe2\x80\x93")) + "</td>";
+/// A column of the table of cases: its title, what it means, and the text of a case.
+struct CaseColumn {
+  const char* title;
+  const char* tip;
+  bool is_word;
+  std::string (*text)(const PageCase& one);
+};
+
+std::string number_or_nothing(const std::optional<double>& value, int digits) {
+  return value ? fixed_text(*value, digits) : std::string();
 }
 
+const std::array case_columns{
+    CaseColumn{"Group", "", true, [](const PageCase& one) { return one.group; }},
+    CaseColumn{"Distance, SD", "Mahalanobis distance from the model of the other cases, in the first modes", false,
+               [](const PageCase& one) { return number_or_nothing(one.distance_sd, 2); }},
+    CaseColumn{"Centroid size, mm", "Before the shapes were aligned", false,
+               [](const PageCase& one) { return number_or_nothing(one.size_mm, 0); }},
+    CaseColumn{"Doubt, mm", "Root mean square over the vertices", false,
+               [](const PageCase& one) { return number_or_nothing(one.doubt_mm, 2); }},
+    CaseColumn{"Note", "", true,
+               [](const PageCase& one) { return one.excluded.empty() ? one.doubt : "left out: " + one.excluded; }}};
+
+/// The table of cases; a column in which no case has anything is not there.
 std::string cases_table_html(const PageContent& content) {
-  std::string rows;
+  std::vector<CaseColumn> columns;
+  for (const CaseColumn& column : case_columns)
+    if (std::any_of(content.cases.begin(), content.cases.end(),
+                    [&](const PageCase& one) { return !column.text(one).empty(); }))
+      columns.push_back(column);
+  std::string html = "<thead><tr><th scope=\"col\">Case</th>";
+  for (const CaseColumn& column : columns)
+    html += std::string("<th scope=\"col\"") + (column.is_word ? " class=\"word\"" : "") +
+            (*column.tip != 0 ? " title=\"" + html_text(column.tip) + "\"" : "") + ">" + column.title + "</th>";
+  html += "</tr></thead>\n<tbody>\n";
   for (std::size_t k = 0; k < content.cases.size(); ++k) {
     const PageCase& one = content.cases[k];
-    const std::string note = !one.excluded.empty() ? "left out: " + one.excluded : one.doubt;
-    rows += "<tr data-case=\"" + std::to_string(k) + "\"" + (one.shape < 0 ? " class=\"excluded\"" : "") +
-            "><th scope=\"row\">" + html_text(one.name) + "</th><td class=\"word\">" + html_text(one.group) + "</td>" +
-            cell(one.distance_sd, 2) + cell(one.size_mm, 0) + cell(one.doubt_mm, 2) + "<td class=\"word\">" +
-            html_text(note) + "</td></tr>\n";
+    html += "<tr data-case=\"" + std::to_string(k) + "\"" + (one.shape < 0 ? " class=\"excluded\"" : "") +
+            "><th scope=\"row\">" + html_text(one.name) + "</th>";
+    for (const CaseColumn& column : columns)
+      html +=
+          std::string("<td") + (column.is_word ? " class=\"word\"" : "") + ">" + html_text(column.text(one)) + "</td>";
+    html += "</tr>\n";
   }
-  return rows;
+  return html + "</tbody>";
+}
+
+/// What the table's figures mean that its titles do not say.
+std::string cases_note_html(const PageContent& content) {
+  std::string note;
+  if (content.distance_modes > 0)
+    note += "Distance: the Mahalanobis distance from the model of the other cases, in the first " +
+            std::to_string(content.distance_modes) + (content.distance_modes == 1 ? " mode. " : " modes. ");
+  if (content.doubt_cases > 0) note += "Doubt: the root mean square over the vertices of what the fit says.";
+  return note;
 }
 
 std::string picture_html(const std::string& png) {
@@ -215,6 +257,7 @@ std::string report_page(const PageContent& content, const std::string& picture_p
                  {"picture", picture_html(picture_png)},
                  {"modes", modes_table_html(content)},
                  {"cases", cases_table_html(content)},
+                 {"cases_note", cases_note_html(content)},
                  {"methods", methods_html(content)},
                  {"command", html_text(content.command)},
                  {"version", version},

@@ -80,6 +80,13 @@ function roundedUp(value) {
   return [1, 2, 5, 10].map(step => step * power).find(step => value <= step * 1.0001) || 10 * power;
 }
 
+/// The end of a colour scale: a round number, little above the value.
+function scaleEnd(value) {
+  const power = 10 ** Math.floor(Math.log10(Math.max(value, 0.01)));
+  const step = [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10].find(one => value <= one * power * 1.0001) || 10;
+  return Number((step * power).toPrecision(3));
+}
+
 /// A colour of evenly spaced ones at 0…1.
 function onScale(scale, share) {
   const place = Math.min(Math.max(share, 0), 1) * (scale.length - 1);

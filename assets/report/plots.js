@@ -19,7 +19,8 @@ function ticks(low, high) {
 function modePlot({ title, unit, series, bars, top, limit, say }) {
   const width = 360, height = 190, left = 44, right = 8, above = 8, below = 28;
   const count = series.length;
-  const high = top || roundedUp(Math.max(...series.map(([value, error]) => value + error)));
+  const most = Math.max(...series.map(([value, error]) => value + error)), step = roundedUp(most / 5);
+  const high = top || step * Math.ceil(most / step);
   const x = m => left + (m - 0.5) * (width - left - right) / count;
   const y = value => height - below - value * (height - above - below) / high;
   const picture = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": title, tabindex: 0 });

@@ -11,8 +11,6 @@
   };
   const scored = model.cases.length > 0 && model.cases.every(one => one.modes);
   const drawable = scored || model.cases.some((one, index) => model.shapeOfCase(index));
-  const faults = [];
-  window.addEventListener("error", event => faults.push(event.message));
 
   // Colours.
 
@@ -27,7 +25,7 @@
     };
     for (let m = 0; m < Math.min(model.modes, 3); ++m)
       for (const z of [-3, 3]) look(model.shapeOf(state.coefficients.map((_, k) => (k === m ? z : 0))));
-    return roundedUp(most);
+    return scaleEnd(most);
   })();
 
   function movedBy(shape, v) {
@@ -63,12 +61,12 @@
       };
     }
     if (state.colouring === "doubt") {
-      const most = roundedUp(model.doubt.reduce((a, b) => Math.max(a, b), 0));
+      const most = scaleEnd(model.doubt.reduce((a, b) => Math.max(a, b), 0));
       const tints = painted(v => onScale(model.scales.doubt, model.doubt[v] / most));
       return { of: () => tints, legend: ["0 mm", `${most} mm`, "doubt", model.scales.doubt] };
     }
     if (state.colouring === "groups") {
-      const outward = outwardDifference(), most = roundedUp(outward.reduce((a, b) => Math.max(a, Math.abs(b)), 0));
+      const outward = outwardDifference(), most = scaleEnd(outward.reduce((a, b) => Math.max(a, Math.abs(b)), 0));
       const tints = painted(v => onScale(model.scales.diverging, 0.5 + outward[v] / (2 * most)));
       const [from, to] = state.groups.map(k => model.groups[k]);
       return { of: () => tints, legend: [`−${most} mm`, `+${most} mm`, `${to} against ${from}, outward`, model.scales.diverging] };
@@ -95,8 +93,16 @@
     find("group-pair").hidden = state.colouring !== "groups";
     for (const button of find("colourings").children)
       button.setAttribute("aria-pressed", button.dataset.colouring === state.colouring);
-    if (view) paintView();
+    paintView();
     if (gallery) gallery.paint(tints.of);
+    showLandmarks();
+  }
+
+  /// In the small shapes of the gallery they would hide a colouring that says something else.
+  function showLandmarks() {
+    view.shape.dots.visible = find("glyphs").checked;
+    if (gallery) gallery.landmarks = find("glyphs").checked && state.colouring === "landmarks";
+    turned();
   }
 
   function paintView() {
@@ -112,13 +118,14 @@
     else model.shapeOf(state.coefficients, view.shape.positions);
     view.shape.moved();
     paintView();
+    showArrows();
     tellShown(-1);
   }
 
   function tellShown(vertex) {
     const one = model.cases[state.chosen];
-    const moved = state.coefficients.some(value => value !== 0);
-    let text = one ? `${one.name}${one.group ? ` (${one.group})` : ""}` : moved ? "Mean and modes" : "Mean shape";
+    const moved = state.coefficients.map((value, m) => (value !== 0 ? `mode ${m + 1} ${signed(value)}` : "")).filter(Boolean);
+    let text = one ? `${one.name}${one.group ? ` (${one.group})` : ""}` : moved.length > 0 ? `${moved.join(", ")} SD` : "Mean shape";
     if (vertex >= 0) {
       text += `\nvertex ${vertex}: ${movedBy(view.shape.positions, vertex).toFixed(2)} mm from the mean`;
       if (model.doubt) text += `, doubt ${model.doubt[vertex].toFixed(2)} mm`;
@@ -251,8 +258,9 @@
   }
 
   function showArrows() {
+    if (!find("arrows").checked && !view.arrows) return;
     const dark = matchMedia("(prefers-color-scheme: dark)").matches;
-    view.showArrows(find("arrows").checked ? arrowGeometry(Number(find("arrow-mode").value), 3, dark ? [0.96, 0.97, 0.98] : [0.1, 0.11, 0.13]) : null);
+    view.showArrows(find("arrows").checked ? arrowGeometry(view.shape.positions, Number(find("arrow-mode").value), 3, dark ? [0.96, 0.97, 0.98] : [0.1, 0.11, 0.13]) : null);
     view.drawSoon();
   }
 
@@ -277,11 +285,7 @@
     options(find("arrow-mode"), model.variances.slice(0, model.modes).map((_, m) => String(m + 1)), 0);
     find("arrows").addEventListener("change", showArrows);
     find("arrow-mode").addEventListener("change", () => ((find("arrows").checked = true), showArrows()));
-    find("glyphs").addEventListener("change", () => {
-      view.shape.dots.visible = find("glyphs").checked;
-      if (gallery) gallery.landmarks = find("glyphs").checked;
-      turned();
-    });
+    find("glyphs").addEventListener("change", showLandmarks);
     find("reset").addEventListener("click", () => setAll(() => 0));
     find("random").addEventListener("click", () => setAll(normal));
     find("save").addEventListener("click", savePicture);
@@ -394,6 +398,5 @@
   // What the tests of the page ask for.
   window.homologReport = {
     positions: () => Array.from(view.shape.positions),
-    faults,
   };
 })();

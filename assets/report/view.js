@@ -14,6 +14,7 @@ function lookDirection() {
 
 const surfaceMaterial = new THREE.ShaderMaterial({
   side: THREE.DoubleSide,
+  uniforms: { opacity: { value: 1 } },
   vertexShader: `
     attribute vec3 tint;
     varying vec3 shownTint, normalEye;
@@ -24,20 +25,27 @@ const surfaceMaterial = new THREE.ShaderMaterial({
     }`,
   fragmentShader: `
     varying vec3 shownTint, normalEye;
+    uniform float opacity;
     ${model.light}
     void main() {
       vec3 normal = normalEye * inversesqrt(max(dot(normalEye, normalEye), 1e-12));
       vec3 side = gl_FrontFacing ? shownTint : mix(shownTint, vec3(0.45), 0.5) * 0.75;
-      gl_FragColor = vec4(lit(side, gl_FrontFacing ? normal : -normal, vec3(0.0, 0.0, 1.0), 0.14), 1.0);
+      gl_FragColor = vec4(lit(side, gl_FrontFacing ? normal : -normal, vec3(0.0, 0.0, 1.0), 0.14), opacity);
     }`,
 });
+
+/// Arrows that lead inwards are seen through it.
+const glassMaterial = surfaceMaterial.clone();
+glassMaterial.side = THREE.FrontSide;
+glassMaterial.transparent = true;
+glassMaterial.uniforms.opacity.value = 0.62;
 
 /// Round dots of a size in pixels. They are drawn a little nearer to the eye, so that no dot sinks into the surface.
 function dotMaterial(size, alwaysSeen) {
   return new THREE.ShaderMaterial({
     depthTest: !alwaysSeen,
     transparent: alwaysSeen,
-    uniforms: { size: { value: size }, nearer: { value: 0.02 } },
+    uniforms: { size: { value: size }, nearer: { value: 0.02 }, rim: { value: 0.28 } },
     vertexShader: `
       attribute vec3 tint;
       uniform float size, nearer;
@@ -50,10 +58,11 @@ function dotMaterial(size, alwaysSeen) {
       }`,
     fragmentShader: `
       varying vec3 shownTint;
+      uniform float rim;
       void main() {
         float r = 2.0 * length(gl_PointCoord - 0.5);
         if (r > 1.0) discard;
-        gl_FragColor = vec4(r > 0.72 ? vec3(0.08) : shownTint, 1.0);
+        gl_FragColor = vec4(r > 1.0 - rim ? vec3(0.08) : shownTint, 1.0);
       }`,
   });
 }
@@ -163,15 +172,15 @@ function vertexBelow(shape, camera, x, y) {
   return [hit.face.a, hit.face.b, hit.face.c].reduce((best, v) => (distance(v) < distance(best) ? v : best));
 }
 
-/// Arrows as one surface: each leads from where a vertex lies in the mean to where `scale` times the mode brings it.
-function arrowGeometry(mode, scale, tint) {
+/// Arrows as one surface: each leads from where a vertex of a shape lies to where `scale` times the mode brings it.
+function arrowGeometry(shape, mode, scale, tint) {
   const outline = [[0, 0], [0.5, 0], [0.5, 0.66], [1.25, 0.66], [0, 1]].map(([x, y]) => new THREE.Vector2(x, y));
   const one = new THREE.LatheBufferGeometry(outline, 10);
   const count = one.attributes.position.count, indices = [], positions = [], normals = [], tints = [];
   const up = new THREE.Vector3(0, 1, 0), turned = new THREE.Quaternion(), point = new THREE.Vector3();
   const thick = 0.011 * shownRadius.mm;
   for (const v of model.arrows) {
-    const from = new THREE.Vector3().fromArray(model.mean, 3 * v);
+    const from = new THREE.Vector3().fromArray(shape, 3 * v);
     const by = new THREE.Vector3().fromArray(model.modeShapes, mode * model.mean.length + 3 * v).multiplyScalar(scale);
     const length = by.length();
     if (length < 0.01 * shownRadius.mm) continue;
@@ -251,6 +260,7 @@ class ShapeView {
   showArrows(geometry) {
     if (this.arrows) this.shape.scene.remove(this.arrows), this.arrows.geometry.dispose();
     this.arrows = geometry ? new THREE.Mesh(geometry, surfaceMaterial) : null;
+    this.shape.surface.material = geometry ? glassMaterial : surfaceMaterial;
     if (this.arrows) this.shape.scene.add(this.arrows);
   }
 

@@ -131,6 +131,7 @@ run("model", one, two, "fitted.ply", "-o", "model.h5")
 run("info", "model.h5")
 run("measure", one, two, "--recipe", "r.json", "--model", "model.h5", "--modes", "1", "-o", "table.csv")
 run("evaluate", one, two, "fitted.ply", "--samples", "2")
+run("report", "model.h5", "-o", "page.html")
 for subject, file in ("1", one), ("2", two), ("3", "fitted.ply"):
     (folder / "joint" / subject).mkdir(parents=True)
     for structure in "AB":
@@ -141,6 +142,7 @@ run("model", "joint", "--structures", "A,B", "--complete", "-o", "joint.h5")
 run("info", "joint.h5")
 run("evaluate", "joint", "--structures", "A,B", "--structure", "A", "--samples", "2")
 run("convert", "joint.h5", "mean.ply")
+run("report", "joint", "--structures", "A,B", "-o", "joint.html")
 run("picture correspondence", one, two, "-o", "both.png", "--size", "200x200")
 for line in (folder / "case.homolog").read_text().splitlines():
     check(json.loads(line), "case-line", f"a case that was written, {line[:100]}")

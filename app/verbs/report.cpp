@@ -41,6 +41,11 @@ Result<Report> write_report(const ReportVerb& verb, Progress& progress) {
   const std::string page = report_page(*content, picture.value_or(""));
   if (progress.cancelled()) return fail("", "cancelled");
   if (auto written = write_whole_file(verb.out, page); !written) return fail(written.error());
+  constexpr std::size_t large_bytes = 10'000'000;
+  if (page.size() > large_bytes)
+    report.warnings.push_back(
+        "the page has " + std::to_string(page.size() / 1'000'000) +
+        " MB and opens slowly; show fewer modes with --modes, or make the model of coarser meshes");
   const auto left_out = std::ssize(content->cases) - content->cases_in_model();
   report.values = {{"cases", content->cases_in_model()},
                    {"left_out", left_out},
@@ -71,6 +76,8 @@ void add_report(CLI::App& app, CommandLine& asked) {
         return ending == ".html" || ending == ".htm" ? std::string() : text + " is not the name of a page; use .html";
       });
   verb->add_option("--title", options->title, "What the page is called (default: the name of the first file)");
+  verb->add_flag("--without-names", options->without_names,
+                 "Number the cases, since their names may be those of patients");
   verb->add_option("--modes", options->modes,
                    "How many modes it shows (default: those that hold 95 % of the variance, at most 10)")
       ->check(CLI::Range(1, 100));

@@ -47,6 +47,7 @@ std::string plain_command(const ReportVerb& verb) {
   if (training.together != "common") command += " --alignment " + training.together;
   if (training.world) command += " --world";
   if (verb.modes > 0) command += " --modes " + std::to_string(verb.modes);
+  if (verb.without_names) command += " --without-names";
   return command + " -o " + verb.out.filename().string();
 }
 
@@ -257,6 +258,8 @@ Result<PageContent> page_content(const ReportVerb& verb, Progress& progress) {
   if (!content) return content;
   content->title = verb.title.empty() ? plain_title(files.front()) : verb.title;
   content->command = plain_command(verb);
+  if (verb.without_names)
+    for (std::size_t k = 0; k < content->cases.size(); ++k) content->cases[k].name = "case " + std::to_string(k + 1);
   return content;
 }
 

@@ -18,6 +18,7 @@ struct ReportVerb {
   std::string title;  ///< empty: the name of the first file
   int modes = 0;      ///< how many the page has; 0: those that hold 95 % of the variance, at most 10
   Eigen::Index samples = 1000;
+  bool without_names = false;  ///< cases are numbered: their names may be those of patients
 };
 
 /// A case of the page.

@@ -28,11 +28,11 @@ quick=(
   "mirror|a.ply -o old.ply" "label-map|a.ply --like image.nii.gz -o old.nii.gz" "repair-mesh|a.ply -o old.obj"
   "replay|case.homolog -o old.ply" "measure|a.ply b.ply --csv old.csv" "measure|a.ply b.ply --recipe recipe.json --csv old.csv" "landmarks|a.ply b.ply --vertices -o old.tps"
   "observers|a.ply b.ply --csv old.csv" "model|a.ply b.ply c.ply -o old.h5" "model|a.ply b.ply c.ply -o old.h5.json --csv tables --aligned aligned"
-  "evaluate|a.ply b.ply c.ply --samples 2 --csv old.csv" "score|a.ply --model m.h5 -o scores" "report|s.study.json -o old.html" "phantom|kidney --subject 1 -o phantom" "fit|built-in:kidney --mask mask.nii.gz -o old.ply"
+  "evaluate|a.ply b.ply c.ply --samples 2 --csv old.csv" "score|a.ply --model m.h5 -o scores" "phantom|kidney --subject 1 -o phantom" "fit|built-in:kidney --mask mask.nii.gz -o old.ply"
   "test|a.ply b.ply c.ply --covariates t.csv --formula size~age --csv tables"
   "snap|a.ply --image image.nii.gz -o old.ply" "snap|imaged.homolog -o old.ply" "refine|case.homolog -o old.ply" "sample|-o sample"
   "study make|mask.nii.gz --template a.ply -o old.study.json" "set rename|two.set.json B C -o old.set.json"
-  "set share|two.set.json A B -o old.set.json"
+  "set share|two.set.json A B -o old.set.json" "report|s.study.json -o old.html"
 )
 slow=(
   "set make|mask.nii.gz --all --vertices 300 -o old.set.json"

@@ -119,6 +119,17 @@ TEST_CASE("a report says which cases are left out and why") {
   CHECK(page.find("homolog report organs.study.json --without-doubtful -o page.html") != std::string::npos);
 }
 
+TEST_CASE("a report without names numbers its cases") {
+  const TemporaryFolder folder;
+  put_study(folder);
+  REQUIRE(run(folder, "report organs.study.json --without-names -o page.html").status == 0);
+  const std::string page = page_in(folder, "page.html");
+  CHECK(data_of(page)["cases"][1]["name"] == "case 2");
+  CHECK(page.find("&lt;/script&gt;") == std::string::npos);
+  REQUIRE(run(folder, "report organs.study.json -o page.html").status == 0);
+  CHECK(page_in(folder, "page.html").find("&lt;/script&gt;") != std::string::npos);
+}
+
 TEST_CASE("a report of a model has its modes and the places of its training shapes") {
   const TemporaryFolder folder;
   put_study(folder);

@@ -7,8 +7,8 @@
 
 #include "app/verbs/test_cases.h"
 #include "core/base/file_stem.h"
+#include "core/model/leave_one_out.h"
 #include "core/model/model_files.h"
-#include "core/model/score.h"
 #include "core/model/shape_files.h"
 #include "core/model/statismo.h"
 #include "core/model/study.h"
@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int most_modes_by_default = 10;
+constexpr double share_of_distances = 0.95;  ///< of the variance, that the modes hold in which distances are taken
 
 /// "kidneys" of "folder/kidneys.study.json" and of "kidneys.h5.json".
 std::string plain_title(const fs::path& file) {
@@ -68,15 +69,11 @@ void keep_modes(ShapeModel& model, Eigen::Index count) {
   if (model.scores.size() > 0) model.scores.conservativeResize(count, Eigen::NoChange);
 }
 
-/// The distances of the cases in the first of the modes. With many modes for few shapes each is far from the others.
+/// The distances of the cases, each from the model of the others.
 void put_distances(PageContent& content) {
-  ShapeModel model = content.model;
-  keep_modes(model, std::clamp<Eigen::Index>(model.scores.cols() / 3, 1, model.modes()));
-  const std::vector<double> distances = left_out_distances(model);
-  if (distances.empty()) return;
-  content.distance_modes = model.modes();
+  const Eigen::VectorXd& distances = content.model.left_out_distances;
   for (PageCase& one : content.cases)
-    if (one.shape >= 0) one.distance_sd = distances[static_cast<std::size_t>(one.shape)];
+    if (one.shape >= 0 && one.shape < distances.size()) one.distance_sd = distances[one.shape];
 }
 
 /// Cases of the model, named as the model names them.
@@ -106,6 +103,7 @@ Result<PageContent> content_of_model(const ReportVerb& verb) {
   if (model->scores.size() > 0) content.shapes = (model->basis * model->scores).colwise() + model->mean;
   const auto modes = shown_modes(verb, model->variances);
   if (!modes) return fail(modes.error());
+  if (model->left_out_distances.size() > 0) content.distance_modes = model->modes();
   keep_modes(*model, *modes);
   content.model = std::move(*model);
   put_distances(content);
@@ -223,6 +221,8 @@ Result<PageContent> content_of_set(const ReportVerb& verb, Progress& progress) {
     if (one.shape >= 0) names.push_back(one.name);
   content.model = make_model(components, 1, training->topology, names);
   keep_modes(content.model, *modes);
+  content.distance_modes = modes_holding(components.variances(), share_of_distances);
+  content.model.left_out_distances = left_out_distances(components, content.distance_modes);
   put_distances(content);
   content.model.parts = training->parts;
   content.model.alignment = verb.training.alignment();

@@ -165,11 +165,10 @@ Json described_score(const std::string& name, const ShapeScore& score, const Sha
 
 /// Writes a shape with z of each vertex, where it lies: as VTP, since in PLY z is a coordinate.
 Result<void> write_scored(const MeshFile& shape, const ShapeModel& model, const ShapeScore& score, const fs::path& to) {
-  MeshFile file;
-  file.points = shape.points;
-  file.triangles = model.topology->triangles();
-  file.doubt_mm = shape.doubt_mm;
-  file.values = {{"z", score.z}, {"z_low", score.z_low}, {"z_high", score.z_high}};
+  const MeshFile file{.points = shape.points,
+                      .triangles = model.topology->triangles(),
+                      .doubt_mm = shape.doubt_mm,
+                      .values = {{"z", score.z}, {"z_low", score.z_low}, {"z_high", score.z_high}}};
   return write_mesh_file(file, to);
 }
 

@@ -10,6 +10,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/model/statismo.h"
 #include "core/session/case_file.h"
+#include "core/volume/contours.h"
 #include "core/volume/label_likeness.h"
 #include "core/volume/volume_io.h"
 
@@ -210,6 +211,34 @@ void describe_labels(const Volume& map, const Segmentation& known, std::optional
   }
 }
 
+/// The segments of a DICOM segmentation that have no voxels: its description is all that there is of them.
+void describe_empty_segments(const Segmentation& known, Json& labels) {
+  for (const Segment& segment : known.segments)
+    if (std::none_of(labels.begin(), labels.end(),
+                     [&](const Json& one) { return one["value"] == segment.value && one["layer"] == segment.layer; }))
+      labels.push_back({{"value", segment.value},
+                        {"name", segment.name},
+                        {"voxels", 0},
+                        {"volume_ml", 0.0},
+                        {"layer", segment.layer},
+                        {"colour", segment.colour ? Json(hex_of(*segment.colour)) : Json()}});
+}
+
+Result<Report> describe_contours(const std::filesystem::path& path) {
+  const auto contours = read_contours(path);
+  if (!contours) return fail(contours.error());
+  Json rois = Json::array();
+  for (const ContourRoi& roi : contours->rois)
+    rois.push_back({{"name", roi.name},
+                    {"number", roi.number},
+                    {"type", roi.type.empty() ? Json() : Json(roi.type)},
+                    {"colour", roi.colour ? Json(hex_of(*roi.colour)) : Json()},
+                    {"contours", roi.contours.size()},
+                    {"points", roi.all_points()},
+                    {"planes", roi.planes()}});
+  return Report{{{"kind", "contours"}, {"series", contours->series}, {"rois", std::move(rois)}}, contours->warnings};
+}
+
 }  // namespace
 
 Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options) {
@@ -224,6 +253,7 @@ Result<Report> describe_file(const std::filesystem::path& path, const VolumeRead
     for (const Landmark& landmark : *landmarks) report.values["landmarks"][landmark.name] = json_of(landmark.position);
     return report;
   }
+  if (holds_contours(path)) return describe_contours(path);
   auto read = read_volume(path, options);
   if (!read) return fail(read.error());
   Report report{describe(read->volume), read->warnings};
@@ -234,6 +264,7 @@ Result<Report> describe_file(const std::filesystem::path& path, const VolumeRead
     Json labels = Json::array();
     describe_labels(read->volume, known, others.empty() ? std::optional<std::size_t>() : 0, labels);
     for (std::size_t k = 0; k < others.size(); ++k) describe_labels(others[k], known, k + 1, labels);
+    if (read->volume.modality == "SEG") describe_empty_segments(known, labels);
     report.values["labels"] = std::move(labels);
   }
   return report;

@@ -16,6 +16,7 @@
 #include "core/model/shape_files.h"
 #include "core/model/statismo.h"
 #include "core/phantom/phantom_files.h"
+#include "core/volume/contour_labels.h"
 #include "core/volume/volume_io.h"
 #include "core/volume/write_segmentation.h"
 
@@ -68,6 +69,24 @@ Result<Report> convert_model(const fs::path& in, const fs::path& out, const std:
   if (!report) return report;
   if (auto written = write_mesh_file(*mesh, out); !written) return fail(written.error());
   return report;
+}
+
+/// Contours as a label map on the grid of an image.
+Result<Report> convert_contours(const fs::path& in, const fs::path& out, const fs::path& like, Progress& progress) {
+  if (like.empty())
+    return fail(in.string(),
+                "holds contours, which become a label map on the grid of an image; name the series that "
+                "they were drawn on by --like");
+  const auto contours = read_contours(in);
+  if (!contours) return fail(contours.error());
+  const auto image = read_image(like, 0, progress);
+  if (!image) return fail(image.error());
+  auto map = labels_of_contours(in, *contours, like, image->volume, &progress);
+  if (!map) return fail(map.error());
+  if (auto written = write_segmentation(*map, out, &progress); !written) return fail(written.error());
+  std::vector<std::string> warnings = image->warnings;
+  warnings.insert(warnings.end(), map->warnings.begin(), map->warnings.end());
+  return Report{describe(map->volume), std::move(warnings)};
 }
 
 /// The 0.5 isosurface of the label that is meant, as it is.
@@ -150,11 +169,13 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     double times = 1;
     bool from_ras = false;
     std::string structure;
+    fs::path like;
     std::optional<std::uint64_t> sample;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "convert", "Any readable volume or mesh to any writable format");
-  verb->add_option("IN", options->in, "A volume or mesh, or a model (.h5, .h5.json), whose mean becomes a mesh")
+  verb->add_option("IN", options->in,
+                   "A volume or mesh, contours (RTSTRUCT), or a model (.h5, .h5.json), whose mean becomes a mesh")
       ->required();
   verb->add_option("OUT", options->out, "The file to write; its extension chooses the format")->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
@@ -164,6 +185,7 @@ void add_convert(CLI::App& app, CommandLine& asked) {
       ->check(CLI::Range(1e-9, 1e9));
   verb->add_flag("--from-ras", options->from_ras, "A mesh's coordinates are RAS, though its file does not say so");
   auto* structure = verb->add_option("--structure", options->structure, "Of a joint model this structure alone");
+  verb->add_option("--like", options->like, "Of contours (RTSTRUCT): the image whose grid the label map gets");
   auto* sample =
       verb->add_option("--sample", options->sample, "Of a model the random shape of this seed, not the mean");
   const auto convert = [options, structure, sample](Progress& progress) -> Result<Report> {
@@ -171,6 +193,9 @@ void add_convert(CLI::App& app, CommandLine& asked) {
       return convert_model(options->in, options->out, options->structure, options->sample);
     if (structure->count() + sample->count() > 0)
       return fail(options->in.string(), "is no model, so --structure and --sample have no effect; leave them out");
+    if (holds_contours(options->in)) return convert_contours(options->in, options->out, options->like, progress);
+    if (!options->like.empty())
+      return fail(options->in.string(), "holds no contours, so --like has no effect; leave it out");
     if (is_mesh_name(options->in) != is_mesh_name(options->out)) {
       return fail(options->out.string(),
                   "is not of the same kind as " + options->in.string() +

@@ -5,6 +5,7 @@
 #include <gdcmTrace.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -13,9 +14,11 @@
 #include <span>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/base/process.h"
+#include "core/base/text.h"
 #include "core/volume/codestream.h"
 #include "core/volume/dicom_rle.h"
 #include "core/volume/readers.h"
@@ -136,6 +139,56 @@ bool decode_jpeg(const DicomHeader& header, std::span<const char> stream, std::s
   return image.GetBufferLength() == out.size() && image.GetBuffer(reinterpret_cast<char*>(out.data()));
 }
 
+/// The transfer syntaxes in which pixels can be decoded: run lengths, each frame deflated, and of the JPEG family those
+/// that GDCM knows.
+constexpr std::string_view deflated_frames_syntax = "1.2.840.10008.1.2.8.1";
+constexpr std::array<std::string_view, 11> decoded_syntaxes{rle_syntax,
+                                                            deflated_frames_syntax,
+                                                            "1.2.840.10008.1.2.4.50",
+                                                            "1.2.840.10008.1.2.4.51",
+                                                            "1.2.840.10008.1.2.4.57",
+                                                            "1.2.840.10008.1.2.4.70",
+                                                            "1.2.840.10008.1.2.4.80",
+                                                            "1.2.840.10008.1.2.4.81",
+                                                            "1.2.840.10008.1.2.4.90",
+                                                            "1.2.840.10008.1.2.4.91",
+                                                            "1.2.840.10008.1.2.4.92"};
+
+/// "1.2.840.10008.1.2.4.201 (High-Throughput JPEG 2000)" [DICOM PS3.6, table A-1].
+std::string named_syntax(const std::string& uid) {
+  constexpr std::array<std::pair<std::string_view, const char*>, 15> names{
+      {{"1.2.840.10008.1.2.4.50", "JPEG Baseline"},
+       {"1.2.840.10008.1.2.4.51", "JPEG Extended"},
+       {"1.2.840.10008.1.2.4.57", "JPEG Lossless"},
+       {"1.2.840.10008.1.2.4.70", "JPEG Lossless"},
+       {"1.2.840.10008.1.2.4.80", "JPEG-LS Lossless"},
+       {"1.2.840.10008.1.2.4.81", "JPEG-LS Near-lossless"},
+       {"1.2.840.10008.1.2.4.90", "JPEG 2000 Lossless"},
+       {"1.2.840.10008.1.2.4.91", "JPEG 2000"},
+       {"1.2.840.10008.1.2.4.100", "MPEG2"},
+       {"1.2.840.10008.1.2.4.110", "JPEG XL Lossless"},
+       {"1.2.840.10008.1.2.4.201", "High-Throughput JPEG 2000 Lossless"},
+       {"1.2.840.10008.1.2.4.202", "High-Throughput JPEG 2000 RPCL"},
+       {"1.2.840.10008.1.2.4.203", "High-Throughput JPEG 2000"},
+       {"1.2.840.10008.1.2.2", "Explicit VR Big Endian"},
+       {rle_syntax, "RLE Lossless"}}};
+  const auto found = std::find_if(names.begin(), names.end(), [&](const auto& name) { return name.first == uid; });
+  return found == names.end() ? excerpt(uid) : uid + " (" + found->second + ")";
+}
+
+tl::unexpected<Error> unreadable_syntax(const DicomHeader& header) {
+  return fail(header.path.string(), "keeps its pixels in the transfer syntax " + named_syntax(header.transfer_syntax) +
+                                        ", which cannot be read; export it uncompressed (Explicit VR Little Endian)");
+}
+
+/// A plane that is deflated by itself, into room of its size.
+Result<void> inflate_plane(const DicomHeader& header, std::size_t plane, std::span<std::byte> out) {
+  const DicomPixels::Fragment& fragment = header.pixels->fragments[plane];
+  const ByteBlock block{.file = header.path, .offset = fragment.offset, .compression = Compression::RawDeflate};
+  if (auto read = read_block(block, out, nullptr); !read) return read;
+  return {};
+}
+
 /// The encoded bytes of one plane: its own fragment, or all of them where there is a single plane.
 std::optional<std::vector<char>> encoded_plane(const DicomHeader& header, std::size_t plane, std::istream& in) {
   const std::span all(header.pixels->fragments);
@@ -153,6 +206,8 @@ std::optional<std::vector<char>> encoded_plane(const DicomHeader& header, std::s
 Result<void> decode(const DicomHeader& header, Scalar type, const Room& room, Progress* progress) {
   const std::size_t planes = header.planes.size(), fragments = header.pixels->fragments.size();
   const bool run_lengths = is_run_length_encoded(header);
+  if (std::find(decoded_syntaxes.begin(), decoded_syntaxes.end(), header.transfer_syntax) == decoded_syntaxes.end())
+    return unreadable_syntax(header);
   if (fragments < planes) return pixels_missing(header);
   if ((planes > 1 || run_lengths) && fragments != planes)
     return fail(header.path.string(), "keeps its frames in pieces; export it uncompressed");
@@ -161,6 +216,13 @@ Result<void> decode(const DicomHeader& header, Scalar type, const Room& room, Pr
     if (progress) {
       if (progress->cancelled()) return fail(header.path.string(), "was not read: cancelled");
       progress->report(static_cast<double>(p) / static_cast<double>(planes));
+    }
+    if (header.transfer_syntax == deflated_frames_syntax) {
+      const std::span<std::byte> out = room(plane_bytes_of(header, type));
+      if (auto inflated = inflate_plane(header, p, out); !inflated) return inflated;
+      if (header.big_endian != native_big_endian()) swap_byte_order(out, type);
+      take_stored_bits(out, type, header);
+      continue;
     }
     const auto stream = encoded_plane(header, p, in);
     if (!stream || !is_closed(header.transfer_syntax, *stream)) return pixels_missing(header);
@@ -192,11 +254,43 @@ bool is_run_length_encoded(const DicomHeader& header) {
   return header.transfer_syntax == rle_syntax;
 }
 
+Result<void> check_pixel_claim(const DicomHeader& header, std::size_t plane_bytes) {
+  const double claimed = static_cast<double>(plane_bytes) * static_cast<double>(header.planes.size());
+  // An evenly grey picture of 512 × 512 takes about a hundred bytes in JPEG 2000. Deflated pixels have been counted.
+  constexpr double best_ratio = 20000, best_run_ratio = 64;
+  const bool packed = !header.pixels->fragments.empty();
+  const double ratio = !packed ? 1 : is_run_length_encoded(header) ? best_run_ratio : best_ratio;
+  if (claimed > static_cast<double>(header.pixels->bytes) * ratio) return pixels_missing(header);
+  // Decoders take up to eight bytes a pixel at once, before they know whether there are any. Mammograms have 28
+  // million.
+  constexpr double most_pixels = 30e6;
+  if (packed && static_cast<double>(header.rows) * header.columns > most_pixels)
+    return fail(header.path.string(), "has compressed planes of more than 30 million pixels; export it uncompressed");
+  return {};
+}
+
 Result<void> read_dicom_pixels(const DicomHeader& header, const Room& room, Progress* progress) {
   const auto type = dicom_stored_type(header);
   if (!type) return fail(type.error());
   return header.pixels->fragments.empty() ? read_plain(header, *type, room, progress)
                                           : decode(header, *type, room, progress);
+}
+
+Result<void> read_dicom_bits(const DicomHeader& header, std::size_t bytes, std::vector<std::byte>& bits,
+                             Progress* progress) {
+  const auto& fragments = header.pixels->fragments;
+  if (header.big_endian || (!fragments.empty() && header.transfer_syntax != deflated_frames_syntax))
+    return unreadable_syntax(header);
+  constexpr double best_deflation = 1032;
+  const double held = static_cast<double>(header.pixels->bytes) * (fragments.empty() ? 1 : best_deflation);
+  if (held < static_cast<double>(bytes)) return pixels_missing(header);
+  bits.resize(bytes);
+  if (fragments.empty()) return read_block(header.pixels->block, bits, progress);
+  const std::size_t planes = header.planes.size(), plane_bytes = bytes / planes;
+  if (fragments.size() != planes) return pixels_missing(header);
+  for (std::size_t p = 0; p < planes; ++p)
+    if (auto read = inflate_plane(header, p, std::span(bits).subspan(p * plane_bytes, plane_bytes)); !read) return read;
+  return {};
 }
 
 }  // namespace homolog

@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr DicomTag item_tag = 0xfffee000, item_end = 0xfffee00d, sequence_end = 0xfffee0dd, pixel_data = 0x7fe00010;
-constexpr DicomTag transfer_syntax_tag = 0x00020010, shared_groups = 0x52009229, plane_groups = 0x52009230;
+constexpr DicomTag transfer_syntax_tag = 0x00020010, shared_groups = 0x52009229, plane_groups = 0x52009230,
+                   contour_data = 0x30060050;
 constexpr std::uint32_t undefined_length = 0xffffffff;
 constexpr std::uint32_t longest_value = 1 << 16;
 constexpr int deepest = 32;
@@ -28,10 +29,12 @@ constexpr int deepest = 32;
 constexpr std::string_view deflated_syntax = "1.2.840.10008.1.2.1.99", big_endian_syntax = "1.2.840.10008.1.2.2",
                            implicit_syntax = "1.2.840.10008.1.2";
 
-/// Sequences that a file without type marks does not declare but that are needed: functional groups and their parts.
-constexpr std::array<DicomTag, 14> known_sequences{0x00189114, 0x00189117, 0x00189118,    0x00209111,  0x00209113,
-                                                   0x00209116, 0x00209253, 0x00209310,    0x00283000,  0x00289110,
-                                                   0x00289132, 0x00289145, shared_groups, plane_groups};
+/// Sequences that a file without type marks does not declare but that are needed: functional groups and their parts,
+/// those of segmentations (group 62) and those of contours (group 3006).
+constexpr std::array<DicomTag, 26> known_sequences{
+    0x00081115, 0x00189114, 0x00189117, 0x00189118, 0x00209111, 0x00209113, 0x00209116,    0x00209253,  0x00209310,
+    0x00283000, 0x00289110, 0x00289132, 0x00289145, 0x00480008, 0x0048021a, 0x00620002,    0x0062000a,  0x30060010,
+    0x30060012, 0x30060014, 0x30060020, 0x30060039, 0x30060040, 0x30060080, shared_groups, plane_groups};
 
 bool is_known_sequence(DicomTag tag) {
   return std::find(known_sequences.begin(), known_sequences.end(), tag) != known_sequences.end();
@@ -117,7 +120,7 @@ class Parser {
     if (type == "SQ" || *length == undefined_length || (!explicit_vr_ && is_known_sequence(tag)))
       return read_sequence(*length, end, into[tag], depth + 1, type == "UN");
     if (*length > end - position_) return false;
-    if (*length > longest_value) return skip(*length, end);
+    if (*length > longest_value && tag != contour_data) return skip(*length, end);
     DicomElement& element = into[tag];
     element.value.resize(*length);
     position_ += *length;
@@ -173,7 +176,26 @@ class Parser {
   bool explicit_vr_ = true, swap_ = std::endian::native == std::endian::big;
 };
 
+/// Whether every line feed follows a carriage return, as none but chance would have it in a binary file: what a
+/// transfer as text, or a version control that takes it for text, makes of one.
+bool has_converted_line_ends(const fs::path& path) {
+  constexpr std::uintmax_t enough = std::uintmax_t{1} << 22;
+  constexpr int least = 2;
+  std::ifstream in(path, std::ios::binary);
+  int feeds = 0;
+  char before = 0, c = 0;
+  for (std::uintmax_t at = 0; at < enough && in.get(c); ++at) {
+    if (c == '\n' && before != '\r') return false;
+    feeds += c == '\n' ? 1 : 0;
+    before = c;
+  }
+  return feeds >= least;
+}
+
 tl::unexpected<Error> cut_short(const fs::path& path) {
+  if (has_converted_line_ends(path))
+    return fail(path.string(),
+                "is damaged: its line ends were converted, as a transfer as text does; copy it again as a binary file");
   return fail(path.string(), "is cut short or damaged: it ends within an element; copy or download it again");
 }
 

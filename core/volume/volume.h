@@ -61,8 +61,9 @@ struct Volume {
   double range_min = 0, range_max = 0;  ///< over all finite voxels of all frames
   /// The window that the file itself asks for (DICOM): centre and width in intensity units.
   std::optional<std::pair<double, double>> file_window;
-  std::string series_uid;  ///< DICOM series instance UID; empty elsewhere
-  std::string modality;    ///< "CT", "MR", …; empty where unknown
+  std::string series_uid;          ///< DICOM series instance UID; empty elsewhere
+  std::string modality;            ///< "CT", "MR", …; empty where unknown
+  std::string frame_of_reference;  ///< UID of the space that positions are given in (DICOM); empty elsewhere
   /// A mask of one structure, label 1, whose surface lies where values between voxels pass 0.5 [soft_mask.h].
   bool soft = false;
 

@@ -4,11 +4,13 @@
 #include <numeric>
 #include <set>
 
+#include "core/base/listed.h"
 #include "core/base/memory.h"
 #include "core/volume/dicom_arrangement.h"
 #include "core/volume/dicom_copies.h"
 #include "core/volume/dicom_header.h"
 #include "core/volume/dicom_pixels.h"
+#include "core/volume/dicom_segments.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
 
@@ -18,12 +20,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-tl::unexpected<Error> file_cut(const DicomHeader& header) {
-  return fail(header.path.string(), "is cut short: pixels are missing; copy or download it again");
-}
-
 Result<void> check_image(const DicomHeader& header) {
-  if (header.pixels_missing) return file_cut(header);
+  if (header.pixels_missing)
+    return fail(header.path.string(), "is cut short: pixels are missing; copy or download it again");
   if (header.is_image() && header.has_modality_table)
     return fail(header.path.string(),
                 "gives the meaning of its pixels by a table (Modality LUT), which cannot be read; export it with a "
@@ -32,25 +31,12 @@ Result<void> check_image(const DicomHeader& header) {
     return fail(header.path.string(), "holds planes of several " + header.steps_through +
                                           ", which are no stack of slices; export one of them as a volume");
   if (header.is_image()) return {};
+  if (header.modality == "RTSTRUCT")
+    return fail(header.path.string(),
+                "holds no image but contours; make a label map of them: convert FILE OUT.seg.nrrd --like IMAGE");
   return fail(header.path.string(), "holds no image" +
                                         (header.modality.empty() ? "" : " (its modality is " + header.modality + ")") +
                                         "; open the image series instead");
-}
-
-/// Refuses sizes that a file's pixels cannot hold, before memory is taken for them.
-Result<void> check_pixel_claim(const DicomHeader& header, std::size_t plane_bytes) {
-  const double claimed = static_cast<double>(plane_bytes) * static_cast<double>(header.planes.size());
-  // An evenly grey picture of 512 × 512 takes about a hundred bytes in JPEG 2000. Deflated pixels have been counted.
-  constexpr double best_ratio = 20000, best_run_ratio = 64;
-  const bool packed = !header.pixels->fragments.empty();
-  const double ratio = !packed ? 1 : is_run_length_encoded(header) ? best_run_ratio : best_ratio;
-  if (claimed > static_cast<double>(header.pixels->bytes) * ratio) return file_cut(header);
-  // Decoders take up to eight bytes a pixel at once, before they know whether there are any. Mammograms have 28
-  // million.
-  constexpr double most_pixels = 30e6;
-  if (packed && static_cast<double>(header.rows) * header.columns > most_pixels)
-    return fail(header.path.string(), "has compressed planes of more than 30 million pixels; export it uncompressed");
-  return {};
 }
 
 /// Where each plane of each file lies in the volume.
@@ -152,6 +138,7 @@ Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHea
   volume.frame_seconds = arrangement->frame_seconds;
   volume.series_uid = headers.front().series_uid;
   volume.modality = headers.front().modality;
+  volume.frame_of_reference = headers.front().frame_of_reference;
   volume.file_window = arrangement->planes[static_cast<std::size_t>(arrangement->slices / 2)].plane->window;
   auto stored = read_planes(path, headers, *arrangement, progress);
   if (!stored) return fail(stored.error());
@@ -183,9 +170,14 @@ Result<void> check_others(const std::vector<fs::path>& dicom, const std::vector<
   return {};
 }
 
-/// The image headers in a folder, by series.
-Result<std::map<std::string, std::vector<DicomHeader>>> scan_folder(const fs::path& folder, Progress* progress) {
+/// What lies in a folder: image headers by series, and segmentations, each of which is a file.
+struct FolderContents {
   std::map<std::string, std::vector<DicomHeader>> series;
+  std::vector<DicomSet> segmentations;
+};
+
+Result<FolderContents> scan_folder(const fs::path& folder, Progress* progress) {
+  FolderContents contents;
   std::error_code error, not_a_file;
   std::vector<fs::path> files;
   for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
@@ -202,37 +194,98 @@ Result<std::map<std::string, std::vector<DicomHeader>>> scan_folder(const fs::pa
   if (const auto whole = check_others(dicom, others); !whole) return fail(whole.error());
   for (const fs::path& file : dicom) {
     if (cancelled()) return fail(folder.string(), "was not read: cancelled");
-    const auto set = parse_dicom(file);
+    auto set = parse_dicom(file);
     if (!set) return fail(set.error());
+    if (is_dicom_segmentation(*set)) {
+      contents.segmentations.push_back(std::move(*set));
+      continue;
+    }
     DicomHeader header = dicom_header(*set);
-    if (header.is_image()) series[header.series_uid].push_back(std::move(header));
+    if (header.is_image()) contents.series[header.series_uid].push_back(std::move(header));
   }
-  return series;
+  return contents;
+}
+
+/// The grid of a series; nothing where its slices are no even stack.
+std::optional<VolumeGeometry> grid_of_series(const fs::path& folder, const std::vector<DicomHeader>& all) {
+  std::vector<std::string> ignored;
+  const std::vector<DicomHeader> headers = without_copies(folder, all, ignored);
+  const auto arrangement = arrange(folder, headers, ignored);
+  if (!arrangement) return {};
+  const auto grid = make_geometry(folder, {headers.front().columns, headers.front().rows, arrangement->slices},
+                                  arrangement->steps_mm, arrangement->origin_mm);
+  return grid ? std::optional(*grid) : std::nullopt;
+}
+
+/// The grid of the series that a segmentation was made on, where its files lie in the same folder. Files that cannot be
+/// read are no part of it.
+std::optional<VolumeGeometry> grid_beside(const DicomSet& segmentation, Progress* progress) {
+  const auto wanted = segmented_series(segmentation);
+  if (wanted.empty()) return {};
+  const std::string space = text_of(segmentation.elements, 0x00200052);
+  const fs::path folder = segmentation.path.has_parent_path() ? segmentation.path.parent_path() : fs::path(".");
+  std::vector<fs::path> files;
+  std::error_code error, not_a_file;
+  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error))
+    if (entry->is_regular_file(not_a_file) && !is_hidden(entry->path()) && looks_like_dicom(entry->path()))
+      files.push_back(entry->path());
+  std::sort(files.begin(), files.end());
+  std::vector<DicomHeader> headers;
+  for (const fs::path& file : files) {
+    if (progress && progress->cancelled()) return {};
+    const auto set = parse_dicom(file);
+    if (!set || is_dicom_segmentation(*set) || text_of(set->elements, 0x0020000e) != wanted.front()) continue;
+    DicomHeader header = dicom_header(*set);
+    if (header.is_image() && header.frame_of_reference == space) headers.push_back(std::move(header));
+  }
+  if (headers.empty()) return {};
+  return grid_of_series(folder, headers);
+}
+
+Result<VolumeRead> read_segmentation(const DicomSet& set, Progress* progress) {
+  return read_dicom_segmentation(set, grid_beside(set, progress), progress);
 }
 
 Result<VolumeRead> read_dicom_file(const fs::path& path, Progress* progress) {
   const auto set = parse_dicom(path);
   if (!set) return fail(set.error());
+  if (is_dicom_segmentation(*set)) return read_segmentation(*set, progress);
   DicomHeader header = dicom_header(*set);
   return read_headers(path, {std::move(header)}, progress);
 }
 
-/// `series_uid` chooses where the folder holds several series.
+/// Of a folder without images: the segmentation that lies in it alone.
+Result<VolumeRead> read_lone_segmentation(const fs::path& folder, const std::vector<DicomSet>& segmentations,
+                                          Progress* progress) {
+  if (segmentations.empty()) return fail(folder.string(), "holds no DICOM images; choose the folder that does");
+  if (segmentations.size() == 1) return read_segmentation(segmentations.front(), progress);
+  std::vector<std::string> names;
+  for (const DicomSet& set : segmentations) names.push_back(set.path.filename().string());
+  return fail(folder.string(), "holds " + std::to_string(names.size()) +
+                                   " DICOM segmentations and no images; name one of the files: " + listed(names, ", "));
+}
+
+/// `series_uid` chooses where the folder holds several series. Segmentations beside images count as series only there.
 Result<VolumeRead> read_dicom_folder(const fs::path& folder, const std::string& series_uid, Progress* progress) {
-  auto series = scan_folder(folder, progress);
-  if (!series) return fail(series.error());
-  if (series->empty()) return fail(folder.string(), "holds no DICOM images; choose the folder that does");
-  auto chosen = series_uid.empty() ? series->begin() : series->find(series_uid);
-  if (chosen != series->end() && (!series_uid.empty() || series->size() == 1))
+  const auto contents = scan_folder(folder, progress);
+  if (!contents) return fail(contents.error());
+  const auto& series = contents->series;
+  for (const DicomSet& set : contents->segmentations)
+    if (!series_uid.empty() && text_of(set.elements, 0x0020000e) == series_uid) return read_segmentation(set, progress);
+  if (series.empty() && series_uid.empty()) return read_lone_segmentation(folder, contents->segmentations, progress);
+  const auto chosen = series_uid.empty() ? series.begin() : series.find(series_uid);
+  if (chosen != series.end() && (!series_uid.empty() || series.size() == 1))
     return read_headers(folder, chosen->second, progress);
-  std::string list;
-  for (const auto& [uid, headers] : *series)
-    list += (list.empty() ? "" : ", ") + uid + " (" + headers.front().modality + " \"" +
-            headers.front().series_description + "\", " + std::to_string(headers.size()) +
-            (headers.size() == 1 ? " file)" : " files)");
-  if (!series_uid.empty()) return fail(folder.string(), "holds no series " + series_uid + "; it holds " + list);
-  return fail(folder.string(),
-              "holds " + std::to_string(series->size()) + " series; choose one with --series UID: " + list);
+  std::vector<std::string> list;
+  for (const auto& [uid, headers] : series)
+    list.push_back(uid + " (" + headers.front().modality + " \"" + headers.front().series_description + "\", " +
+                   std::to_string(headers.size()) + (headers.size() == 1 ? " file)" : " files)"));
+  if (!series_uid.empty())
+    return fail(folder.string(),
+                "holds no series " + series_uid + (list.empty() ? "" : "; it holds " + listed(list, ", ")));
+  return fail(folder.string(), "holds " + std::to_string(series.size()) +
+                                   " series; choose one with --series UID: " + listed(list, ", "));
 }
 
 Result<VolumeRead> read_dicom(const fs::path& path, const VolumeReadOptions& options) {
@@ -247,15 +300,15 @@ const VolumeFormat formats::dicom{
     .name = "DICOM",
     .endings = {".dcm", ".ima"},
     .in_folder = "DICOM files",
-    .note = "known by its content, whatever its name: the folder of a series, or one file",
+    .note = "known by its content, whatever its name: the folder of a series, one file, or a segmentation (SEG)",
     .recognises = looks_like_dicom,
     .read = read_dicom};
 
 Result<std::vector<SeriesInfo>> list_series(const fs::path& folder) {
-  const auto series = scan_folder(folder, nullptr);
-  if (!series) return fail(series.error());
+  const auto contents = scan_folder(folder, nullptr);
+  if (!contents) return fail(contents.error());
   std::vector<SeriesInfo> list;
-  for (const auto& [uid, headers] : *series)
+  for (const auto& [uid, headers] : contents->series)
     list.push_back(
         {uid, headers.front().series_description, headers.front().modality, static_cast<int>(headers.size())});
   return list;

@@ -1,0 +1,229 @@
+#include "core/volume/contour_labels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "core/base/memory.h"
+#include "core/base/text.h"
+#include "core/volume/dicom_stack.h"
+#include "core/volume/stored_voxels.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// How far the points of a contour may lie off the slice, in slices: what decimals and rounded places leave.
+constexpr double off_slice = 0.1;
+
+using Polygon = std::vector<Vec3>;  ///< in voxels
+
+/// The contours of a structure on the slices across one axis of the grid.
+struct SlicedRoi {
+  int axis = 2;
+  std::map<int, std::vector<std::pair<Polygon, bool>>> slices;  ///< with whether it is combined by exclusive or
+};
+
+std::string about_roi(const ContourRoi& roi) {
+  return "structure " + std::to_string(roi.number) + " (" + excerpt(roi.name) + ")";
+}
+
+/// The slice on which a polygon lies, and the axis across it. Nothing where there is none.
+std::optional<std::pair<int, int>> slice_of(const Polygon& polygon) {
+  Vec3 low = polygon.front(), high = polygon.front();
+  for (const Vec3& point : polygon) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  for (const int axis : {2, 1, 0}) {
+    const double slice = std::rint(0.5 * (low[axis] + high[axis]));
+    if (std::abs(slice) < 1e9 && low[axis] >= slice - off_slice && high[axis] <= slice + off_slice)
+      return std::pair(axis, static_cast<int>(slice));
+  }
+  return {};
+}
+
+Result<SlicedRoi> sliced(const fs::path& path, const ContourRoi& roi, const fs::path& image_path,
+                         const VolumeGeometry& grid) {
+  SlicedRoi result;
+  const Mat3 back = grid.direction.inverse();
+  std::optional<int> axis;
+  for (const Contour& contour : roi.contours) {
+    if (!contour.closed) continue;
+    Polygon polygon;
+    for (const Vec3& point : contour.points)
+      polygon.push_back((back * (point - grid.origin_mm)).cwiseQuotient(grid.spacing_mm));
+    const auto place = slice_of(polygon);
+    if (!place || axis.value_or(place->first) != place->first)
+      return fail(path.string(), "draws its " + about_roi(roi) + " on planes that are no slices of " +
+                                     image_path.string() + "; give the series that it was drawn on by --like");
+    axis = place->first;
+    result.slices[place->second].emplace_back(std::move(polygon), contour.cuts_out);
+  }
+  result.axis = axis.value_or(2);
+  return result;
+}
+
+/// Where a line of voxel centres crosses the edges of a polygon, ascending. An edge holds its lower end alone, so that
+/// a line through a corner crosses one of two edges.
+std::vector<double> crossings(const Polygon& polygon, int along, int across, double line) {
+  std::vector<double> places;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Vec3 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+    if ((a[across] <= line) == (b[across] <= line)) continue;
+    // From the lower end, so that an edge that is passed both ways is crossed at one place.
+    const Vec3 &low = a[across] < b[across] ? a : b, &high = a[across] < b[across] ? b : a;
+    places.push_back(low[along] + (line - low[across]) / (high[across] - low[across]) * (high[along] - low[along]));
+  }
+  std::sort(places.begin(), places.end());
+  return places;
+}
+
+/// A mask of one structure, and what is to be said of it.
+struct DrawnMask {
+  std::vector<std::uint8_t> inside;
+  bool any = false, leaves_image = false;
+  std::size_t nested_slices = 0;  ///< where contours lie within one another without being said to be holes
+};
+
+/// Adds the polygons of one slice.
+void draw_slice(const VolumeGeometry& grid, int axis, int slice, const std::vector<std::pair<Polygon, bool>>& polygons,
+                DrawnMask& mask) {
+  const int along = axis == 0 ? 1 : 0, across = axis == 2 ? 1 : 2;
+  const std::array<std::size_t, 3> stride{
+      1, static_cast<std::size_t>(grid.dims[0]),
+      static_cast<std::size_t>(grid.dims[0]) * static_cast<std::size_t>(grid.dims[1])};
+  const auto dims = [&](int a) { return grid.dims[static_cast<std::size_t>(a)]; };
+  const auto step = [&](int a) { return stride[static_cast<std::size_t>(a)]; };
+  bool nested = false;
+  std::vector<std::uint8_t> times(static_cast<std::size_t>(dims(along)));
+  for (int line = 0; line < dims(across); ++line) {
+    std::fill(times.begin(), times.end(), std::uint8_t{0});
+    bool touched = false;
+    for (const auto& [polygon, cuts_out] : polygons) {
+      const auto places = crossings(polygon, along, across, line);
+      for (std::size_t c = 0; c + 1 < places.size(); c += 2) {
+        const double from = std::clamp(std::ceil(places[c]), 0.0, static_cast<double>(dims(along)));
+        const double to = std::clamp(std::ceil(places[c + 1]), 0.0, static_cast<double>(dims(along)));
+        for (auto p = static_cast<std::size_t>(from); p < static_cast<std::size_t>(to); ++p) {
+          nested = nested || (!cuts_out && times[p] % 2 != 0);
+          ++times[p];
+          touched = true;
+        }
+      }
+    }
+    if (!touched) continue;
+    const std::size_t begin =
+        static_cast<std::size_t>(slice) * step(axis) + static_cast<std::size_t>(line) * step(across);
+    for (std::size_t p = 0; p < times.size(); ++p) {
+      mask.inside[begin + p * step(along)] = times[p] % 2;
+      mask.any = mask.any || times[p] % 2 != 0;
+    }
+  }
+  mask.nested_slices += nested ? 1 : 0;
+}
+
+DrawnMask drawn_mask(const VolumeGeometry& grid, const SlicedRoi& roi) {
+  DrawnMask mask;
+  mask.inside.resize(grid.voxels());
+  for (const auto& [slice, polygons] : roi.slices) {
+    for (const auto& [polygon, cuts_out] : polygons)
+      for (const Vec3& point : polygon)
+        for (int a = 0; a < 3; ++a)
+          if (const double last = grid.dims[static_cast<std::size_t>(a)] - 1; point[a] < -0.5 || point[a] > last + 0.5)
+            mask.leaves_image = true;
+    if (slice >= 0 && slice < grid.dims[static_cast<std::size_t>(roi.axis)])
+      draw_slice(grid, roi.axis, slice, polygons, mask);
+  }
+  return mask;
+}
+
+void warn_of(const fs::path& path, const ContourRoi& roi, const DrawnMask& mask, const fs::path& image_path,
+             std::vector<std::string>& warnings) {
+  const std::string of = path.string() + ": its " + about_roi(roi);
+  if (mask.leaves_image)
+    warnings.push_back(of + " reaches beyond " + image_path.string() +
+                       ", where it has no voxels; give an image that "
+                       "holds it");
+  if (mask.nested_slices > 0)
+    warnings.push_back(of + " has contours within one another on " + std::to_string(mask.nested_slices) +
+                       (mask.nested_slices == 1 ? " plane" : " planes") +
+                       " that are not said to be holes; what two of them hold was left out");
+  if (!mask.any) warnings.push_back(of + " holds the centre of no voxel, so that it has none");
+}
+
+/// The labels of all structures, each in the first layer in which it overlaps none.
+using Layers = std::vector<std::vector<std::uint16_t>>;
+
+std::size_t put_in_layers(const std::vector<std::uint8_t>& inside, int number, Layers& layers) {
+  std::size_t layer = 0;
+  const auto overlaps = [&](const std::vector<std::uint16_t>& labels) {
+    for (std::size_t v = 0; v < inside.size(); ++v)
+      if (inside[v] != 0 && labels[v] != 0) return true;
+    return false;
+  };
+  while (layer < layers.size() && overlaps(layers[layer])) ++layer;
+  if (layer == layers.size()) layers.emplace_back(inside.size());
+  for (std::size_t v = 0; v < inside.size(); ++v)
+    if (inside[v] != 0) layers[layer][v] = static_cast<std::uint16_t>(number);
+  return layer;
+}
+
+Result<void> check_space(const fs::path& path, const Contours& contours, const fs::path& image_path,
+                         const Volume& image) {
+  if (image.frame_of_reference.empty() || image.frame_of_reference == contours.frame_of_reference) return {};
+  return fail(path.string(), "was drawn on another scan than " + image_path.string() + " (frames of reference " +
+                                 excerpt(contours.frame_of_reference) + " and " + excerpt(image.frame_of_reference) +
+                                 "); give the series that it was drawn on by --like");
+}
+
+}  // namespace
+
+Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& contours, const fs::path& image_path,
+                                      const Volume& image, Progress* progress) {
+  if (auto same = check_space(path, contours, image_path, image); !same) return fail(same.error());
+  const VolumeGeometry& grid = image.geometry;
+  if (auto enough = check_memory(path, 4 * static_cast<double>(grid.voxels())); !enough) return fail(enough.error());
+  VolumeRead result;
+  result.warnings = contours.warnings;
+  Layers layers;
+  for (std::size_t r = 0; r < contours.rois.size(); ++r) {
+    const ContourRoi& roi = contours.rois[r];
+    if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
+    if (progress) progress->report(static_cast<double>(r) / static_cast<double>(contours.rois.size()));
+    if (roi.number < 1 || roi.number > 65535)
+      return fail(path.string(), "numbers its " + about_roi(roi) +
+                                     " beyond what a label can be (1 to 65535); export "
+                                     "it again");
+    const auto on_slices = sliced(path, roi, image_path, grid);
+    if (!on_slices) return fail(on_slices.error());
+    if (on_slices->slices.empty()) {
+      if (roi.all_points() > 0)
+        result.warnings.push_back(path.string() + ": its " + about_roi(roi) +
+                                  " has points or lines alone, which hold no voxels");
+      continue;
+    }
+    const DrawnMask mask = drawn_mask(grid, *on_slices);
+    warn_of(path, roi, mask, image_path, result.warnings);
+    result.segmentation.add({.name = roi.name,
+                             .value = roi.number,
+                             .layer = put_in_layers(mask.inside, roi.number, layers),
+                             .colour = roi.colour});
+  }
+  if (layers.empty())
+    return fail(path.string(),
+                "has no closed contours, so that no label map can be made of it; `info` lists what it has");
+  for (std::size_t l = 0; l < layers.size(); ++l) {
+    Volume layer;
+    layer.geometry = grid;
+    layer.frame_of_reference = contours.frame_of_reference;
+    if (auto kept = keep_voxels(std::move(layers[l]), {}, path.string(), layer, result.warnings); !kept)
+      return fail(kept.error());
+    (l == 0 ? result.volume : result.other_layers.emplace_back()) = std::move(layer);
+  }
+  return result;
+}
+
+}  // namespace homolog

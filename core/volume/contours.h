@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/geometry.h"
+#include "core/base/result.h"
+
+namespace homolog {
+
+/// A polygon, or an open line, through points in LPS mm.
+struct Contour {
+  std::vector<Vec3> points;  ///< the last is joined to the first where it is closed, and is not the first again
+  bool closed = true;
+  bool cuts_out = false;  ///< combined with the others of its plane by exclusive or (CLOSEDPLANAR_XOR)
+};
+
+/// One region of interest: a structure as someone drew it, plane by plane.
+struct ContourRoi {
+  std::string name;
+  int number = 0;
+  std::string type;  ///< "ORGAN", "PTV", …; empty where unknown
+  std::optional<std::array<std::uint8_t, 3>> colour{};
+  std::vector<Contour> contours{};
+  std::vector<Vec3> points{};  ///< marked places, LPS mm
+
+  /// How many points its contours and marked places have in all.
+  std::size_t all_points() const;
+  /// On how many planes its closed contours lie.
+  std::size_t planes() const;
+};
+
+/// The contours of a file (DICOM RTSTRUCT).
+struct Contours {
+  std::vector<ContourRoi> rois;     ///< in the order of their numbers
+  std::string frame_of_reference;   ///< UID of the space of all points
+  std::vector<std::string> series;  ///< UIDs of the series that they were drawn on
+  std::vector<std::string> warnings;
+};
+
+/// The centre of a closed contour and the unit normal of its plane [Newell]; a zero normal where its points lie on a
+/// line.
+std::pair<Vec3, Vec3> plane_of(const Contour& contour);
+
+/// Whether a polygon crosses itself, with edges that meet between their ends; edges that lie on one another, as in a
+/// keyhole, do not.
+bool crosses_itself(const Contour& contour);
+
+/// Whether a file is a DICOM structure set.
+bool holds_contours(const std::filesystem::path& path);
+
+/// Reads a structure set [DICOM PS3.3, A.19, C.8.8.5 and C.8.8.6]. `warnings`: structures without points, contours that
+/// cross themselves. Errors: no structure set; contours of a structure that is not described; points that are missing
+/// or no numbers; no frame of reference, or several.
+Result<Contours> read_contours(const std::filesystem::path& path);
+
+/// The structure of a name, in any case, or of a number. Errors: none, or several of the name; those that there are
+/// are named.
+Result<const ContourRoi*> roi_of(const Contours& contours, const std::string& asked);
+
+}  // namespace homolog

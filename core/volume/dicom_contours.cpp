@@ -1,0 +1,285 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "core/base/listed.h"
+#include "core/base/text.h"
+#include "core/volume/contours.h"
+#include "core/volume/dicom_set.h"
+#include "core/volume/segmentation.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+namespace rt {
+constexpr DicomTag storage = 0x00080016, modality = 0x00080060, series_uid = 0x0020000e, space = 0x00200052,
+                   spaces = 0x30060010, studies = 0x30060012, series = 0x30060014, rois = 0x30060020,
+                   number = 0x30060022, space_of_roi = 0x30060024, name = 0x30060026, colour = 0x3006002a,
+                   drawn = 0x30060039, contours = 0x30060040, kind = 0x30060042, count = 0x30060046,
+                   points = 0x30060050, observations = 0x30060080, of_roi = 0x30060084, type = 0x300600a4;
+}  // namespace rt
+
+bool is_structure_set(const DicomSet& set) {
+  return text_of(set.elements, rt::storage) == "1.2.840.10008.5.1.4.1.1.481.3" ||
+         text_of(set.elements, rt::modality) == "RTSTRUCT";
+}
+
+/// Calls `see(item)` for the items of a sequence.
+template <class See>
+void for_each_item(const DicomItem& item, DicomTag sequence, const See& see) {
+  if (const auto found = item.find(sequence); found != item.end())
+    for (const DicomItem& one : found->second.items) see(one);
+}
+
+std::optional<int> whole_number(const DicomItem& item, DicomTag tag) {
+  const auto number = number_of(item, tag);
+  if (!number || *number != std::rint(*number) || std::abs(*number) > 2147483647) return {};
+  return static_cast<int>(*number);
+}
+
+std::optional<std::array<std::uint8_t, 3>> roi_colour(const DicomItem& item) {
+  const auto numbers = numbers_of(item, rt::colour);
+  if (numbers.size() != 3) return {};
+  std::array<std::uint8_t, 3> colour{};
+  for (std::size_t c = 0; c < 3; ++c) colour[c] = static_cast<std::uint8_t>(std::clamp(numbers[c], 0.0, 255.0));
+  return colour;
+}
+
+/// The spaces in which the structures are given.
+std::set<std::string> spaces_of(const DicomItem& data) {
+  std::set<std::string> spaces;
+  for_each_item(data, rt::rois, [&](const DicomItem& item) { spaces.insert(text_of(item, rt::space_of_roi)); });
+  spaces.erase("");
+  if (spaces.empty())
+    for_each_item(data, rt::spaces, [&](const DicomItem& item) { spaces.insert(text_of(item, rt::space)); });
+  spaces.erase("");
+  return spaces;
+}
+
+std::vector<std::string> drawn_series(const DicomItem& data) {
+  std::vector<std::string> uids;
+  for_each_item(data, rt::spaces, [&](const DicomItem& space) {
+    for_each_item(space, rt::studies, [&](const DicomItem& study) {
+      for_each_item(study, rt::series, [&](const DicomItem& series) {
+        if (std::string uid = text_of(series, rt::series_uid); !uid.empty()) uids.push_back(std::move(uid));
+      });
+    });
+  });
+  return uids;
+}
+
+/// The structures as they are described, without contours.
+Result<std::vector<ContourRoi>> described_rois(const DicomSet& set) {
+  std::vector<ContourRoi> rois;
+  std::set<int> numbers;
+  bool numbered = true;
+  for_each_item(set.elements, rt::rois, [&](const DicomItem& item) {
+    const auto number = whole_number(item, rt::number);
+    numbered = numbered && number && numbers.insert(*number).second;
+    rois.push_back({.name = segment_name(text_of(item, rt::name)), .number = number.value_or(0), .type = {}});
+  });
+  if (!numbered) return fail(set.path.string(), "describes structures without a number of their own; export it again");
+  if (rois.empty()) return fail(set.path.string(), "describes no structures; export it again");
+  for_each_item(set.elements, rt::observations, [&](const DicomItem& item) {
+    const auto number = whole_number(item, rt::of_roi);
+    for (ContourRoi& roi : rois)
+      if (number == roi.number) roi.type = segment_name(text_of(item, rt::type));
+  });
+  std::sort(rois.begin(), rois.end(), [](const ContourRoi& a, const ContourRoi& b) { return a.number < b.number; });
+  return rois;
+}
+
+/// Adds one contour. Errors: its points are missing, no numbers, or fewer or more than it says.
+Result<void> add_contour(const DicomItem& item, ContourRoi& roi) {
+  const std::string kind = text_of(item, rt::kind);
+  const auto numbers = numbers_of(item, rt::points);
+  const auto count = whole_number(item, rt::count);
+  if (numbers.empty() || numbers.size() % 3 != 0)
+    return fail("", "has a contour whose points are missing or no numbers");
+  if (count && static_cast<std::size_t>(std::max(*count, 0)) != numbers.size() / 3)
+    return fail("", "has a contour of " + std::to_string(numbers.size() / 3) + " points that says it has " +
+                        std::to_string(*count));
+  Contour contour;
+  for (std::size_t p = 0; p < numbers.size(); p += 3) {
+    const Vec3 point(numbers[p], numbers[p + 1], numbers[p + 2]);
+    // Points that are there twice add no edge.
+    if (contour.points.empty() || point != contour.points.back()) contour.points.push_back(point);
+  }
+  if (kind == "POINT") {
+    roi.points.insert(roi.points.end(), contour.points.begin(), contour.points.end());
+    return {};
+  }
+  contour.closed = !kind.starts_with("OPEN");
+  contour.cuts_out = kind == "CLOSEDPLANAR_XOR";
+  if (contour.closed && contour.points.size() > 1 && contour.points.front() == contour.points.back())
+    contour.points.pop_back();
+  if (contour.closed && contour.points.size() < 3)  // it has no inside
+    roi.points.insert(roi.points.end(), contour.points.begin(), contour.points.end());
+  else
+    roi.contours.push_back(std::move(contour));
+  return {};
+}
+
+/// Adds what was drawn to the structures that are described.
+Result<void> add_drawn(const DicomSet& set, std::vector<ContourRoi>& rois) {
+  Result<void> result;
+  for_each_item(set.elements, rt::drawn, [&](const DicomItem& item) {
+    if (!result) return;
+    const auto number = whole_number(item, rt::of_roi);
+    const auto roi =
+        std::find_if(rois.begin(), rois.end(), [&](const ContourRoi& one) { return number && one.number == *number; });
+    if (roi == rois.end()) {
+      result = fail(set.path.string(), "has contours of structure " + (number ? std::to_string(*number) : "?") +
+                                           ", which it does not describe; export it again");
+      return;
+    }
+    roi->colour = roi_colour(item);
+    for_each_item(item, rt::contours, [&](const DicomItem& contour) {
+      if (!result) return;
+      if (auto added = add_contour(contour, *roi); !added)
+        result = fail(set.path.string(), "in its structure " + std::to_string(roi->number) + " (" + excerpt(roi->name) +
+                                             ") " + added.error().what + "; export it again");
+    });
+  });
+  return result;
+}
+
+std::string roi_words(const ContourRoi& roi) {
+  return "structure " + std::to_string(roi.number) + " (" + excerpt(roi.name) + ")";
+}
+
+/// What is to be said of the structures before anything is made of them.
+std::vector<std::string> doubts_about(const fs::path& path, const std::vector<ContourRoi>& rois) {
+  std::vector<std::string> warnings;
+  for (const ContourRoi& roi : rois) {
+    if (roi.all_points() == 0)
+      warnings.push_back(path.string() + ": has no points in its " + roi_words(roi) +
+                         "; draw it, or leave it out of the export");
+    const auto crossing = std::count_if(roi.contours.begin(), roi.contours.end(), crosses_itself);
+    if (crossing > 0)
+      warnings.push_back(
+          path.string() + ": has " + std::to_string(crossing) + " of " + std::to_string(roi.contours.size()) +
+          " contours of its " + roi_words(roi) +
+          " that cross themselves, so that their inside is doubtful; correct them where they were drawn");
+  }
+  return warnings;
+}
+
+double cross2(double ax, double ay, double bx, double by) {
+  return ax * by - ay * bx;
+}
+
+}  // namespace
+
+std::size_t ContourRoi::all_points() const {
+  std::size_t all = points.size();
+  for (const Contour& contour : contours) all += contour.points.size();
+  return all;
+}
+
+std::size_t ContourRoi::planes() const {
+  constexpr double same_mm = 0.01, same_direction = 1e-3;
+  std::vector<std::pair<Vec3, Vec3>> known;
+  for (const Contour& contour : contours) {
+    if (!contour.closed) continue;
+    const auto [centre, normal] = plane_of(contour);
+    if (std::none_of(known.begin(), known.end(), [&, at = centre, across = normal](const auto& plane) {
+          return across.cross(plane.second).norm() < same_direction &&
+                 std::abs((at - plane.first).dot(plane.second)) < same_mm;
+        }))
+      known.emplace_back(centre, normal);
+  }
+  return known.size();
+}
+
+std::pair<Vec3, Vec3> plane_of(const Contour& contour) {
+  const auto& p = contour.points;
+  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
+  for (const Vec3& point : p) centre += point / static_cast<double>(p.size());
+  for (std::size_t k = 0; k < p.size(); ++k) normal += (p[k] - centre).cross(p[(k + 1) % p.size()] - centre);
+  const double length = normal.norm();
+  return {centre, length > 0 ? Vec3(normal / length) : Vec3::Zero()};
+}
+
+bool crosses_itself(const Contour& contour) {
+  const Vec3 normal = plane_of(contour).second;
+  const auto& p = contour.points;
+  if (!contour.closed || p.size() < 4) return false;
+  // In the two coordinates in which the plane is seen largest; lobes that cancel out leave no normal.
+  Vec3 low = p.front(), high = p.front();
+  for (const Vec3& point : p) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  int across = 0;
+  if (normal.norm() > 0)
+    normal.cwiseAbs().maxCoeff(&across);
+  else
+    (high - low).minCoeff(&across);
+  const int u = (across + 1) % 3, v = (across + 2) % 3;
+  const auto side = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    return cross2(b[u] - a[u], b[v] - a[v], c[u] - a[u], c[v] - a[v]);
+  };
+  const std::size_t n = p.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vec3 &a = p[k], &b = p[(k + 1) % n];
+    const double from = std::min(a[u], b[u]), to = std::max(a[u], b[u]);
+    for (std::size_t m = k + 2; m < n; ++m) {
+      const Vec3 &c = p[m], &d = p[(m + 1) % n];
+      if (std::max(c[u], d[u]) <= from || std::min(c[u], d[u]) >= to) continue;
+      if (side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0) return true;
+    }
+  }
+  return false;
+}
+
+bool holds_contours(const fs::path& path) {
+  if (!looks_like_dicom(path)) return false;
+  const auto set = parse_dicom(path);
+  return set && is_structure_set(*set);
+}
+
+Result<Contours> read_contours(const fs::path& path) {
+  const auto set = parse_dicom(path);
+  if (!set) return fail(set.error());
+  if (!is_structure_set(*set))
+    return fail(path.string(), "holds no contours (a DICOM structure set, RTSTRUCT); name the file that does");
+  auto rois = described_rois(*set);
+  if (!rois) return fail(rois.error());
+  const auto spaces = spaces_of(set->elements);
+  if (spaces.empty())
+    return fail(path.string(),
+                "names no frame of reference, so that the place of its contours in the patient is not "
+                "known; export it again from the series that it was drawn on");
+  if (spaces.size() > 1)
+    return fail(path.string(), "gives its structures in " + std::to_string(spaces.size()) +
+                                   " frames of reference; export those of each scan by themselves");
+  if (auto added = add_drawn(*set, *rois); !added) return fail(added.error());
+  Contours contours{.rois = std::move(*rois),
+                    .frame_of_reference = *spaces.begin(),
+                    .series = drawn_series(set->elements),
+                    .warnings = {}};
+  contours.warnings = doubts_about(path, contours.rois);
+  return contours;
+}
+
+Result<const ContourRoi*> roi_of(const Contours& contours, const std::string& asked) {
+  Segmentation known;
+  for (const ContourRoi& roi : contours.rois) known.add({.name = roi.name, .value = roi.number});
+  const auto segments = asked_segments(asked, known);
+  if (!segments) return fail(segments.error());
+  if (segments->size() != 1) return fail("", "holds several structures of \"" + excerpt(asked) + "\"; name one");
+  for (const ContourRoi& roi : contours.rois)
+    if (roi.number == segments->front().value) return &roi;
+  std::vector<std::string> names;
+  for (const ContourRoi& roi : contours.rois)
+    names.push_back(std::to_string(roi.number) + " (" + excerpt(roi.name) + ")");
+  return fail("", "has no structure " + excerpt(asked) + "; it has " + listed(names, " and "));
+}
+
+}  // namespace homolog

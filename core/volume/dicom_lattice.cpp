@@ -1,0 +1,157 @@
+#include "core/volume/dicom_lattice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/volume/dicom_stack.h"
+#include "core/volume/readers.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Places along the normal that differ by less are those of one slice.
+constexpr double same_place_mm = 1e-2;
+
+/// The different places, ascending, without the first of them: distances from it.
+std::vector<double> heights_of(const PlacedFrames& frames, const Vec3& normal) {
+  std::vector<double> all;
+  for (const Vec3& position : frames.positions_mm) all.push_back(position.dot(normal));
+  std::sort(all.begin(), all.end());
+  std::vector<double> heights;
+  for (const double height : all)
+    if (heights.empty() || height - all.front() - heights.back() > same_place_mm)
+      heights.push_back(height - all.front());
+  return heights;
+}
+
+/// A step near `wanted` of which all heights are multiples within a tolerance; 0 where there is none.
+double even_step(const std::vector<double>& heights, double wanted, double tolerance_mm) {
+  const double count = std::rint(heights.back() / wanted);
+  if (count < 1) return 0;
+  const double step = heights.back() / count;
+  double last = -1;
+  for (const double height : heights) {
+    const double slice = std::rint(height / step);
+    if (std::abs(height - slice * step) > tolerance_mm || slice == last) return 0;
+    last = slice;
+  }
+  return step;
+}
+
+/// Files round places to a tenth of a millimetre at worst.
+double given_tolerance(double step_mm) {
+  return std::min(0.25 * step_mm, std::max(0.06, 0.02 * step_mm));
+}
+
+double smallest_gap(const std::vector<double>& heights) {
+  double smallest = heights.back();
+  for (std::size_t k = 1; k < heights.size(); ++k) smallest = std::min(smallest, heights[k] - heights[k - 1]);
+  return smallest;
+}
+
+/// The largest step of which all heights are multiples; 0 where there is none.
+double common_step(const std::vector<double>& heights) {
+  constexpr int most_parts = 8;
+  constexpr double least_mm = 0.1;
+  const double smallest = smallest_gap(heights);
+  for (int parts = 1; parts <= most_parts && smallest / parts >= least_mm; ++parts) {
+    const double wanted = smallest / parts;
+    // A step that no gap shows must fit closely: by chance some small one nearly always does.
+    const double tolerance = parts == 1 ? given_tolerance(wanted) : std::min(same_place_mm, 0.01 * wanted);
+    if (const double step = even_step(heights, wanted, tolerance); step > 0) return step;
+  }
+  return 0;
+}
+
+/// The distance between slices. Errors: there is none.
+Result<double> step_between(const fs::path& path, const PlacedFrames& frames, const std::vector<double>& heights,
+                            std::vector<std::string>& warnings) {
+  const auto& spacing = frames.spacing_mm;
+  if (heights.size() == 1) {
+    if (!spacing && !frames.thickness_mm)
+      warnings.push_back(path.string() + ": gives no slice thickness; 1 mm is assumed");
+    return spacing.value_or(frames.thickness_mm.value_or(1));
+  }
+  for (const auto& given : {spacing, frames.thickness_mm}) {
+    const double step = given ? even_step(heights, *given, given_tolerance(*given)) : 0;
+    if (step == 0 || std::abs(step - *given) > 0.02 * *given) continue;
+    if (!spacing && smallest_gap(heights) > 1.5 * step)
+      warnings.push_back(path.string() + ": does not say how far its slices lie apart; their thickness, " +
+                         mm_text(step) + ", was taken, though no two frames lie so near");
+    return step;
+  }
+  const double step = common_step(heights);
+  if (step == 0)
+    return fail(path.string(),
+                "has frames whose distances are no multiples of one another, so that they lie on no even slices; "
+                "export it on the slices of its series, or resample it evenly");
+  if (spacing)
+    warnings.push_back(path.string() + ": says that its slices lie " + mm_text(*spacing) +
+                       " apart, but its frames lie multiples of " + mm_text(step) + " apart, which was taken");
+  return step;
+}
+
+/// Errors: a frame lies beside the normal through the first by more than a tenth of a pixel or what places are rounded
+/// by.
+Result<void> check_beside(const fs::path& path, const PlacedFrames& frames, const Vec3& normal) {
+  const double pixel = std::min(frames.pixel_mm.first, frames.pixel_mm.second);
+  const Vec3& first = frames.positions_mm.front();
+  double worst = 0;
+  for (const Vec3& position : frames.positions_mm) {
+    const Vec3 way = position - first;
+    worst = std::max(worst, (way - way.dot(normal) * normal).norm());
+  }
+  if (worst <= std::max(0.1 * pixel, std::min(0.15, 0.25 * pixel))) return {};
+  return fail(path.string(), "has frames that are shifted sideways against one another, by up to " + mm_text(worst) +
+                                 "; resample it to a rectangular grid first");
+}
+
+}  // namespace
+
+Result<FrameLattice> lattice_of(const fs::path& path, const PlacedFrames& frames, std::vector<std::string>& warnings) {
+  const Vec3 normal = frames.axes.first.cross(frames.axes.second).normalized();
+  if (auto straight = check_beside(path, frames, normal); !straight) return fail(straight.error());
+  const auto heights = heights_of(frames, normal);
+  const auto step = step_between(path, frames, heights, warnings);
+  if (!step) return fail(step.error());
+  const auto lowest = *std::min_element(frames.positions_mm.begin(), frames.positions_mm.end(),
+                                        [&](const Vec3& a, const Vec3& b) { return a.dot(normal) < b.dot(normal); });
+  const double slices = std::rint(heights.back() / *step) + 1;
+  constexpr double most_slices = 4096;
+  if (!(slices <= most_slices))
+    return fail(path.string(),
+                "spreads its frames over more than 4,096 slices; its places are damaged, export it again");
+  Mat3 steps;
+  steps << frames.pixel_mm.first * frames.axes.first, frames.pixel_mm.second * frames.axes.second, *step * normal;
+  const auto geometry =
+      make_geometry(path, {frames.columns, frames.rows, static_cast<std::int64_t>(slices)}, steps, lowest);
+  if (!geometry) return fail(geometry.error());
+  FrameLattice lattice{*geometry, {}};
+  for (const Vec3& position : frames.positions_mm)
+    lattice.slices.push_back(static_cast<int>(std::rint((position - lowest).dot(normal) / *step)));
+  return lattice;
+}
+
+std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeometry& grid) {
+  constexpr double close = 0.01;
+  if (grid.dims[0] != frames.columns || grid.dims[1] != frames.rows) return {};
+  FrameLattice lattice{grid, {}};
+  const auto [columns, rows] = frames.pixel_mm;
+  // How far the last voxel of a frame goes beside that of the grid, in voxels.
+  const Vec3 last_step =
+      columns * (frames.columns - 1) * frames.axes.first + rows * (frames.rows - 1) * frames.axes.second;
+  for (const Vec3& position : frames.positions_mm) {
+    const Vec3 first = grid.to_voxel(position), last = grid.to_voxel(position + last_step);
+    const double slice = std::rint(first.z());
+    const Vec3 last_wanted(frames.columns - 1, frames.rows - 1, slice);
+    if ((first - Vec3(0, 0, slice)).cwiseAbs().maxCoeff() > close || (last - last_wanted).cwiseAbs().maxCoeff() > close)
+      return {};
+    if (slice < 0 || slice >= grid.dims[2]) return {};
+    lattice.slices.push_back(static_cast<int>(slice));
+  }
+  return lattice;
+}
+
+}  // namespace homolog

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+/// Frames of one size on parallel planes, as a file places them; LPS mm.
+struct PlacedFrames {
+  int columns = 0, rows = 0;
+  std::pair<Vec3, Vec3> axes;          ///< unit directions of increasing column and row index
+  std::pair<double, double> pixel_mm;  ///< distance between columns, between rows
+  std::vector<Vec3> positions_mm;      ///< of each frame, the centre of its first voxel
+  /// Distance between slices and their thickness, as far as the file gives them.
+  std::optional<double> spacing_mm, thickness_mm;
+};
+
+/// A grid on whose slices all frames lie, and the slice of each.
+struct FrameLattice {
+  VolumeGeometry geometry;
+  std::vector<int> slices;
+};
+
+/// The slices of frames of which the empty ones may have been left out, so that gaps stay gaps. Their distance is the
+/// one that the file gives, where all gaps are multiples of it, else their thickness, else the largest step of which
+/// all gaps are multiples. `warnings`: a distance that was found or assumed against what the file says. Errors: frames
+/// shifted to the side, or places that are on no even lattice.
+Result<FrameLattice> lattice_of(const std::filesystem::path& path, const PlacedFrames& frames,
+                                std::vector<std::string>& warnings);
+
+/// The slices on a known grid, such as that of the series that was segmented; nothing where the frames do not lie on
+/// it within a hundredth of a voxel.
+std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeometry& grid);
+
+}  // namespace homolog

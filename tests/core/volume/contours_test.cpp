@@ -1,0 +1,191 @@
+#include "core/volume/contours.h"
+
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+#include "core/volume/contour_labels.h"
+#include "core/volume/volume_io.h"
+#include "tests/core/volume/dicom_slices.h"
+#include "tests/refusal.h"
+#include "tests/temporary_folder.h"
+
+// Structure sets of a few contours, byte by byte.
+using namespace homolog;
+
+namespace {
+
+struct DrawnContour {
+  int roi = 1;
+  std::string kind, points;
+};
+
+/// A structure set; members that tests change.
+struct RtFile {
+  std::string space = "1.2.9";
+  std::vector<std::string> names{"spleen"};
+  std::vector<DrawnContour> drawn;
+
+  std::string bytes() const {
+    std::string rois, contours;
+    for (std::size_t r = 0; r < names.size(); ++r) {
+      const std::string number = std::to_string(r + 1);
+      rois += item(element(0x30060022, "IS", number) + (space.empty() ? "" : element(0x30060024, "UI", space)) +
+                   element(0x30060026, "LO", names[r]));
+    }
+    for (const DrawnContour& one : drawn)
+      contours +=
+          item(element(0x3006002a, "IS", "255\\128\\0") +
+               sequence(0x30060040, item(element(0x30060042, "CS", one.kind) + element(0x30060050, "DS", one.points))) +
+               element(0x30060084, "IS", std::to_string(one.roi)));
+    const std::string data = element(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.481.3") +
+                             element(0x00080060, "CS", "RTSTRUCT") + sequence(0x30060020, rois) +
+                             sequence(0x30060039, contours);
+    const std::string meta = element(0x00020010, "UI", "1.2.840.10008.1.2.1");
+    return std::string(128, '\0') + "DICM" +
+           element(0x00020000, "UL", little_endian(static_cast<std::uint32_t>(meta.size()), 4)) + meta + data;
+  }
+};
+
+Result<Contours> read_rt(const RtFile& file) {
+  const TemporaryFolder folder;
+  write_bytes(folder.path / "rt.dcm", file.bytes());
+  return read_contours(folder.path / "rt.dcm");
+}
+
+/// A grid of 10 × 10 × 4 voxels of 1 × 1 × 2 mm, turned about the x axis.
+Volume turned_image() {
+  Volume image;
+  image.geometry.dims = {10, 10, 4};
+  image.geometry.spacing_mm = {1, 1, 2};
+  image.geometry.origin_mm = {-3, 4, 50};
+  image.geometry.direction = Eigen::AngleAxisd(0.4, Vec3::UnitX()).toRotationMatrix();
+  image.frame_of_reference = "1.2.9";
+  image.data = std::vector<std::uint8_t>(400);
+  return image;
+}
+
+/// Points, given in voxels, as the file holds them.
+std::string in_mm(const Volume& image, const std::vector<Vec3>& voxels) {
+  std::string text;
+  for (const Vec3& voxel : voxels) {
+    const Vec3 p = image.geometry.to_mm(voxel);
+    for (int a = 0; a < 3; ++a) text += (text.empty() ? "" : "\\") + std::to_string(p[a]);
+  }
+  return text;
+}
+
+std::vector<Vec3> square(double from, double to, double k) {
+  return {{from, from, k}, {to, from, k}, {to, to, k}, {from, to, k}};
+}
+
+std::size_t count_of(const Result<VolumeRead>& read, int label) {
+  if (!read) FAIL(read.error().sentence());
+  const auto held = labels_of(read->volume);
+  return held.contains(label) ? held.at(label) : 0;
+}
+
+bool warned(const std::vector<std::string>& warnings, const std::string& of) {
+  return std::any_of(warnings.begin(), warnings.end(),
+                     [&](const std::string& warning) { return warning.find(of) != std::string::npos; });
+}
+
+}  // namespace
+
+TEST_CASE("a hole in contours stays a hole whether it is a keyhole or cut out by exclusive or") {
+  const Volume image = turned_image();
+  RtFile file;
+  // Outer 7 × 7 voxels, inner 3 × 3; the keyhole goes in and out along one line.
+  std::vector<Vec3> keyhole = square(0.5, 7.5, 1);
+  keyhole.insert(keyhole.end(),
+                 {{0.5, 0.5, 1}, {2.5, 2.5, 1}, {2.5, 5.5, 1}, {5.5, 5.5, 1}, {5.5, 2.5, 1}, {2.5, 2.5, 1}});
+  file.drawn = {{1, "CLOSED_PLANAR", in_mm(image, keyhole)}};
+  auto contours = read_rt(file);
+  if (!contours) FAIL(contours.error().sentence());
+  CHECK(contours->warnings.empty());
+  CHECK(contours->rois.front().planes() == 1);
+  auto read = labels_of_contours("rt.dcm", *contours, "image", image);
+  CHECK(count_of(read, 1) == 49 - 9);
+  CHECK(read->volume.at(4, 4, 1) == 0);
+  CHECK(read->volume.at(1, 1, 1) == 1);
+  CHECK(read->volume.at(7, 7, 1) == 1);
+  CHECK(read->volume.at(1, 1, 0) == 0);
+  CHECK(read->warnings.empty());
+
+  file.drawn = {{1, "CLOSEDPLANAR_XOR", in_mm(image, square(0.5, 7.5, 1))},
+                {1, "CLOSEDPLANAR_XOR", in_mm(image, square(2.5, 5.5, 1))}};
+  contours = read_rt(file);
+  REQUIRE(contours);
+  read = labels_of_contours("rt.dcm", *contours, "image", image);
+  CHECK(count_of(read, 1) == 40);
+  CHECK(read->warnings.empty());
+  for (DrawnContour& one : file.drawn) one.kind = "CLOSED_PLANAR";
+  contours = read_rt(file);
+  REQUIRE(contours);
+  read = labels_of_contours("rt.dcm", *contours, "image", image);
+  CHECK(count_of(read, 1) == 40);
+  CHECK(warned(read->warnings, "within one another on 1 plane"));
+}
+
+TEST_CASE("a gap between contours stays a gap and structures that overlap lie in layers") {
+  const Volume image = turned_image();
+  RtFile file;
+  file.names = {"spleen", "liver", "marks"};
+  file.drawn = {{1, "CLOSED_PLANAR", in_mm(image, square(0.5, 2.5, 0))},
+                {1, "CLOSED_PLANAR", in_mm(image, square(0.5, 2.5, 3))},
+                {2, "CLOSED_PLANAR", in_mm(image, square(1.5, 3.5, 3))},
+                {3, "POINT", in_mm(image, {{5, 5, 2}})}};
+  const auto contours = read_rt(file);
+  if (!contours) FAIL(contours.error().sentence());
+  const auto& rois = contours->rois;
+  REQUIRE(rois.size() == 3);
+  CHECK(rois[0].planes() == 2);
+  CHECK(rois[2].contours.empty());
+  REQUIRE(rois[2].points.size() == 1);
+  CHECK((rois[2].points.front() - image.geometry.to_mm({5, 5, 2})).norm() < 1e-5);
+  CHECK(rois[0].colour == std::array<std::uint8_t, 3>{255, 128, 0});
+  const auto roi = roi_of(*contours, "LIVER");
+  REQUIRE(roi);
+  CHECK((*roi)->number == 2);
+  CHECK(says(roi_of(*contours, "livver"), "liver"));
+  CHECK(says(roi_of(*contours, "9"), "has no structure 9"));
+  const auto read = labels_of_contours("rt.dcm", *contours, "image", image);
+  CHECK(count_of(read, 1) == 8);
+  CHECK(read->volume.at(1, 1, 0) == 1);
+  CHECK(read->volume.at(1, 1, 1) == 0);
+  CHECK(read->volume.at(1, 1, 2) == 0);
+  CHECK(read->volume.at(1, 1, 3) == 1);
+  REQUIRE(read->other_layers.size() == 1);
+  CHECK(labels_of(read->other_layers.front()).at(2) == 4);
+  CHECK(warned(read->warnings, "structure 3 (marks) has points or lines alone"));
+}
+
+TEST_CASE("contours that cross themselves and structures without points are named") {
+  const Volume image = turned_image();
+  RtFile file;
+  file.names = {"bow", "nothing"};
+  file.drawn = {{1, "CLOSED_PLANAR", in_mm(image, {{0, 0, 1}, {4, 4, 1}, {4, 0, 1}, {0, 4, 1}})}};
+  const auto contours = read_rt(file);
+  if (!contours) FAIL(contours.error().sentence());
+  CHECK(warned(contours->warnings, "has 1 of 1 contours of its structure 1 (bow) that cross themselves"));
+  CHECK(warned(contours->warnings, "has no points in its structure 2 (nothing)"));
+}
+
+TEST_CASE("contours of another scan or between its slices or of no structure are refused") {
+  Volume image = turned_image();
+  RtFile file;
+  file.drawn = {{1, "CLOSED_PLANAR", in_mm(image, square(0.5, 2.5, 1.4))}};
+  auto contours = read_rt(file);
+  if (!contours) FAIL(contours.error().sentence());
+  CHECK(says(labels_of_contours("rt.dcm", *contours, "image", image), "on planes that are no slices of image"));
+  image.frame_of_reference = "1.2.10";
+  CHECK(says(labels_of_contours("rt.dcm", *contours, "image", image), "was drawn on another scan than image"));
+  file.drawn.front().roi = 4;
+  CHECK(says(read_rt(file), "has contours of structure 4, which it does not describe"));
+  file.drawn.front() = {1, "CLOSED_PLANAR", "1\\2\\3\\4"};
+  CHECK(says(read_rt(file), "in its structure 1 (spleen) has a contour whose points are missing or no numbers"));
+  file.drawn.clear();
+  file.space.clear();
+  CHECK(says(read_rt(file), "names no frame of reference"));
+}

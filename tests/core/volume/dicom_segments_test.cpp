@@ -1,0 +1,231 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "core/volume/read_labels.h"
+#include "core/volume/volume_io.h"
+#include "tests/core/volume/dicom_slices.h"
+#include "tests/refusal.h"
+#include "tests/temporary_folder.h"
+
+// Segmentations of a few voxels, byte by byte. tests/dicom makes larger ones, as programs of the field write them.
+using namespace homolog;
+
+namespace {
+
+/// A frame of 3 × 5 pixels: its segment, its height, and the pixels that are set.
+struct SegFrame {
+  int segment = 1;
+  double z = 0;
+  std::vector<int> set;
+};
+
+/// A segmentation; members that tests change.
+struct SegFile {
+  std::string type = "BINARY", space = "1.2.9", spacing = "2.5", thickness, syntax = "1.2.840.10008.1.2.1";
+  std::vector<std::string> names{"spleen", "liver"};
+  std::vector<SegFrame> frames{{1, 5, {0, 14}}, {1, 10, {7}}, {2, 5, {1, 2}}};
+  std::string more;  ///< elements of group 62 behind the segments
+  int value = 0;     ///< of set pixels where they are bytes; 0: single bits
+
+  std::string pixels() const {
+    if (value > 0) {
+      std::string bytes(15 * frames.size(), '\0');
+      for (std::size_t f = 0; f < frames.size(); ++f)
+        for (const int p : frames[f].set) bytes[15 * f + static_cast<std::size_t>(p)] = static_cast<char>(value);
+      return bytes;
+    }
+    std::string bytes((15 * frames.size() + 7) / 8, '\0');
+    for (std::size_t f = 0; f < frames.size(); ++f)
+      for (const int p : frames[f].set) {
+        const std::size_t bit = 15 * f + static_cast<std::size_t>(p);
+        bytes[bit / 8] = static_cast<char>(bytes[bit / 8] | 1 << bit % 8);
+      }
+    return bytes;
+  }
+
+  std::string bytes() const {
+    std::string segments, groups;
+    for (std::size_t s = 0; s < names.size(); ++s)
+      segments += item(us(0x00620004, static_cast<std::uint32_t>(s + 1)) + element(0x00620005, "LO", names[s]));
+    for (const SegFrame& frame : frames)
+      groups += item(sequence(0x00209113, item(position(1, 2, frame.z))) +
+                     sequence(0x0062000a, item(us(0x0062000b, static_cast<std::uint32_t>(frame.segment)))));
+    std::string measures = element(0x00280030, "DS", "0.5\\0.25");
+    if (!spacing.empty()) measures = element(0x00180088, "DS", spacing) + measures;
+    if (!thickness.empty()) measures = element(0x00180050, "DS", thickness) + measures;
+    const std::string shared = item(sequence(0x00209116, item(element(0x00200037, "DS", "1\\0\\0\\0\\1\\0"))) +
+                                    sequence(0x00289110, item(measures)));
+    const std::uint32_t bits = value > 0 ? 8 : 1;
+    const std::string data =
+        element(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.66.4") + element(0x00080060, "CS", "SEG") +
+        element(0x0020000e, "UI", "1.2.3") + (space.empty() ? "" : element(0x00200052, "UI", space)) +
+        us(0x00280002, 1) + element(0x00280004, "CS", "MONOCHROME2") +
+        element(0x00280008, "IS", std::to_string(frames.size())) + us(0x00280010, 3) + us(0x00280011, 5) +
+        us(0x00280100, bits) + us(0x00280101, bits) + us(0x00280102, bits - 1) + us(0x00280103, 0) +
+        element(0x00620001, "CS", type) + sequence(0x00620002, segments) + more + sequence(0x52009229, shared) +
+        sequence(0x52009230, groups) + element(0x7fe00010, "OW", pixels());
+    const std::string meta = element(0x00020010, "UI", syntax);
+    return std::string(128, '\0') + "DICM" +
+           element(0x00020000, "UL", little_endian(static_cast<std::uint32_t>(meta.size()), 4)) + meta + data;
+  }
+};
+
+Result<VolumeRead> read_seg(const SegFile& file) {
+  const TemporaryFolder folder;
+  write_bytes(folder.path / "seg.dcm", file.bytes());
+  return read_volume(folder.path / "seg.dcm");
+}
+
+std::vector<int> voxels_with(const Volume& volume, double value) {
+  std::vector<int> found;
+  const auto& dims = volume.geometry.dims;
+  for (int k = 0; k < dims[2]; ++k)
+    for (int j = 0; j < dims[1]; ++j)
+      for (int i = 0; i < dims[0]; ++i)
+        if (volume.at(i, j, k) == value) found.push_back(i + dims[0] * (j + dims[1] * k));
+  return found;
+}
+
+void seg_refused(const SegFile& file, const std::string& words) {
+  const auto read = read_seg(file);
+  REQUIRE_FALSE(read);
+  INFO(read.error().sentence());
+  CHECK(read.error().what.find(words) != std::string::npos);
+  CHECK(read.error().subject.find("seg.dcm") != std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("frames that were left out of a segmentation are empty slices between those that are there") {
+  const auto read = read_seg({});
+  if (!read) FAIL(read.error().sentence());
+  const Volume& map = read->volume;
+  CHECK(map.geometry.dims == std::array{5, 3, 3});
+  CHECK(map.geometry.spacing_mm.isApprox(Vec3(0.25, 0.5, 2.5), 1e-12));
+  CHECK(map.geometry.origin_mm.isApprox(Vec3(1, 2, 5), 1e-12));
+  CHECK(voxels_with(map, 1) == std::vector{0, 14, 37});
+  CHECK(voxels_with(map, 2) == std::vector{1, 2});
+  CHECK(read->other_layers.empty());
+  CHECK(read->warnings.empty());
+  REQUIRE(read->segmentation.segments.size() == 2);
+  CHECK(read->segmentation.find(2)->name == "liver");
+}
+
+TEST_CASE("the slices of a segmentation lie as its spacing says or else its thickness or else its gaps") {
+  const auto step = [](const std::string& spacing, const std::string& thickness, std::vector<SegFrame> frames) {
+    SegFile file;
+    file.spacing = spacing;
+    file.thickness = thickness;
+    if (!frames.empty()) file.frames = std::move(frames);
+    const auto read = read_seg(file);
+    if (!read) FAIL(read.error().sentence());
+    return std::pair(read->volume.geometry.spacing_mm.z(), read->volume.geometry.dims[2]);
+  };
+  CHECK(step("1.25", "5", {}) == std::pair(1.25, 5));
+  CHECK(step("-2.5", "", {}) == std::pair(2.5, 3));
+  CHECK(step("", "2.5", {}) == std::pair(2.5, 3));
+  CHECK(step("", "", {}) == std::pair(5.0, 2));
+  CHECK(step("", "4", {}) == std::pair(5.0, 2));
+  const auto [common, slices] = step("", "", {{1, 10, {0}}, {1, 0, {1}}, {2, 4, {2}}});
+  CHECK(common == doctest::Approx(2));
+  CHECK(slices == 6);
+}
+
+TEST_CASE("segments that overlap lie in layers and are chosen by name") {
+  SegFile file;
+  file.frames[2].set = {0, 1};
+  auto read = read_seg(file);
+  if (!read) FAIL(read.error().sentence());
+  REQUIRE(read->other_layers.size() == 1);
+  CHECK(voxels_with(read->volume, 1) == std::vector{0, 14, 37});
+  CHECK(voxels_with(read->other_layers.front(), 2) == std::vector{0, 1});
+  const auto chosen = choose_segments("seg.dcm", "liver", *read);
+  REQUIRE(chosen);
+  CHECK(voxels_with(read->volume, 2) == std::vector{0, 1});
+  CHECK(voxels_with(read->volume, 1).empty());
+}
+
+TEST_CASE("a fractional segment is a soft mask and a label map has its values") {
+  SegFile file;
+  file.names = {"spleen"};
+  file.frames.pop_back();
+  file.type = "FRACTIONAL";
+  file.more = us(0x0062000e, 200);
+  file.value = 50;
+  const auto soft = read_seg(file);
+  if (!soft) FAIL(soft.error().sentence());
+  CHECK(voxels_with(soft->volume, 0.25) == std::vector{0, 14, 37});
+  file.value = 201;
+  seg_refused(file, "above the one that it gives for a whole voxel");
+
+  file.type = "LABELMAP";
+  file.value = 1;
+  const auto map = read_seg(file);
+  if (!map) FAIL(map.error().sentence());
+  CHECK(voxels_with(map->volume, 1) == std::vector{0, 14, 37});
+  file.value = 7;
+  const auto unnamed = read_seg(file);
+  if (!unnamed) FAIL(unnamed.error().sentence());
+  CHECK(voxels_with(unnamed->volume, 7).size() == 3);
+  REQUIRE(unnamed->warnings.size() == 1);
+  CHECK(unnamed->warnings.front().find("holds label 7, which it does not describe") != std::string::npos);
+}
+
+TEST_CASE("a segmentation without a place or with segments that do not exist is refused") {
+  SegFile file;
+  file.space.clear();
+  seg_refused(file, "names no frame of reference");
+  file = {};
+  file.names.pop_back();
+  seg_refused(file, "refers in its frame 3 to segment 2, which it does not describe");
+  file = {};
+  file.frames[1].z = 5;
+  seg_refused(file, "two frames (1 and 2) of segment 1 at one place");
+  file = {};
+  file.frames.push_back({2, 7.3137, {}});
+  file.spacing.clear();
+  seg_refused(file, "lie on no even slices");
+  file = {};
+  file.type = "SURFACE";
+  seg_refused(file, "of the type \"SURFACE\"");
+}
+
+TEST_CASE("a folder of images with a segmentation in it is the images and alone the segmentation is the folder") {
+  const TemporaryFolder folder;
+  Slice slice;
+  slice.put(0x00200052, "UI", "1.2.9");
+  save_series(folder.path, {0, 2.5, 5, 7.5, 10}, slice);
+  write_bytes(folder.path / "seg.bin", SegFile{}.bytes());
+  const auto images = read_volume(folder.path);
+  if (!images) FAIL(images.error().sentence());
+  CHECK(images->volume.modality == "CT");
+  CHECK(images->volume.geometry.dims == std::array{3, 2, 5});
+  const auto listed = list_series(folder.path);
+  REQUIRE(listed);
+  CHECK(listed->size() == 1);
+  const TemporaryFolder alone;
+  write_bytes(alone.path / "seg.bin", SegFile{}.bytes());
+  const auto map = read_volume(alone.path);
+  if (!map) FAIL(map.error().sentence());
+  CHECK(map->volume.modality == "SEG");
+  CHECK(map->segmentation.segments.size() == 2);
+  write_bytes(alone.path / "other.bin", SegFile{}.bytes());
+  const auto several = read_volume(alone.path);
+  REQUIRE_FALSE(several);
+  CHECK(several.error().what.find("name one of the files: other.bin, seg.bin") != std::string::npos);
+}
+
+TEST_CASE("a DICOM file whose line ends were converted is told so") {
+  const TemporaryFolder folder;
+  std::string bytes = SegFile{}.bytes();
+  for (std::size_t at = bytes.find('\n'); at != std::string::npos; at = bytes.find('\n', at + 2))
+    bytes.insert(at, "\r");
+  write_bytes(folder.path / "seg.dcm", bytes);
+  const auto read = read_volume(folder.path / "seg.dcm");
+  REQUIRE_FALSE(read);
+  INFO(read.error().sentence());
+  CHECK(read.error().what.find("line ends were converted") != std::string::npos);
+}

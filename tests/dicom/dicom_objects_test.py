@@ -1,0 +1,262 @@
+#!/usr/bin/python3
+"""What Homolog reads of DICOM segmentations and contours against what was written: values equal, places to 1e-3 mm.
+
+dicom_objects_test.py PROGRAM. Exits with 77 where pydicom or numpy is missing.
+"""
+import gzip, json, pathlib, subprocess, sys, tempfile, zlib
+
+try:
+    import numpy
+    import pydicom
+except ImportError as missing:
+    print(f"SKIPPED: python3-{missing.name} is not installed")
+    sys.exit(77)
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import make_dicom_objects as make  # noqa: E402
+
+program = str(pathlib.Path(sys.argv[1]).resolve())
+folder = pathlib.Path(tempfile.mkdtemp())
+bad, done = [], 0
+
+
+def run(*arguments, status=0):
+    ran = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True)
+    if ran.returncode != status:
+        bad.append(f"{' '.join(map(str, arguments))}: exit {ran.returncode}, not {status}: {ran.stderr.strip()}")
+    return ran
+
+
+def read_nrrd(path):
+    """Layers (layer, slice, row, column), spacing and directions, origin, segments {name: (layer, value, colour)}."""
+    head, body = path.read_bytes().split(b"\n\n", 1)
+    fields = dict(line.split(":=" if ":=" in line else ": ", 1) for line in head.decode().split("\n") if ": " in line or ":=" in line)
+    types = {"uint8": "u1", "uint16": "<u2", "int16": "<i2", "float": "<f4"}
+    sizes = [int(n) for n in fields["sizes"].split()]
+    voxels = numpy.frombuffer(gzip.decompress(body), types[fields["type"]]).reshape(sizes[::-1])
+    voxels = numpy.moveaxis(voxels, -1, 0) if len(sizes) == 4 else voxels[None]
+    vectors = [v for v in fields["space directions"].split() if v != "none"]
+    steps = numpy.array([[float(n) for n in v.strip("()").split(",")] for v in vectors])
+    origin = numpy.array([float(n) for n in fields["space origin"].strip("()").split(",")])
+    segments = {}
+    for key in fields:
+        if key.endswith("_Name"):
+            begin = key[:-5]
+            segments[fields[key]] = (int(fields[begin + "_Layer"]), int(fields[begin + "_LabelValue"]), fields.get(begin + "_Color"))
+    return voxels, steps, origin, segments
+
+
+def check(what, fine, shown=""):
+    global done
+    done += 1
+    if not fine:
+        bad.append(f"{what}: {shown}")
+
+
+def compare(name, path, grid, masks, first=0, last=None, warns=None):
+    """The masks, from slice `first` to `last` of the grid, are what is read."""
+    out = folder / "out.seg.nrrd"
+    out.unlink(missing_ok=True)
+    ran = run("convert", path, out)
+    check(name + " warns", (warns in ran.stderr) if warns else "warning" not in ran.stderr.replace("layers", ""), ran.stderr)
+    if not out.exists():
+        return
+    voxels, steps, origin, segments = read_nrrd(out)
+    last = len(next(iter(masks.values()))) - 1 if last is None else last
+    for number, mask in masks.items():
+        wanted = mask[first:last + 1]
+        known = segments.get(make.NAMES.get(number))
+        if known is None:
+            bad.append(f"{name}: no segment {number} in {segments}")
+            continue
+        layer, value, colour = known
+        check(f"{name} number", value == number, segments)
+        read = voxels[layer]
+        if read.shape != wanted.shape:
+            bad.append(f"{name}: shape {read.shape}, not {wanted.shape}")
+            continue
+        check(f"{name} voxels of {number}", numpy.array_equal(read == value, wanted > 0), numpy.argwhere((read == value) != (wanted > 0))[:5])
+    wanted_steps = numpy.array([make.SPACING[1] * grid.axes[0], make.SPACING[0] * grid.axes[1], grid.step * grid.axes[2]])
+    size = numpy.array(voxels.shape[:0:-1])
+    off = max(numpy.abs(origin - grid.position(first)).max(), numpy.abs((steps - wanted_steps) * size[:, None]).max())
+    check(name + " place", off < 1e-3, f"{off} mm")
+
+
+def refused(name, path, *words):
+    ran = run("info", path, status=1)
+    check(name, all(w in ran.stderr for w in words) and len(ran.stderr.strip().split("\n")) == 1 and str(path) in ran.stderr, ran.stderr)
+
+
+
+def zlib_raw(data):
+    packer = zlib.compressobj(9, zlib.DEFLATED, -15)
+    return packer.compress(data) + packer.flush()
+
+
+def write(name, ds, syntax=make.ExplicitVRLittleEndian):
+    path = folder / name / "seg.dcm"
+    (make.save if isinstance(syntax, pydicom.uid.UID) else make.save_encoded)(ds, path, syntax)
+    return path
+
+
+masks = make.blobs()
+for oblique in (False, True):
+    grid = make.Grid(oblique)
+    kind = "oblique" if oblique else "straight"
+    for like in ("highdicom", "dcmqi", "each"):
+        name = f"{like} {kind}"
+        compare(name, write(name, make.seg(masks, grid, like=like)), grid, masks, 2, 6)
+    for syntax in (make.ImplicitVRLittleEndian, make.DeflatedExplicitVRLittleEndian):
+        name = f"{kind} {syntax.name}"
+        compare(name, write(name, make.seg(masks, grid), syntax), grid, masks, 2, 6)
+    name = f"whole {kind}"
+    compare(name, write(name, make.seg(masks, grid, keep_empty=True, order=-1)), grid, masks)
+    name = f"without a distance {kind}"  # the gaps of 2.5 and 7.5 mm tell it
+    compare(name, write(name, make.seg(masks, grid, spacing=None, thickness=None)), grid, masks, 2, 6)
+    name = f"thickness alone {kind}"  # its two frames lie 10 mm apart
+    compare(name, write(name, make.seg({1: masks[1]}, grid, spacing=None)), grid, {1: masks[1]}, 2, 6, "thickness")
+    name = f"wrong distance {kind}"
+    compare(name, write(name, make.seg(masks, grid, spacing=4.1, thickness=None)), grid, masks, 2, 6, "says that its slices")
+    name = f"beside its series {kind}"
+    path = write(name, make.seg({1: masks[1]}, grid, spacing=None, thickness=1))
+    make.write_series(path.parent, grid)
+    compare(name, path, grid, {1: masks[1]})
+    told = json.loads(run("info", "--json", path.parent).stdout or "{}")
+    check(name + ": the folder is the CT", told.get("modality") == "CT" and told.get("dims") == list(make.SHAPE[::-1]), told)
+
+    # Segments that overlap.
+    over = {n: m.copy() for n, m in masks.items()}
+    over[3] = masks[1] | masks[2]
+    over[3][4] = 1
+    compare(f"overlap {kind}", write(f"overlap {kind}", make.seg(over, grid)), grid, over, 2, 6, "overlap")
+
+    # Label maps, of bytes and of words, with numbers that jump.
+    for dtype, second in ((numpy.uint8, 2), (numpy.uint16, 3)):
+        labels = (masks[1] + second * masks[2]).astype(dtype)
+        name = f"label map {kind} {dtype.__name__}"
+        path = write(name, make.seg({0: labels}, grid, "LABELMAP", numbers=[1, second]))
+        compare(name, path, grid, {1: labels == 1, second: labels == second}, 2, 6)
+    ds = make.seg({0: labels}, grid, "LABELMAP", numbers=[1, 3])
+    ds.PhotometricInterpretation = "PALETTE COLOR"
+    for colour, entries in zip(("Red", "Green", "Blue"), ((0, 255, 0, 0), (0, 0, 0, 128), (0, 0, 0, 255))):
+        setattr(ds, colour + "PaletteColorLookupTableDescriptor", [4, 0, 8])
+        setattr(ds, colour + "PaletteColorLookupTableData", bytes(entries))
+    path = write(f"palette {kind}", ds)
+    compare(f"palette {kind}", path, grid, {1: labels == 1, 3: labels == 3}, 2, 6)
+    told = json.loads(run("info", "--json", path).stdout or "{}")
+    check("palette's colours", [one["colour"] for one in told.get("labels", [])] == ["#ff0000", "#0080ff"], told)
+
+# What `info` lists: numbers, names in UTF-8, colours from CIELab, segments without voxels.
+path = write("names", make.seg({1: masks[1], 3: masks[2]}, make.Grid(), numbers=[1, 3, 4]))
+told = json.loads(run("info", "--json", path).stdout or "{}")
+listed = [(one["value"], one["name"], one["voxels"], one["colour"]) for one in told.get("labels", [])]
+check("info", listed[:2] == [(1, "Liver", 14, "#ff0000"), (3, "Größe", 5, "#ff0000")], listed)
+check("info of an empty segment", listed[2:] == [(4, "empty", 0, "#ff0000")], listed)
+
+# Fractional: one, run-length encoded too, and several.
+grid = make.Grid(True)
+shares = numpy.zeros(make.SHAPE, numpy.uint8)
+shares[2], shares[5] = numpy.arange(35).reshape(5, 7) * 7, 200
+for name, syntax in (("fractional", make.ExplicitVRLittleEndian), ("fractional RLE", make.RLELossless)):
+    ds = make.seg({1: shares}, grid, "FRACTIONAL", full=250)
+    if syntax == make.RLELossless:
+        make.encode(ds, [make.run_lengths(shares[2]), make.run_lengths(shares[5])])
+    path, out = write(name, ds, syntax), folder / "share.nrrd"
+    run("convert", path, out)
+    voxels = read_nrrd(out)[0][0]
+    check(name, voxels.dtype == numpy.dtype("<f4") and numpy.abs(voxels - shares[2:6] / 250).max() < 1e-6, voxels)
+path = write("two fractions", make.seg({1: shares, 2: shares[::-1]}, grid, "FRACTIONAL"))
+told = json.loads(run("info", "--json", path).stdout or "{}")
+check("two fractions", told.get("layers") == 2 and told.get("voxel") == "float32", told)
+
+# Frames each deflated by itself begin bytes of their own.
+ds = make.seg(masks, grid)
+frames = [numpy.packbits((m[k] > 0).ravel(), bitorder="little").tobytes() for m in masks.values() for k in range(9) if m[k].any()]
+squeezed = [make.padded(zlib_raw(f)) for f in frames]
+make.encode(ds, squeezed)
+compare("deflated frames", write("deflated frames", ds, "1.2.840.10008.1.2.8.1"), grid, masks, 2, 6)
+
+# What is refused.
+def broken(name, change, *words, syntax=make.ExplicitVRLittleEndian, **how):
+    ds = make.seg(masks, make.Grid(), **how)
+    change(ds)
+    refused(name, write(name, ds, syntax), *words)
+
+
+def without(*keys):
+    def change(ds):
+        for key in keys:
+            del ds[key]
+    return change
+
+
+broken("no frame of reference", without("FrameOfReferenceUID"), "frame of reference", "export it again")
+broken("no such segment", lambda ds: ds.SegmentSequence.pop(), "segment 2", "does not describe")
+broken("no place", lambda ds: ds.PerFrameFunctionalGroupsSequence[1].__delitem__("PlanePositionSequence"), "frame 2", "position")
+broken("no direction", lambda ds: ds.SharedFunctionalGroupsSequence[0].__delitem__("PlaneOrientationSequence"), "direction")
+broken("twice", lambda ds: setattr(ds.PerFrameFunctionalGroupsSequence[1].PlanePositionSequence[0], "ImagePositionPatient",
+       ds.PerFrameFunctionalGroupsSequence[0].PlanePositionSequence[0].ImagePositionPatient), "two frames", "segment 1")
+broken("to the side", lambda ds: setattr(ds.PerFrameFunctionalGroupsSequence[1].PlanePositionSequence[0],
+       "ImagePositionPatient", [-30, 12.5, 115]), "sideways", "resample")
+broken("uneven", lambda ds: setattr(ds.PerFrameFunctionalGroupsSequence[2].PlanePositionSequence[0],
+       "ImagePositionPatient", ["-31.25", "12.5", "107.837"]), "even slices")
+broken("cut", lambda ds: setattr(ds, "PixelData", ds.PixelData[:10]), "cut short")
+broken("unknown kind", lambda ds: setattr(ds, "SegmentationType", "SURFACE"), "SURFACE")
+broken("unknown syntax", lambda ds: make.encode(ds, [b"\0" * 8] * 4), "1.2.840.10008.1.2.4.201", "uncompressed",
+       syntax="1.2.840.10008.1.2.4.201")
+path = write("line ends", make.seg(masks, make.Grid()))
+path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
+refused("line ends", path, "line ends", "copy it again")
+
+# Contours: a ring by a keyhole and one by exclusive or, with a gap; a long one; a structure without points.
+outer, inner = [(-0.5, -0.5), (5.5, -0.5), (5.5, 4.5), (-0.5, 4.5)], [(1.5, 0.5), (1.5, 3.5), (3.5, 3.5), (3.5, 0.5)]
+keyhole = outer + outer[:1] + inner + inner[:1]
+wanted = numpy.zeros(make.SHAPE, bool)
+for k in (2, 3, 6):
+    wanted[k, :, :6] = True
+    wanted[k, 1:4, 2:4] = False
+angles = numpy.linspace(0, 2 * numpy.pi, 4001)[:-1]
+circle = [(3 + 2.2 * numpy.cos(a), 2 + 1.6 * numpy.sin(a)) for a in angles]
+for oblique in (False, True):
+    grid, kind = make.Grid(oblique), "oblique" if oblique else "straight"
+    place = lambda k, corners: make.on_plane(grid, k, corners)  # noqa: E731
+    drawn = {1: ("Liver", [("CLOSED_PLANAR", place(k, keyhole)) for k in (2, 3, 6)]),
+             2: ("Kidney, left", [("CLOSEDPLANAR_XOR", place(k, c)) for k in (2, 3, 6) for c in (outer, inner)]),
+             3: ("Größe", [("CLOSED_PLANAR", place(8, circle))]),
+             5: ("isocentre", [("POINT", place(4, [(3, 2)]))]), 6: ("nothing", [])}
+    series = folder / f"series {kind}"
+    make.write_series(series, grid)
+    for syntax in (make.ExplicitVRLittleEndian, make.ImplicitVRLittleEndian):
+        path, out = write(f"contours {kind} {syntax.name}", make.rtstruct(drawn), syntax), folder / "rt.seg.nrrd"
+        told = json.loads(run("info", "--json", path).stdout or "{}")
+        rois = [(r["name"], r["number"], r["contours"], r["points"], r["planes"]) for r in told.get("rois", [])]
+        check("info of contours", rois == [("Liver", 1, 3, 30, 3), ("Kidney, left", 2, 6, 24, 3), ("Größe", 3, 1, 4000, 1),
+                                           ("isocentre", 5, 0, 1, 0), ("nothing", 6, 0, 0, 0)], rois)
+        out.unlink(missing_ok=True)
+        ran = run("convert", path, out, "--like", series)
+        check("no points", "structure 6 (nothing)" in ran.stderr, ran.stderr)
+        voxels, steps, origin, segments = read_nrrd(out)
+        for name, n in (("Liver", 1), ("Kidney, left", 2)):
+            layer, value, _ = segments[name]
+            check(f"{name} {kind}", value == n and numpy.array_equal(voxels[layer] == n, wanted), numpy.argwhere((voxels[layer] == n) != wanted)[:5])
+        layer, value, _ = segments["Größe"]
+        j, i = numpy.mgrid[:5, :7]
+        disc = ((i - 3) / 2.2) ** 2 + ((j - 2) / 1.6) ** 2 < 1
+        check(f"circle {kind}", numpy.array_equal(voxels[layer][8] == 3, disc), voxels[layer][8])
+        check("place", numpy.abs(origin - grid.position(0)).max() < 1e-3, origin)
+
+other = folder / "other"
+make.SPACE, kept = make.SPACE + ".7", make.SPACE
+make.write_series(other, make.Grid())
+make.SPACE = kept
+path = write("contours of another", make.rtstruct({1: ("Liver", [("CLOSED_PLANAR", make.on_plane(make.Grid(), 2, outer))])}))
+ran = run("convert", path, folder / "no.seg.nrrd", "--like", other, status=1)
+check("another scan", "another scan" in ran.stderr and "frames of reference" in ran.stderr, ran.stderr)
+ran = run("convert", path, folder / "no.seg.nrrd", status=1)
+check("without an image", "--like" in ran.stderr, ran.stderr)
+ds = make.rtstruct({1: ("Liver", [])})
+ds.ROIContourSequence[0].ReferencedROINumber = 7
+refused("no such structure", write("no such structure", ds), "structure 7", "does not describe")
+
+print("\n".join(bad))
+print(f"{done} checks, {len(bad)} failed")
+sys.exit(1 if bad else 0)

@@ -17,7 +17,9 @@
 #include "core/model/statismo.h"
 #include "core/phantom/phantom_files.h"
 #include "core/volume/contour_labels.h"
+#include "core/volume/label_likeness.h"
 #include "core/volume/volume_io.h"
+#include "core/volume/write_dicom_segmentation.h"
 #include "core/volume/write_segmentation.h"
 
 // Verbs that read files and write a file or a report: info, convert, mirror, label-map, compare, phantom.
@@ -71,21 +73,44 @@ Result<Report> convert_model(const fs::path& in, const fs::path& out, const std:
   return report;
 }
 
+bool is_dicom_name(const fs::path& path) {
+  return lower_case(path.extension().string()) == ".dcm";
+}
+
+/// Writes a label map by the ending of its name; one of DICOM refers to a series. Gives warnings.
+Result<std::vector<std::string>> write_labels(const VolumeRead& map, const fs::path& out, const fs::path& series,
+                                              Progress& progress) {
+  if (is_dicom_name(out) && series.empty())
+    return fail(out.string(), "becomes a DICOM segmentation, which refers to a series of images; name it by --like");
+  if (is_dicom_name(out)) return write_dicom_segmentation(map, out, series, &progress);
+  if (auto written = write_segmentation(map, out, &progress); !written) return fail(written.error());
+  return std::vector<std::string>();
+}
+
 /// Contours as a label map on the grid of an image.
-Result<Report> convert_contours(const fs::path& in, const fs::path& out, const fs::path& like, Progress& progress) {
+Result<Report> convert_contours(const fs::path& in, const fs::path& out, const fs::path& like,
+                                const std::string& structure, Progress& progress) {
   if (like.empty())
     return fail(in.string(),
                 "holds contours, which become a label map on the grid of an image; name the series that "
                 "they were drawn on by --like");
-  const auto contours = read_contours(in);
+  auto contours = read_contours(in);
   if (!contours) return fail(contours.error());
+  if (!structure.empty()) {
+    const auto roi = roi_of(*contours, structure);
+    if (!roi) return fail(in.string(), roi.error().what);
+    contours->rois = {ContourRoi(**roi)};
+    contours->warnings = doubts_about(in, contours->rois);
+  }
   const auto image = read_image(like, 0, progress);
   if (!image) return fail(image.error());
   auto map = labels_of_contours(in, *contours, like, image->volume, &progress);
   if (!map) return fail(map.error());
-  if (auto written = write_segmentation(*map, out, &progress); !written) return fail(written.error());
+  const auto written = write_labels(*map, out, like, progress);
+  if (!written) return fail(written.error());
   std::vector<std::string> warnings = image->warnings;
   warnings.insert(warnings.end(), map->warnings.begin(), map->warnings.end());
+  warnings.insert(warnings.end(), written->begin(), written->end());
   return Report{describe(map->volume), std::move(warnings)};
 }
 
@@ -184,18 +209,23 @@ void add_convert(CLI::App& app, CommandLine& asked) {
                    "Multiply a mesh's coordinates, which are in another unit than mm: 1000 for metres, 10 for cm")
       ->check(CLI::Range(1e-9, 1e9));
   verb->add_flag("--from-ras", options->from_ras, "A mesh's coordinates are RAS, though its file does not say so");
-  auto* structure = verb->add_option("--structure", options->structure, "Of a joint model this structure alone");
-  verb->add_option("--like", options->like, "Of contours (RTSTRUCT): the image whose grid the label map gets");
+  auto* structure =
+      verb->add_option("--structure", options->structure, "Of a joint model or of contours this structure alone");
+  verb->add_option("--like", options->like,
+                   "Of contours (RTSTRUCT): the image whose grid the label map gets; of a label map that is written as "
+                   "DICOM (.dcm): the series that it refers to");
   auto* sample =
       verb->add_option("--sample", options->sample, "Of a model the random shape of this seed, not the mean");
   const auto convert = [options, structure, sample](Progress& progress) -> Result<Report> {
     if (is_model_name(options->in))
       return convert_model(options->in, options->out, options->structure, options->sample);
+    if (holds_contours(options->in) && sample->count() == 0)
+      return convert_contours(options->in, options->out, options->like, options->structure, progress);
     if (structure->count() + sample->count() > 0)
       return fail(options->in.string(), "is no model, so --structure and --sample have no effect; leave them out");
-    if (holds_contours(options->in)) return convert_contours(options->in, options->out, options->like, progress);
-    if (!options->like.empty())
-      return fail(options->in.string(), "holds no contours, so --like has no effect; leave it out");
+    if (!options->like.empty() && !is_dicom_name(options->out))
+      return fail(options->in.string(), "holds no contours, and " + options->out.string() +
+                                            " is no DICOM file, so --like has no effect; leave it out");
     if (is_mesh_name(options->in) != is_mesh_name(options->out)) {
       return fail(options->out.string(),
                   "is not of the same kind as " + options->in.string() +
@@ -218,8 +248,14 @@ void add_convert(CLI::App& app, CommandLine& asked) {
                   "is a volume, on which --times and --from-ras have no effect; correct the geometry in its header");
     auto read = read_volume(options->in, read_options(options->series, options->spacing_mm, progress));
     if (!read) return fail(read.error());
-    if (auto written = write_segmentation(*read, options->out, &progress); !written) return fail(written.error());
+    if (is_dicom_name(options->out) && read->segmentation.segments.empty() && !holds_labels(read->volume))
+      return fail(options->in.string(),
+                  "is no label map, and DICOM files are written of label maps alone; choose another "
+                  "format");
+    const auto written = write_labels(*read, options->out, options->like, progress);
+    if (!written) return fail(written.error());
     warnings->insert(warnings->begin(), read->warnings.begin(), read->warnings.end());
+    warnings->insert(warnings->end(), written->begin(), written->end());
     return Report{describe(read->volume), std::move(*warnings)};
   };
   verb->callback([convert, &asked] { asked.run = convert; });
@@ -255,7 +291,9 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "label-map", "The segmentation as voxels on a volume's grid");
   verb->add_option("MESH", options->mesh, "The mesh")->required();
   verb->add_option("--like", options->like, "The volume whose grid to use")->required();
-  verb->add_option("-o,--output", options->out, "The label map to write (.nii.gz, .nrrd, .mha)")->required();
+  verb->add_option("-o,--output", options->out,
+                   "The label map to write (.nii.gz, .nrrd, .mha; .dcm: a DICOM segmentation of the series)")
+      ->required();
   verb->add_option("--value", options->value, "Label of the voxels inside")->check(CLI::Range(1, 32767));
   const auto label = [options](Progress& progress) -> Result<Report> {
     const auto file = read_mesh_file(options->mesh);
@@ -266,11 +304,20 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
     if (!like) return fail(like.error());
     const auto misfit = misfit_in_image(bounds_of(mesh->points), like->volume.geometry);
     const Volume labels = label_map(*mesh, like->volume.geometry, options->value);
-    if (auto written = write_volume(labels, options->out, &progress); !written) return fail(written.error());
+    std::vector<std::string> warnings = like->warnings;
+    if (is_dicom_name(options->out)) {
+      VolumeRead map{.volume = labels, .warnings = {}, .segmentation = {}, .other_layers = {}};
+      map.segmentation.add({.name = options->mesh.stem().string(), .value = options->value});
+      const auto written = write_labels(map, options->out, options->like, progress);
+      if (!written) return fail(written.error());
+      warnings.insert(warnings.end(), written->begin(), written->end());
+    } else if (auto written = write_volume(labels, options->out, &progress); !written) {
+      return fail(written.error());
+    }
     const auto counted = labels_of(labels);
     const std::size_t voxels = counted.contains(options->value) ? counted.at(options->value) : 0;
     Report report;
-    report.warnings = like->warnings;
+    report.warnings = std::move(warnings);
     for (std::string& warning : mesh_warnings(options->mesh, *file, *mesh))
       report.warnings.push_back(std::move(warning));
     if (misfit) {

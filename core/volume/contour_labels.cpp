@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -188,15 +190,18 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
   if (auto enough = check_memory(path, 4 * static_cast<double>(grid.voxels())); !enough) return fail(enough.error());
   VolumeRead result;
   result.warnings = contours.warnings;
+  const bool are_labels = std::all_of(contours.rois.begin(), contours.rois.end(), [](const ContourRoi& roi) {
+    return roi.number >= 1 && roi.number <= std::numeric_limits<std::uint16_t>::max();
+  });
+  if (!are_labels)
+    result.warnings.push_back(path.string() +
+                              ": numbers a structure beyond what a label can be (1 to 65535), so that labels count its "
+                              "structures from 1");
   Layers layers;
   for (std::size_t r = 0; r < contours.rois.size(); ++r) {
     const ContourRoi& roi = contours.rois[r];
     if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
     if (progress) progress->report(static_cast<double>(r) / static_cast<double>(contours.rois.size()));
-    if (roi.number < 1 || roi.number > 65535)
-      return fail(path.string(), "numbers its " + about_roi(roi) +
-                                     " beyond what a label can be (1 to 65535); export "
-                                     "it again");
     const auto on_slices = sliced(path, roi, image_path, grid);
     if (!on_slices) return fail(on_slices.error());
     if (on_slices->slices.empty()) {
@@ -207,10 +212,9 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
     }
     const DrawnMask mask = drawn_mask(grid, *on_slices);
     warn_of(path, roi, mask, image_path, result.warnings);
-    result.segmentation.add({.name = roi.name,
-                             .value = roi.number,
-                             .layer = put_in_layers(mask.inside, roi.number, layers),
-                             .colour = roi.colour});
+    const int label = are_labels ? roi.number : static_cast<int>(r) + 1;
+    result.segmentation.add(
+        {.name = roi.name, .value = label, .layer = put_in_layers(mask.inside, label, layers), .colour = roi.colour});
   }
   if (layers.empty())
     return fail(path.string(),

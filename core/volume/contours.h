@@ -58,6 +58,10 @@ bool holds_contours(const std::filesystem::path& path);
 /// or no numbers; no frame of reference, or several.
 Result<Contours> read_contours(const std::filesystem::path& path);
 
+/// What is to be said of structures before anything is made of them: those without points, and contours that cross
+/// themselves.
+std::vector<std::string> doubts_about(const std::filesystem::path& path, const std::vector<ContourRoi>& rois);
+
 /// The structure of a name, in any case, or of a number. Errors: none, or several of the name; those that there are
 /// are named.
 Result<const ContourRoi*> roi_of(const Contours& contours, const std::string& asked);

@@ -153,23 +153,6 @@ std::string roi_words(const ContourRoi& roi) {
   return "structure " + std::to_string(roi.number) + " (" + excerpt(roi.name) + ")";
 }
 
-/// What is to be said of the structures before anything is made of them.
-std::vector<std::string> doubts_about(const fs::path& path, const std::vector<ContourRoi>& rois) {
-  std::vector<std::string> warnings;
-  for (const ContourRoi& roi : rois) {
-    if (roi.all_points() == 0)
-      warnings.push_back(path.string() + ": has no points in its " + roi_words(roi) +
-                         "; draw it, or leave it out of the export");
-    const auto crossing = std::count_if(roi.contours.begin(), roi.contours.end(), crosses_itself);
-    if (crossing > 0)
-      warnings.push_back(
-          path.string() + ": has " + std::to_string(crossing) + " of " + std::to_string(roi.contours.size()) +
-          " contours of its " + roi_words(roi) +
-          " that cross themselves, so that their inside is doubtful; correct them where they were drawn");
-  }
-  return warnings;
-}
-
 double cross2(double ax, double ay, double bx, double by) {
   return ax * by - ay * bx;
 }
@@ -266,6 +249,22 @@ Result<Contours> read_contours(const fs::path& path) {
                     .warnings = {}};
   contours.warnings = doubts_about(path, contours.rois);
   return contours;
+}
+
+std::vector<std::string> doubts_about(const fs::path& path, const std::vector<ContourRoi>& rois) {
+  std::vector<std::string> warnings;
+  for (const ContourRoi& roi : rois) {
+    if (roi.all_points() == 0)
+      warnings.push_back(path.string() + ": has no points in its " + roi_words(roi) +
+                         "; draw it, or leave it out of the export");
+    const auto crossing = std::count_if(roi.contours.begin(), roi.contours.end(), crosses_itself);
+    if (crossing > 0)
+      warnings.push_back(
+          path.string() + ": has " + std::to_string(crossing) + " of " + std::to_string(roi.contours.size()) +
+          " contours of its " + roi_words(roi) +
+          " that cross themselves, so that their inside is doubtful; correct them where they were drawn");
+  }
+  return warnings;
 }
 
 Result<const ContourRoi*> roi_of(const Contours& contours, const std::string& asked) {

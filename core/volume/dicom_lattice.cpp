@@ -51,6 +51,15 @@ double smallest_gap(const std::vector<double>& heights) {
   return smallest;
 }
 
+/// Whether most frames follow one another by the smallest gap, as those of a structure do that no slice leaves out.
+bool mostly_next_to_another(const std::vector<double>& heights) {
+  constexpr std::ptrdiff_t least = 3;
+  const double smallest = smallest_gap(heights), tolerance = given_tolerance(smallest);
+  std::ptrdiff_t next = 0;
+  for (std::size_t k = 1; k < heights.size(); ++k) next += heights[k] - heights[k - 1] < smallest + tolerance ? 1 : 0;
+  return next >= least && 2 * next > static_cast<std::ptrdiff_t>(heights.size()) - 1;
+}
+
 /// The largest step of which all heights are multiples; 0 where there is none.
 double common_step(const std::vector<double>& heights) {
   constexpr int most_parts = 8;
@@ -74,15 +83,14 @@ Result<double> step_between(const fs::path& path, const PlacedFrames& frames, co
       warnings.push_back(path.string() + ": gives no slice thickness; 1 mm is assumed");
     return spacing.value_or(frames.thickness_mm.value_or(1));
   }
-  for (const auto& given : {spacing, frames.thickness_mm}) {
+  const auto fits = [&](const std::optional<double>& given) {
     const double step = given ? even_step(heights, *given, given_tolerance(*given)) : 0;
-    if (step == 0 || std::abs(step - *given) > 0.02 * *given) continue;
-    if (!spacing && smallest_gap(heights) > 1.5 * step)
-      warnings.push_back(path.string() + ": does not say how far its slices lie apart; their thickness, " +
-                         mm_text(step) + ", was taken, though no two frames lie so near");
-    return step;
-  }
-  const double step = common_step(heights);
+    return step > 0 && std::abs(step - *given) <= 0.02 * *given ? step : 0;
+  };
+  if (const double step = fits(spacing); step > 0) return step;
+  // Thickness is not distance: slices overlap, or leave gaps.
+  const double thickness = mostly_next_to_another(heights) ? 0 : fits(frames.thickness_mm);
+  const double step = thickness > 0 ? thickness : common_step(heights);
   if (step == 0)
     return fail(path.string(),
                 "has frames whose distances are no multiples of one another, so that they lie on no even slices; "
@@ -90,6 +98,9 @@ Result<double> step_between(const fs::path& path, const PlacedFrames& frames, co
   if (spacing)
     warnings.push_back(path.string() + ": says that its slices lie " + mm_text(*spacing) +
                        " apart, but its frames lie multiples of " + mm_text(step) + " apart, which was taken");
+  else if (thickness > 0 && smallest_gap(heights) > 1.5 * step)
+    warnings.push_back(path.string() + ": does not say how far its slices lie apart; their thickness, " +
+                       mm_text(step) + ", was taken, though no two frames lie so near");
   return step;
 }
 

@@ -28,9 +28,10 @@ struct FrameLattice {
 };
 
 /// The slices of frames of which the empty ones may have been left out, so that gaps stay gaps. Their distance is the
-/// one that the file gives, where all gaps are multiples of it, else their thickness, else the largest step of which
-/// all gaps are multiples. `warnings`: a distance that was found or assumed against what the file says. Errors: frames
-/// shifted to the side, or places that are on no even lattice.
+/// one that the file gives, where all gaps are multiples of it. Else of frames that mostly follow one another it is the
+/// smallest gap, of others their thickness, else the largest step of which all gaps are multiples. `warnings`: a
+/// distance that was found or assumed against what the file says. Errors: frames shifted to the side, or places that
+/// are on no even lattice.
 Result<FrameLattice> lattice_of(const std::filesystem::path& path, const PlacedFrames& frames,
                                 std::vector<std::string>& warnings);
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What Homolog reads of DICOM segmentations and contours against what was written: values equal, places to 1e-3 mm.
+"""What Homolog reads of DICOM segmentations and contours, and writes, is what was put in: values equal, places to 1e-3 mm.
 
 dicom_objects_test.py PROGRAM. Exits with 77 where pydicom or numpy is missing.
 """
@@ -244,6 +244,11 @@ for oblique in (False, True):
         check(f"circle {kind}", numpy.array_equal(voxels[layer][8] == 3, disc), voxels[layer][8])
         check("place", numpy.abs(origin - grid.position(0)).max() < 1e-3, origin)
 
+ran = run("convert", path, folder / "one.nrrd", "--like", series, "--structure", "liver")
+check("one structure", numpy.array_equal(read_nrrd(folder / "one.nrrd")[0][0] == 1, wanted) and "nothing" not in ran.stderr, ran.stderr)
+ran = run("convert", path, folder / "no.nrrd", "--like", series, "--structure", "lever", status=1)
+check("no such structure by name", "Liver" in ran.stderr, ran.stderr)
+
 other = folder / "other"
 make.SPACE, kept = make.SPACE + ".7", make.SPACE
 make.write_series(other, make.Grid())
@@ -256,6 +261,38 @@ check("without an image", "--like" in ran.stderr, ran.stderr)
 ds = make.rtstruct({1: ("Liver", [])})
 ds.ROIContourSequence[0].ReferencedROINumber = 7
 refused("no such structure", write("no such structure", ds), "structure 7", "does not describe")
+
+# Written: segments that overlap, on the voxels of an oblique series, with its patient, its space and its images.
+for oblique in (False, True):
+    grid, kind = make.Grid(oblique), "oblique" if oblique else "straight"
+    source, series = write(f"to write {kind}", make.seg(over, grid)), folder / f"series {kind}"
+    run("convert", source, folder / "map.seg.nrrd")
+    out, again = folder / f"written {kind}" / "seg.dcm", folder / f"written {kind}" / "again.dcm"
+    out.parent.mkdir()
+    for one in (out, again):
+        run("convert", folder / "map.seg.nrrd", one, "--like", series)
+    check("the same bytes", out.read_bytes() == again.read_bytes())
+    again.unlink()
+    compare(f"written {kind}", out, grid, over, 2, 6, "overlap")
+    ds = pydicom.dcmread(out)
+    check("written numbers", (ds.SOPClassUID, ds.Modality, ds.SegmentationType, ds.BitsAllocated) == (make.SEG, "SEG", "BINARY", 1), ds)
+    check("written space", (ds.FrameOfReferenceUID, ds.StudyInstanceUID, str(ds.PatientName)) == (make.SPACE, make.STUDY, "Phantom^One"), ds)
+    images = [one.ReferencedSOPInstanceUID for one in ds.ReferencedSeriesSequence[0].ReferencedInstanceSequence]
+    check("written series", ds.ReferencedSeriesSequence[0].SeriesInstanceUID == make.SERIES and
+          images == [f"{make.SERIES}.{k + 1}" for k in range(9)], images)
+    bits = numpy.unpackbits(numpy.frombuffer(ds.PixelData, numpy.uint8), bitorder="little")[:ds.NumberOfFrames * 35].reshape(-1, 5, 7)
+    for group, frame in zip(ds.PerFrameFunctionalGroupsSequence, bits):
+        number, place = group.SegmentIdentificationSequence[0].ReferencedSegmentNumber, group.PlanePositionSequence[0].ImagePositionPatient
+        k = group.FrameContentSequence[0].DimensionIndexValues[1] - 1
+        check("written frame", numpy.array_equal(frame, over[number][k] > 0), (number, k))
+        check("written place", numpy.abs(numpy.array(place, float) - grid.position(k)).max() < 1e-3, place)
+        image = group.DerivationImageSequence[0].SourceImageSequence[0].ReferencedSOPInstanceUID
+        check("written reference", image == f"{make.SERIES}.{k + 1}", image)
+    check("every frame", ds.NumberOfFrames == sum(mask.any(axis=(1, 2)).sum() for mask in over.values()), ds.NumberOfFrames)
+ran = run("convert", folder / "map.seg.nrrd", folder / "no.dcm", "--like", folder / "series straight", status=1)
+check("another grid", "does not lie on the voxels" in ran.stderr and not (folder / "no.dcm").exists(), ran.stderr)
+ran = run("convert", folder / "map.seg.nrrd", folder / "no.dcm", status=1)
+check("no series", "--like" in ran.stderr, ran.stderr)
 
 print("\n".join(bad))
 print(f"{done} checks, {len(bad)} failed")

@@ -11,6 +11,7 @@
 #include "core/volume/dicom_header.h"
 #include "core/volume/dicom_pixels.h"
 #include "core/volume/dicom_segments.h"
+#include "core/volume/dicom_series.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
 
@@ -303,6 +304,41 @@ const VolumeFormat formats::dicom{
     .note = "known by its content, whatever its name: the folder of a series, one file, or a segmentation (SEG)",
     .recognises = looks_like_dicom,
     .read = read_dicom};
+
+Result<DicomSeries> read_dicom_series(const fs::path& path, Progress* progress) {
+  DicomSeries result;
+  std::error_code ignored;
+  std::vector<DicomHeader> all;
+  if (fs::is_directory(path, ignored)) {
+    auto contents = scan_folder(path, progress);
+    if (!contents) return fail(contents.error());
+    if (contents->series.size() != 1)
+      return fail(path.string(), contents->series.empty()
+                                     ? "holds no DICOM images, to which a segmentation could refer; choose the folder that does"
+                                     : "holds several series; choose a folder with the one that was segmented");
+    all = std::move(contents->series.begin()->second);
+  } else {
+    const auto set = parse_dicom(path);
+    if (!set) return fail(set.error());
+    all.push_back(dicom_header(*set));
+  }
+  for (const DicomHeader& header : all)
+    if (const auto image = check_image(header); !image) return fail(image.error());
+  std::vector<std::string> warnings;
+  result.headers = without_copies(path, all, warnings);
+  auto arrangement = arrange(path, result.headers, warnings);
+  if (!arrangement) return fail(arrangement.error());
+  result.arrangement = std::move(*arrangement);
+  const DicomHeader& first = result.headers.front();
+  const auto grid = make_geometry(path, {first.columns, first.rows, result.arrangement.slices},
+                                  result.arrangement.steps_mm, result.arrangement.origin_mm);
+  if (!grid) return fail(grid.error());
+  result.grid = *grid;
+  auto set = parse_dicom(first.path);
+  if (!set) return fail(set.error());
+  result.about = std::move(set->elements);
+  return result;
+}
 
 Result<std::vector<SeriesInfo>> list_series(const fs::path& folder) {
   const auto contents = scan_folder(folder, nullptr);

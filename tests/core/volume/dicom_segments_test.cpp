@@ -129,6 +129,8 @@ TEST_CASE("the slices of a segmentation lie as its spacing says or else its thic
   CHECK(step("", "2.5", {}) == std::pair(2.5, 3));
   CHECK(step("", "", {}) == std::pair(5.0, 2));
   CHECK(step("", "4", {}) == std::pair(5.0, 2));
+  // Frames that follow one another tell more than their thickness.
+  CHECK(step("", "1", {{1, 0, {0}}, {1, 2, {0}}, {1, 4, {0}}, {1, 6, {0}}, {1, 12, {0}}}) == std::pair(2.0, 7));
   const auto [common, slices] = step("", "", {{1, 10, {0}}, {1, 0, {1}}, {2, 4, {2}}});
   CHECK(common == doctest::Approx(2));
   CHECK(slices == 6);

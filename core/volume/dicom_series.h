@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/volume/dicom_arrangement.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+/// A series of images without its pixels: what a segmentation of it refers to.
+struct DicomSeries {
+  std::vector<DicomHeader> headers;
+  DicomArrangement arrangement;  ///< its planes lie in `headers`
+  VolumeGeometry grid;
+  DicomItem about;  ///< the elements of the first file: patient, study
+};
+
+/// Reads the only series of images of a folder, or one file of several planes. Errors: those of read_volume.
+Result<DicomSeries> read_dicom_series(const std::filesystem::path& path, Progress* progress = nullptr);
+
+}  // namespace homolog

@@ -1,0 +1,402 @@
+#include "core/volume/write_dicom_segmentation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "core/base/files.h"
+#include "core/base/hash.h"
+#include "core/base/memory.h"
+#include "core/base/text.h"
+#include "core/volume/dicom_elements.h"
+#include "core/volume/dicom_series.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* segmentation_storage = "1.2.840.10008.5.1.4.1.1.66.4";
+
+/// The voxels of one segment, as it will be written.
+struct WrittenSegment {
+  Segment segment;  ///< its value and layer in the map
+  int number = 0;   ///< in the file
+};
+
+/// Where a voxel of the series lies in the map: first + steps · (i, j, k), all whole numbers.
+struct VoxelMapping {
+  std::array<std::int64_t, 3> first{};
+  std::array<std::array<std::int64_t, 3>, 3> steps{};  ///< of an axis of the series along the axes of the map
+};
+
+/// Nothing where the voxels of the map are no voxels of the series within a hundredth of one.
+std::optional<VoxelMapping> mapping_of(const VolumeGeometry& series, const VolumeGeometry& map) {
+  constexpr double close = 0.01;
+  const Vec3 first = map.to_voxel(series.to_mm(Vec3::Zero()));
+  VoxelMapping mapping;
+  for (int a = 0; a < 3; ++a) {
+    const auto at = static_cast<std::size_t>(a);
+    mapping.first[at] = std::llround(first[a]);
+    const Vec3 step = map.to_voxel(series.to_mm(Vec3::Unit(a))) - first;
+    for (int b = 0; b < 3; ++b) mapping.steps[at][static_cast<std::size_t>(b)] = std::llround(step[b]);
+    // At the last voxel too, where differences add up.
+    const double far = std::max(series.dims[at] - 1, 1);
+    if ((step - step.array().round().matrix()).cwiseAbs().maxCoeff() * far > close) return {};
+    if (std::abs(step.cwiseAbs().sum() - 1) > close) return {};
+  }
+  if ((first - first.array().round().matrix()).cwiseAbs().maxCoeff() > close) return {};
+  const Vec3 last(map.dims[0] - 1, map.dims[1] - 1, map.dims[2] - 1);
+  for (const Vec3& corner : {Vec3(Vec3::Zero()), last})
+    if (!series.holds(map.to_mm(corner))) return {};
+  return mapping;
+}
+
+/// A layer of the map on the grid of the series, and the labels that occur on each of its slices.
+struct SeriesLayer {
+  std::vector<int> labels;
+  std::vector<std::set<int>> on_slice;
+};
+
+SeriesLayer on_series(const Volume& layer, const VolumeGeometry& grid, const VoxelMapping& mapping) {
+  SeriesLayer result;
+  result.labels.reserve(grid.voxels());
+  result.on_slice.resize(static_cast<std::size_t>(grid.dims[2]));
+  for (std::int64_t k = 0; k < grid.dims[2]; ++k)
+    for (std::int64_t j = 0; j < grid.dims[1]; ++j)
+      for (std::int64_t i = 0; i < grid.dims[0]; ++i) {
+        std::array<int, 3> at{};
+        bool inside = true;
+        for (std::size_t b = 0; b < 3; ++b) {
+          const std::int64_t place =
+              mapping.first[b] + i * mapping.steps[0][b] + j * mapping.steps[1][b] + k * mapping.steps[2][b];
+          inside = inside && place >= 0 && place < layer.geometry.dims[b];
+          at[b] = static_cast<int>(place);
+        }
+        const int label = inside ? rounded_label(layer.at(at[0], at[1], at[2])) : 0;
+        const bool goes_on = i > 0 && label == result.labels.back();
+        if (label != 0 && !goes_on) result.on_slice[static_cast<std::size_t>(k)].insert(label);
+        result.labels.push_back(label);
+      }
+  return result;
+}
+
+std::vector<WrittenSegment> segments_to_write(const VolumeRead& map) {
+  std::vector<WrittenSegment> written;
+  const auto add_layer = [&](const Volume& layer, std::size_t index) {
+    for (const auto& [value, voxels] : labels_of(layer)) {
+      const Segment* known =
+          map.other_layers.empty() ? map.segmentation.find(value) : map.segmentation.find(value, index);
+      Segment segment = known != nullptr ? *known : Segment{.name = {}, .value = value};
+      segment.layer = index;
+      written.push_back({std::move(segment), 0});
+    }
+  };
+  add_layer(map.volume, 0);
+  for (std::size_t l = 0; l < map.other_layers.size(); ++l) add_layer(map.other_layers[l], l + 1);
+  std::stable_sort(written.begin(), written.end(),
+                   [](const WrittenSegment& a, const WrittenSegment& b) { return a.segment.value < b.segment.value; });
+  for (std::size_t s = 0; s < written.size(); ++s) written[s].number = static_cast<int>(s) + 1;
+  return written;
+}
+
+/// All that goes into the frames: pixels, which segment and slice each is of.
+struct WrittenFrames {
+  std::string bits;
+  std::vector<std::pair<int, int>> of;  ///< segment's number, slice
+  Hash hash;
+};
+
+WrittenFrames frames_to_write(const VolumeRead& map, const std::vector<WrittenSegment>& segments,
+                              const VolumeGeometry& grid, const VoxelMapping& mapping, Progress* progress) {
+  WrittenFrames frames;
+  std::vector<SeriesLayer> layers{on_series(map.volume, grid, mapping)};
+  for (const Volume& layer : map.other_layers) layers.push_back(on_series(layer, grid, mapping));
+  const std::size_t pixels = static_cast<std::size_t>(grid.dims[0]) * static_cast<std::size_t>(grid.dims[1]);
+  std::size_t bit = 0;
+  for (const WrittenSegment& one : segments) {
+    if (progress && progress->cancelled()) return frames;
+    const SeriesLayer& layer = layers[one.segment.layer];
+    for (std::size_t k = 0; k < layer.on_slice.size(); ++k) {
+      if (!layer.on_slice[k].contains(one.segment.value)) continue;
+      frames.bits.resize((bit + pixels + 7) / 8);
+      for (std::size_t p = 0; p < pixels; ++p) {
+        if (layer.labels[k * pixels + p] != one.segment.value) continue;
+        char& byte = frames.bits[(bit + p) / 8];
+        byte = static_cast<char>(static_cast<unsigned char>(byte) | 1U << (bit + p) % 8);
+        frames.hash.add(p);
+      }
+      bit += pixels;
+      frames.of.emplace_back(one.number, static_cast<int>(k));
+      frames.hash.add(static_cast<std::uint64_t>(one.number) << 32 | k);
+    }
+  }
+  return frames;
+}
+
+/// A UID of what a hash has taken in and of what it names [DICOM PS3.5, B.2]: 38 digits at most.
+std::string made_uid(Hash hash, std::string_view of) {
+  for (const char c : of) hash.add(static_cast<unsigned char>(c));
+  Hash lower = hash;
+  lower.add(1);
+  constexpr std::uint64_t digits_19 = 10'000'000'000'000'000'000U;
+  std::string end = std::to_string(lower.value % digits_19);
+  return "2.25." + std::to_string(hash.value % digits_19 + 1) + std::string(19 - end.size(), '0') + end;
+}
+
+DicomElements coded(const std::string& value, const char* scheme, const char* meaning) {
+  DicomElements code;
+  code.put(0x00080100, "SH", value).put(0x00080102, "SH", scheme).put(0x00080104, "LO", meaning);
+  return code;
+}
+
+/// sRGB as CIELab in 16 bits with the white point that is read too.
+std::vector<std::uint16_t> lab_of(const std::array<std::uint8_t, 3>& colour) {
+  Vec3 rgb;
+  for (int c = 0; c < 3; ++c) {
+    const double share = colour[static_cast<std::size_t>(c)] / 255.0;
+    rgb[c] = share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
+  }
+  Mat3 to_xyz;
+  to_xyz << 0.4124564, 0.3575761, 0.1804375, 0.2126729, 0.7151522, 0.0721750, 0.0193339, 0.1191920, 0.9503041;
+  const Vec3 xyz = (to_xyz * rgb).cwiseQuotient(Vec3(0.950456, 1, 1.088754));
+  const auto f = [](double t) { return t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116; };
+  const double l = 116 * f(xyz.y()) - 16, a = 500 * (f(xyz.x()) - f(xyz.y())), b = 200 * (f(xyz.y()) - f(xyz.z()));
+  const auto stored = [](double share) {
+    return static_cast<std::uint16_t>(std::lround(65535 * std::clamp(share, 0.0, 1.0)));
+  };
+  return {stored(l / 100), stored((a + 128) / 255), stored((b + 128) / 255)};
+}
+
+/// A name as DICOM takes it: up to 64 characters, without a backslash, which divides values.
+std::string label_text(const Segment& segment) {
+  std::string name = segment.name.empty() ? "Label " + std::to_string(segment.value) : segment.name;
+  std::replace(name.begin(), name.end(), '\\', '/');
+  std::size_t characters = 0, end = 0;
+  for (; end < name.size(); ++end)
+    if ((static_cast<unsigned char>(name[end]) & 0xc0) != 0x80 && ++characters > 64) break;
+  return name.substr(0, end);
+}
+
+DicomElements described(const WrittenSegment& one) {
+  DicomElements segment;
+  segment.put_items(0x00620003, {coded("91723000", "SCT", "Anatomical Structure")})
+      .put_shorts(0x00620004, {static_cast<std::uint16_t>(one.number)})
+      .put(0x00620005, "LO", label_text(one.segment))
+      .put(0x00620008, "CS", "SEMIAUTOMATIC")
+      .put(0x00620009, "LO", "Homolog")
+      .put_items(0x0062000f, {coded("91723000", "SCT", "Anatomical Structure")});
+  if (one.segment.colour) segment.put_shorts(0x0062000d, lab_of(*one.segment.colour));
+  return segment;
+}
+
+/// The image of a slice, and which plane of its file it is.
+DicomElements referenced_image(const DicomSeries& series, int slice, bool with_frame) {
+  const DicomPlaneSource& plane = series.arrangement.planes[static_cast<std::size_t>(slice)];
+  DicomElements image;
+  image.put(0x00081150, "UI", text_of(series.about, 0x00080016))
+      .put(0x00081155, "UI", series.headers[plane.file].instance_uid);
+  if (with_frame && series.headers[plane.file].planes.size() > 1)
+    image.put(0x00081160, "IS", std::to_string(plane.plane_in_file + 1));
+  return image;
+}
+
+DicomElements frame_group(const DicomSeries& series, int number, int slice) {
+  DicomElements source = referenced_image(series, slice, true);
+  source.put_items(0x0040a170, {coded("121322", "DCM", "Source image for image processing operation")});
+  const Vec3 place = series.grid.to_mm(Vec3(0, 0, slice));
+  DicomElements derivation, content, position, identification, group;
+  derivation.put_items(0x00082112, {source}).put_items(0x00089215, {coded("113076", "DCM", "Segmentation")});
+  content.put_longs(0x00209157, {static_cast<std::uint32_t>(number), static_cast<std::uint32_t>(slice) + 1});
+  position.put_decimals(0x00200032, {place.x(), place.y(), place.z()});
+  identification.put_shorts(0x0062000b, {static_cast<std::uint16_t>(number)});
+  group.put_items(0x00089124, {derivation})
+      .put_items(0x00209111, {content})
+      .put_items(0x00209113, {position})
+      .put_items(0x0062000a, {identification});
+  return group;
+}
+
+DicomElements shared_groups_of(const VolumeGeometry& grid) {
+  const Mat3& d = grid.direction;
+  DicomElements orientation, measures, shared;
+  orientation.put_decimals(0x00200037, {d(0, 0), d(1, 0), d(2, 0), d(0, 1), d(1, 1), d(2, 1)});
+  measures.put_decimals(0x00180050, {grid.spacing_mm.z()})
+      .put_decimals(0x00180088, {grid.spacing_mm.z()})
+      .put_decimals(0x00280030, {grid.spacing_mm.y(), grid.spacing_mm.x()});
+  shared.put_items(0x00209116, {orientation}).put_items(0x00289110, {measures});
+  return shared;
+}
+
+/// Patient and study, as the series has them. Text in an alphabet that is not known here would be wrong; its elements
+/// stay empty.
+void put_patient_and_study(const DicomItem& about, DicomElements& data) {
+  const std::string alphabet = text_of(about, 0x00080005);
+  const bool known = alphabet.empty() || alphabet == "ISO_IR 6" || alphabet == "ISO_IR 100" || alphabet == "ISO_IR 192";
+  const auto copied = [&](DicomTag tag, const char* vr, bool text) {
+    const std::string value = text_of(about, tag);
+    data.put(tag, vr, !text ? value : known ? segment_name(value) : "");
+  };
+  copied(0x00080020, "DA", false);
+  copied(0x00080030, "TM", false);
+  copied(0x00080050, "SH", true);
+  copied(0x00080090, "PN", true);
+  copied(0x00100010, "PN", true);
+  copied(0x00100020, "LO", true);
+  copied(0x00100030, "DA", false);
+  copied(0x00100040, "CS", false);
+  copied(0x0020000d, "UI", false);
+  copied(0x00200010, "SH", true);
+  copied(0x00200052, "UI", false);
+  // The same input gives the same bytes, so that no clock is asked.
+  const std::string date = text_of(about, 0x00080020), time = text_of(about, 0x00080030);
+  data.put(0x00080023, "DA", date.empty() ? "19700101" : date).put(0x00080033, "TM", time.empty() ? "000000" : time);
+}
+
+void put_dimensions(const std::string& uid, DicomElements& data) {
+  DicomElements organisation, by_segment, by_place;
+  organisation.put(0x00209164, "UI", uid);
+  by_segment.put(0x00209164, "UI", uid)
+      .put_tag(0x00209165, 0x0062000b)
+      .put_tag(0x00209167, 0x0062000a)
+      .put(0x00209421, "LO", "Segment");
+  by_place.put(0x00209164, "UI", uid)
+      .put_tag(0x00209165, 0x00200032)
+      .put_tag(0x00209167, 0x00209113)
+      .put(0x00209421, "LO", "Position");
+  data.put_items(0x00209221, {organisation}).put_items(0x00209222, {by_segment, by_place});
+}
+
+void put_equipment(DicomElements& data) {
+  data.put(0x00080070, "LO", "Homolog")
+      .put(0x00081090, "LO", "Homolog")
+      .put(0x00181000, "LO", "0")
+      .put(0x00181020, "LO", "Homolog");
+}
+
+void put_image(const VolumeGeometry& grid, const WrittenFrames& frames, DicomElements& data) {
+  data.put_shorts(0x00280002, {1})
+      .put(0x00280004, "CS", "MONOCHROME2")
+      .put(0x00280008, "IS", std::to_string(frames.of.size()))
+      .put_shorts(0x00280010, {static_cast<std::uint16_t>(grid.dims[1])})
+      .put_shorts(0x00280011, {static_cast<std::uint16_t>(grid.dims[0])})
+      .put_shorts(0x00280100, {1})
+      .put_shorts(0x00280101, {1})
+      .put_shorts(0x00280102, {0})
+      .put_shorts(0x00280103, {0})
+      .put(0x00282110, "CS", "00")
+      .put(0x7fe00010, "OB", frames.bits);
+}
+
+DicomElements data_set(const DicomSeries& series, const std::vector<WrittenSegment>& segments,
+                       const WrittenFrames& frames, const std::string& instance) {
+  DicomElements data;
+  put_patient_and_study(series.about, data);
+  put_equipment(data);
+  put_dimensions(made_uid(frames.hash, "dimensions"), data);
+  put_image(series.grid, frames, data);
+  std::vector<DicomElements> described_ones, groups, images;
+  for (const WrittenSegment& one : segments) described_ones.push_back(described(one));
+  for (const auto& [number, slice] : frames.of) groups.push_back(frame_group(series, number, slice));
+  if (series.headers.size() == 1)
+    images.push_back(referenced_image(series, 0, false));
+  else
+    for (int k = 0; k < series.grid.dims[2]; ++k) images.push_back(referenced_image(series, k, false));
+  DicomElements referenced;
+  referenced.put_items(0x0008114a, images).put(0x0020000e, "UI", series.headers.front().series_uid);
+  data.put(0x00080005, "CS", "ISO_IR 192")
+      .put(0x00080008, "CS", "DERIVED\\PRIMARY")
+      .put(0x00080016, "UI", segmentation_storage)
+      .put(0x00080018, "UI", instance)
+      .put(0x00080060, "CS", "SEG")
+      .put(0x0008103e, "LO", "Segmentation")
+      .put_items(0x00081115, {referenced})
+      .put(0x0020000e, "UI", made_uid(frames.hash, "series"))
+      .put(0x00200011, "IS", "900")
+      .put(0x00200013, "IS", "1")
+      .put(0x00201040, "LO", "")
+      .put(0x00620001, "CS", "BINARY")
+      .put_items(0x00620002, described_ones)
+      .put(0x00700080, "CS", "SEGMENTATION")
+      .put(0x00700081, "LO", "")
+      .put(0x00700084, "PN", "Homolog")
+      .put_items(0x52009229, {shared_groups_of(series.grid)})
+      .put_items(0x52009230, groups);
+  return data;
+}
+
+/// Errors: the series lacks what a segmentation refers to.
+Result<void> check_series(const fs::path& path, const DicomSeries& series) {
+  for (const auto& [tag, what] : {std::pair(0x0020000dU, "study"), std::pair(0x00200052U, "frame of reference"),
+                                  std::pair(0x0020000eU, "series"), std::pair(0x00080018U, "instance")})
+    if (text_of(series.about, tag).empty())
+      return fail(path.string(), std::string("names no ") + what +
+                                     " (its UID is missing), so that no segmentation can refer to it; take the series "
+                                     "as the scanner wrote it");
+  if (series.arrangement.frames > 1)
+    return fail(path.string(),
+                "holds several frames, of which a segmentation could not say which it is of; keep the "
+                "images of one");
+  return {};
+}
+
+std::vector<std::string> numbered_anew(const fs::path& path, const std::vector<WrittenSegment>& segments) {
+  for (const WrittenSegment& one : segments)
+    if (one.number != one.segment.value)
+      return {path.string() + ": numbers its segments from 1, as the standard asks, so that " +
+              label_words(one.segment) + " is segment " + std::to_string(one.number) +
+              (one.number == static_cast<int>(segments.size()) ? "" : ", and so on")};
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> write_dicom_segmentation(const VolumeRead& map, const fs::path& path,
+                                                          const fs::path& series_path, Progress* progress) {
+  const auto series = read_dicom_series(series_path, progress);
+  if (!series) return fail(series.error());
+  if (auto whole = check_series(series_path, *series); !whole) return fail(whole.error());
+  if (map.volume.frames > 1) return fail(path.string(), "cannot hold the frames of a cine; write one frame by itself");
+  std::optional<VoxelMapping> mapping = mapping_of(series->grid, map.volume.geometry);
+  for (const Volume& layer : map.other_layers)
+    if (!same_grid(layer.geometry, map.volume.geometry)) mapping.reset();
+  if (!mapping)
+    return fail(path.string(), "cannot be written: the label map does not lie on the voxels of " +
+                                   series_path.string() + "; resample it to the series, or make it anew on it");
+  const double layers = 1 + static_cast<double>(map.other_layers.size());
+  if (auto enough = check_memory(path, layers * sizeof(int) * static_cast<double>(series->grid.voxels())); !enough)
+    return fail(enough.error());
+  const auto segments = segments_to_write(map);
+  constexpr std::size_t most_segments = 65535;
+  if (segments.empty() || segments.size() > most_segments)
+    return fail(path.string(), segments.empty() ? "would hold no segment, since the label map is empty"
+                                                : "cannot hold more than 65,535 segments; choose fewer labels");
+  const WrittenFrames frames = frames_to_write(map, segments, series->grid, *mapping, progress);
+  if (progress && progress->cancelled()) return fail(path.string(), "was not written: cancelled");
+  if (frames.bits.size() > std::numeric_limits<std::uint32_t>::max() - 2)
+    return fail(path.string(), "would be larger than a DICOM file can be; choose fewer labels");
+  Hash of = frames.hash;
+  for (const WrittenSegment& one : segments)
+    for (const char c : label_text(one.segment) + '\n') of.add(static_cast<unsigned char>(c));
+  for (const char c : series->headers.front().series_uid) of.add(static_cast<unsigned char>(c));
+  const std::string instance = made_uid(of, "instance");
+  DicomElements meta;
+  meta.put(0x00020001, "OB", std::string("\0\1", 2))
+      .put(0x00020002, "UI", segmentation_storage)
+      .put(0x00020003, "UI", instance)
+      .put(0x00020010, "UI", "1.2.840.10008.1.2.1")
+      .put(0x00020012, "UI", made_uid({}, "Homolog"));
+  const std::string head = meta.bytes();
+  DicomElements length;
+  length.put_longs(0x00020000, {static_cast<std::uint32_t>(head.size())});
+  const std::string content =
+      std::string(128, '\0') + "DICM" + length.bytes() + head + data_set(*series, segments, frames, instance).bytes();
+  if (auto written = write_whole_file(path, content); !written) return fail(written.error());
+  return numbered_anew(path, segments);
+}
+
+}  // namespace homolog

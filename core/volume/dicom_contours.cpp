@@ -182,42 +182,49 @@ std::size_t ContourRoi::planes() const {
 
 std::pair<Vec3, Vec3> plane_of(const Contour& contour) {
   const auto& p = contour.points;
-  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
+  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero(), widest = Vec3::Zero();
   for (const Vec3& point : p) centre += point / static_cast<double>(p.size());
-  for (std::size_t k = 0; k < p.size(); ++k) normal += (p[k] - centre).cross(p[(k + 1) % p.size()] - centre);
-  const double length = normal.norm();
-  return {centre, length > 0 ? Vec3(normal / length) : Vec3::Zero()};
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    const Vec3 corner = (p[k] - centre).cross(p[(k + 1) % p.size()] - centre);
+    normal += corner;
+    if (corner.squaredNorm() > widest.squaredNorm()) widest = corner;
+  }
+  // Lobes of a contour that crosses itself may cancel out; then the widest corner tells the plane.
+  constexpr double cancelled = 1e-3;
+  if (normal.norm() < cancelled * widest.norm()) normal = widest;
+  return {centre, normal.norm() > 0 ? Vec3(normal.normalized()) : Vec3(Vec3::Zero())};
 }
 
 bool crosses_itself(const Contour& contour) {
-  const Vec3 normal = plane_of(contour).second;
   const auto& p = contour.points;
   if (!contour.closed || p.size() < 4) return false;
-  // In the two coordinates in which the plane is seen largest; lobes that cancel out leave no normal.
-  Vec3 low = p.front(), high = p.front();
-  for (const Vec3& point : p) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
+  // In the two coordinates in which the plane is seen largest.
   int across = 0;
-  if (normal.norm() > 0)
-    normal.cwiseAbs().maxCoeff(&across);
-  else
-    (high - low).minCoeff(&across);
+  plane_of(contour).second.cwiseAbs().maxCoeff(&across);
   const int u = (across + 1) % 3, v = (across + 2) % 3;
   const auto side = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
     return cross2(b[u] - a[u], b[v] - a[v], c[u] - a[u], c[v] - a[v]);
   };
+  // Edges by where they begin along u, so that only those are compared that meet there.
+  struct Edge {
+    double from, to;
+    std::size_t begin;
+  };
   const std::size_t n = p.size();
-  for (std::size_t k = 0; k < n; ++k) {
-    const Vec3 &a = p[k], &b = p[(k + 1) % n];
-    const double from = std::min(a[u], b[u]), to = std::max(a[u], b[u]);
-    for (std::size_t m = k + 2; m < n; ++m) {
-      const Vec3 &c = p[m], &d = p[(m + 1) % n];
-      if (std::max(c[u], d[u]) <= from || std::min(c[u], d[u]) >= to) continue;
+  std::vector<Edge> edges;
+  for (std::size_t k = 0; k < n; ++k)
+    edges.push_back({std::min(p[k][u], p[(k + 1) % n][u]), std::max(p[k][u], p[(k + 1) % n][u]), k});
+  std::sort(edges.begin(), edges.end(),
+            [](const Edge& a, const Edge& b) { return std::pair(a.from, a.begin) < std::pair(b.from, b.begin); });
+  // No contour that somebody drew needs more; of others nothing is said.
+  constexpr std::size_t most_comparisons = 50'000'000;
+  std::size_t compared = 0;
+  for (std::size_t e = 0; e < n; ++e)
+    for (std::size_t o = e + 1; o < n && edges[o].from < edges[e].to && ++compared < most_comparisons; ++o) {
+      const Vec3 &a = p[edges[e].begin], &b = p[(edges[e].begin + 1) % n];
+      const Vec3 &c = p[edges[o].begin], &d = p[(edges[o].begin + 1) % n];
       if (side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0) return true;
     }
-  }
   return false;
 }
 

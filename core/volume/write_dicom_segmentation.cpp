@@ -331,8 +331,9 @@ DicomElements data_set(const DicomSeries& series, const std::vector<WrittenSegme
 
 /// Errors: the series lacks what a segmentation refers to.
 Result<void> check_series(const fs::path& path, const DicomSeries& series) {
-  for (const auto& [tag, what] : {std::pair(0x0020000dU, "study"), std::pair(0x00200052U, "frame of reference"),
-                                  std::pair(0x0020000eU, "series"), std::pair(0x00080018U, "instance")})
+  for (const auto& [tag, what] :
+       {std::pair(0x0020000dU, "study"), std::pair(0x00200052U, "frame of reference"), std::pair(0x0020000eU, "series"),
+        std::pair(0x00080018U, "instance"), std::pair(0x00080016U, "class")})
     if (text_of(series.about, tag).empty())
       return fail(path.string(), std::string("names no ") + what +
                                      " (its UID is missing), so that no segmentation can refer to it; take the series "

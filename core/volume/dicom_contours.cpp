@@ -58,6 +58,7 @@ std::set<std::string> spaces_of(const DicomItem& data) {
   if (spaces.empty())
     for_each_item(data, rt::spaces, [&](const DicomItem& item) { spaces.insert(text_of(item, rt::space)); });
   spaces.erase("");
+  if (const std::string whole = text_of(data, rt::space); spaces.empty() && !whole.empty()) spaces.insert(whole);
   return spaces;
 }
 

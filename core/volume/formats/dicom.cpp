@@ -232,16 +232,17 @@ std::optional<VolumeGeometry> grid_beside(const DicomSet& segmentation, Progress
     if (entry->is_regular_file(not_a_file) && !is_hidden(entry->path()) && looks_like_dicom(entry->path()))
       files.push_back(entry->path());
   std::sort(files.begin(), files.end());
-  std::vector<DicomHeader> headers;
+  std::map<std::string, std::vector<DicomHeader>> series;
   for (const fs::path& file : files) {
     if (progress && progress->cancelled()) return {};
     const auto set = parse_dicom(file);
-    if (!set || is_dicom_segmentation(*set) || text_of(set->elements, 0x0020000e) != wanted.front()) continue;
+    if (!set || is_dicom_segmentation(*set)) continue;
     DicomHeader header = dicom_header(*set);
-    if (header.is_image() && header.frame_of_reference == space) headers.push_back(std::move(header));
+    if (header.is_image() && header.frame_of_reference == space) series[header.series_uid].push_back(std::move(header));
   }
-  if (headers.empty()) return {};
-  return grid_of_series(folder, headers);
+  for (const std::string& uid : wanted)
+    if (const auto found = series.find(uid); found != series.end()) return grid_of_series(folder, found->second);
+  return {};
 }
 
 Result<VolumeRead> read_segmentation(const DicomSet& set, Progress* progress) {
@@ -313,9 +314,10 @@ Result<DicomSeries> read_dicom_series(const fs::path& path, Progress* progress) 
     auto contents = scan_folder(path, progress);
     if (!contents) return fail(contents.error());
     if (contents->series.size() != 1)
-      return fail(path.string(), contents->series.empty()
-                                     ? "holds no DICOM images, to which a segmentation could refer; choose the folder that does"
-                                     : "holds several series; choose a folder with the one that was segmented");
+      return fail(path.string(),
+                  contents->series.empty()
+                      ? "holds no DICOM images, to which a segmentation could refer; choose the folder that does"
+                      : "holds several series; choose a folder with the one that was segmented");
     all = std::move(contents->series.begin()->second);
   } else {
     const auto set = parse_dicom(path);

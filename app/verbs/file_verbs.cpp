@@ -6,6 +6,7 @@
 #include "app/verbs/describe.h"
 #include "app/verbs/model_part.h"
 #include "app/verbs/read_image.h"
+#include "app/verbs/record.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
@@ -61,14 +62,15 @@ Result<std::vector<std::string>> check_effect(const fs::path& path, const std::s
 
 /// A model's mean or random shape as a mesh.
 Result<Report> convert_model(const fs::path& in, const fs::path& out, const std::string& structure,
-                             std::optional<std::uint64_t> seed) {
+                             std::optional<std::uint64_t> seed, const std::string& record) {
   if (!is_mesh_name(out)) return fail(out.string(), "is no mesh's name; a model's shape is one, so use .ply or .vtk");
-  const auto mesh = mesh_of_model(in, structure, seed);
+  auto mesh = mesh_of_model(in, structure, seed);
   if (!mesh) return fail(mesh.error());
   if (mesh->triangles.rows() == 0 && out.extension() != ".particles")
     return fail(out.string(), "needs faces, and " + in.string() + " is a model of points alone; use .particles");
   auto report = describe(*mesh, in);
   if (!report) return report;
+  mesh->record = record;
   if (auto written = write_mesh_file(*mesh, out); !written) return fail(written.error());
   return report;
 }
@@ -79,17 +81,17 @@ bool is_dicom_name(const fs::path& path) {
 
 /// Writes a label map by the ending of its name; one of DICOM refers to a series. Gives warnings.
 Result<std::vector<std::string>> write_labels(const VolumeRead& map, const fs::path& out, const fs::path& series,
-                                              Progress& progress) {
+                                              Progress& progress, const std::string& record) {
   if (is_dicom_name(out) && series.empty())
     return fail(out.string(), "becomes a DICOM segmentation, which refers to a series of images; name it by --like");
   if (is_dicom_name(out)) return write_dicom_segmentation(map, out, series, &progress);
-  if (auto written = write_segmentation(map, out, &progress); !written) return fail(written.error());
+  if (auto written = write_segmentation(map, out, &progress, record); !written) return fail(written.error());
   return std::vector<std::string>();
 }
 
 /// Contours as a label map on the grid of an image.
 Result<Report> convert_contours(const fs::path& in, const fs::path& out, const fs::path& like,
-                                const std::string& structure, Progress& progress) {
+                                const std::string& structure, Progress& progress, const std::string& record) {
   if (like.empty())
     return fail(in.string(),
                 "holds contours, which become a label map on the grid of an image; name the series that "
@@ -106,7 +108,7 @@ Result<Report> convert_contours(const fs::path& in, const fs::path& out, const f
   if (!image) return fail(image.error());
   auto map = labels_of_contours(in, *contours, like, image->volume, &progress);
   if (!map) return fail(map.error());
-  const auto written = write_labels(*map, out, like, progress);
+  const auto written = write_labels(*map, out, like, progress, record);
   if (!written) return fail(written.error());
   std::vector<std::string> warnings = image->warnings;
   warnings.insert(warnings.end(), map->warnings.begin(), map->warnings.end());
@@ -129,11 +131,12 @@ void warn_of_misfit(const fs::path& path, const Mesh& mesh, const fs::path& othe
 }
 
 /// Reads a mesh, changes it, and writes it once it is known to be one that can be read again.
-Result<Report> describe_and_write(const fs::path& in, const fs::path& out,
+Result<Report> describe_and_write(const fs::path& in, const fs::path& out, const std::string& record,
                                   const std::function<MeshFile(MeshFile)>& change) {
   auto mesh = read_mesh_file(in);
   if (!mesh) return fail(mesh.error());
-  const MeshFile changed = change(std::move(*mesh));
+  MeshFile changed = change(std::move(*mesh));
+  changed.record = record;
   auto report = describe(changed, in);
   if (!report) return report;
   if (auto written = write_mesh_file(changed, out); !written) return fail(written.error());
@@ -196,6 +199,7 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     std::string structure;
     fs::path like;
     std::optional<std::uint64_t> sample;
+    GivenCommand command;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "convert", "Any readable volume or mesh to any writable format");
@@ -217,10 +221,12 @@ void add_convert(CLI::App& app, CommandLine& asked) {
   auto* sample =
       verb->add_option("--sample", options->sample, "Of a model the random shape of this seed, not the mean");
   const auto convert = [options, structure, sample](Progress& progress) -> Result<Report> {
+    const auto record = record_of(options->command, progress);
+    if (!record) return fail(record.error());
     if (is_model_name(options->in))
-      return convert_model(options->in, options->out, options->structure, options->sample);
+      return convert_model(options->in, options->out, options->structure, options->sample, *record);
     if (holds_contours(options->in) && sample->count() == 0)
-      return convert_contours(options->in, options->out, options->like, options->structure, progress);
+      return convert_contours(options->in, options->out, options->like, options->structure, progress, *record);
     if (structure->count() + sample->count() > 0)
       return fail(options->in.string(), "is no model, so --structure and --sample have no effect; leave them out");
     if (!options->like.empty() && !is_dicom_name(options->out))
@@ -235,7 +241,7 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     if (!warnings) return fail(warnings.error());
     if (is_mesh_name(options->in)) {
       const Vec3 times = options->times * (options->from_ras ? Vec3(-1, -1, 1) : Vec3(1, 1, 1));
-      return describe_and_write(options->in, options->out, [times](MeshFile mesh) {
+      return describe_and_write(options->in, options->out, *record, [times](MeshFile mesh) {
         if (times == Vec3(1, 1, 1)) return mesh;
         mesh.points *= times.asDiagonal();
         for (Landmark& landmark : mesh.landmarks) landmark.position = landmark.position.cwiseProduct(times);
@@ -252,19 +258,23 @@ void add_convert(CLI::App& app, CommandLine& asked) {
       return fail(options->in.string(),
                   "is no label map, and DICOM files are written of label maps alone; choose another "
                   "format");
-    const auto written = write_labels(*read, options->out, options->like, progress);
+    const auto written = write_labels(*read, options->out, options->like, progress, *record);
     if (!written) return fail(written.error());
     warnings->insert(warnings->begin(), read->warnings.begin(), read->warnings.end());
     warnings->insert(warnings->end(), written->begin(), written->end());
     return Report{describe(read->volume), std::move(*warnings)};
   };
-  verb->callback([convert, &asked] { asked.run = convert; });
+  verb->callback([options, verb, convert, &asked] {
+    options->command = given_command(*verb);
+    asked.run = convert;
+  });
 }
 
 void add_mirror(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path in, out;
     std::string plane = "sagittal";
+    GivenCommand command;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "mirror", "The template of the other side, with the same numbering");
@@ -272,20 +282,26 @@ void add_mirror(CLI::App& app, CommandLine& asked) {
   keeps_correspondence(verb->add_option("-o,--output", options->out, "The file to write")->required());
   verb->add_option("--plane", options->plane, "Plane to mirror across")
       ->check(CLI::IsMember({"sagittal", "coronal", "axial"}));
-  const auto mirror = [options](Progress&) -> Result<Report> {
+  const auto mirror = [options](Progress& progress) -> Result<Report> {
+    const auto record = record_of(options->command, progress);
+    if (!record) return fail(record.error());
     const AnatomicalPlane plane = options->plane == "sagittal"  ? AnatomicalPlane::sagittal
                                   : options->plane == "coronal" ? AnatomicalPlane::coronal
                                                                 : AnatomicalPlane::axial;
-    return describe_and_write(options->in, options->out,
+    return describe_and_write(options->in, options->out, *record,
                               [plane](const MeshFile& mesh) { return mirrored(mesh, plane); });
   };
-  verb->callback([mirror, &asked] { asked.run = mirror; });
+  verb->callback([options, verb, mirror, &asked] {
+    options->command = given_command(*verb);
+    asked.run = mirror;
+  });
 }
 
 void add_label_map(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path mesh, like, out;
     int value = 1;
+    GivenCommand command;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "label-map", "The segmentation as voxels on a volume's grid");
@@ -304,14 +320,16 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
     if (!like) return fail(like.error());
     const auto misfit = misfit_in_image(bounds_of(mesh->points), like->volume.geometry);
     const Volume labels = label_map(*mesh, like->volume.geometry, options->value);
+    const auto record = record_of(options->command, progress);
+    if (!record) return fail(record.error());
     std::vector<std::string> warnings = like->warnings;
     if (is_dicom_name(options->out)) {
       VolumeRead map{.volume = labels, .warnings = {}, .segmentation = {}, .other_layers = {}};
       map.segmentation.add({.name = options->mesh.stem().string(), .value = options->value});
-      const auto written = write_labels(map, options->out, options->like, progress);
+      const auto written = write_labels(map, options->out, options->like, progress, *record);
       if (!written) return fail(written.error());
       warnings.insert(warnings.end(), written->begin(), written->end());
-    } else if (auto written = write_volume(labels, options->out, &progress); !written) {
+    } else if (auto written = write_volume(labels, options->out, &progress, *record); !written) {
       return fail(written.error());
     }
     const auto counted = labels_of(labels);
@@ -332,7 +350,10 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
                      {"volume_ml", static_cast<double>(voxels) * labels.geometry.voxel_volume_mm3() / 1000}};
     return report;
   };
-  verb->callback([label, &asked] { asked.run = label; });
+  verb->callback([options, verb, label, &asked] {
+    options->command = given_command(*verb);
+    asked.run = label;
+  });
 }
 
 namespace {

@@ -101,6 +101,9 @@ Result<Report> fit_image(const FitJob& options, const FitShared& shared, Progres
   fit.landmarks = carried_landmarks(the_template, mesh.points);
   MeshFile file = fitted_file(the_template, fit, false);
   if (image->volume.frames > 1) note_frame(file, options.snap.frame);
+  auto record = record_of(options.command, progress);
+  if (!record) return fail(record.error());
+  file.record = std::move(*record);
   if (auto written = write_mesh_file(file, options.out); !written) return fail(written.error());
   Report report = snap_report(*snapped, mesh, placed, options.image);
   report.values["placement"] = to_json(nearest_similarity(the_template.points, mesh.points, *placement));
@@ -342,6 +345,7 @@ void add_fit(CLI::App& app, CommandLine& asked) {
       ->capture_default_str();
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->callback([options, verb, &asked] {
+    options->command = given_command(*verb);
     if (verb->count("--frame") > 0) options->frame = options->snap.frame;
     bool masks = false, meshes = false;
     const bool to_set = names_set(options->template_source);

@@ -223,6 +223,18 @@ std::optional<double> closing_of(const FitShared& shared, const AmongCases& amon
 
 }  // namespace
 
+Result<std::string> record_of_fit(const FitJob& options, const fs::path& path, Progress& progress) {
+  const char* const option = options.to_meshes() ? "--mesh" : "--mask";
+  if (options.ways_by_others() > 0)
+    return record_of(options.command.with(option, options.cases()), progress, case_name_of(path) + ".ply");
+  GivenCommand alone = options.command.with(option, {path});
+  if (fs::is_directory(options.landmarks)) {
+    const fs::path own = landmark_file_in(options.landmarks, case_name_of(path));
+    alone = alone.with("--landmarks", own.empty() ? std::vector<fs::path>() : std::vector{own});
+  }
+  return record_of(alone, progress);
+}
+
 Result<FitShared> shared_of_fits(const FitJob& options) {
   auto of_file = load_template(options.template_source);
   if (!of_file) return fail(of_file.error());
@@ -288,6 +300,9 @@ Result<Report> fit_case(const FitJob& options, const FitShared& shared, const fs
   const bool of_cine = target->mask && target->mask->volume.frames > 1;
   if (of_cine) note_frame(file, target->mask->frame);
   if (fitted.judgement.doubtful) file.comments.push_back(doubt_comment(reason_of_doubt(fitted.judgement.warnings)));
+  auto record = record_of_fit(options, path, progress);
+  if (!record) return fail(record.error());
+  file.record = std::move(*record);
   if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
   std::vector<std::string> kept;
   if (among.of_study != nullptr) {

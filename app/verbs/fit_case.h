@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/verbs/case_landmarks.h"
+#include "app/verbs/record.h"
 #include "app/verbs/snap_arguments.h"
 #include "app/verbs/verb.h"
 #include "core/adapt/judge_fit.h"
@@ -31,6 +32,8 @@ struct FitJob {
   int by_others = 0;  ///< third subjects
   double gap_mm = 0;  ///< of a set: between neighbours
 
+  GivenCommand command;  ///< for the records of its files
+
   bool to_meshes() const { return !meshes.empty(); }
   const std::vector<std::filesystem::path>& cases() const { return to_meshes() ? meshes : masks; }
   /// By how many third subjects each case is fitted too. None unless asked for: a case's files do not hang on what
@@ -40,6 +43,10 @@ struct FitJob {
   }
   LandmarkFiles landmark_files() const { return {landmarks, template_source, cases().size() > 1 || of_folder}; }
 };
+
+/// The record of a case's file: of the command that makes it alone, whatever else is fitted in the same run. With
+/// --by-others the other cases count too, and it is the record of one file of a folder. Errors: record_of's.
+Result<std::string> record_of_fit(const FitJob& options, const std::filesystem::path& path, Progress& progress);
 
 /// What all cases of a run share, read once.
 struct FitShared {

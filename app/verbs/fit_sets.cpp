@@ -72,7 +72,9 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
 
 /// Writes what was fitted: a mesh each, and a label map of all; how many voxels two meshes hold.
 Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set, const SetInMap& subject,
-                               const SubjectMap& map, const std::string& name, FittedSet& fitted) {
+                               const SubjectMap& map, const fs::path& of_map, FittedSet& fitted, Progress& progress) {
+  const std::string name = case_name_of(of_map);
+  const GivenCommand alone = options.command.with("--mask", {of_map});
   const auto folder = ResultFolder::make(options.out / name);
   if (!folder) return fail(folder.error());
   std::vector<MeshOfSegment> meshes;
@@ -82,12 +84,18 @@ Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set,
     MeshFile file = fitted_file(*set.templates[k], *one.fit, false);
     if (map.read.volume.frames > 1) note_frame(file, map.frame);
     if (one.judgement.doubtful) file.comments.push_back(doubt_comment(reason_of_doubt(one.judgement.warnings)));
-    const fs::path path = options.out / name / (file_name_of_structure(set.set.structures[k].name) + ".ply");
-    if (auto written = write_mesh_file(file, path); !written) return fail(written.error());
+    const std::string output = name + "/" + file_name_of_structure(set.set.structures[k].name) + ".ply";
+    auto record = record_of(alone, progress, output);
+    if (!record) return fail(record.error());
+    file.record = std::move(*record);
+    if (auto written = write_mesh_file(file, options.out / output); !written) return fail(written.error());
     meshes.push_back({subject.structures[k].segment, one.fit->mesh});
   }
   const auto labels = map_of_meshes(meshes, grid_of_all(map.read));
-  if (auto written = write_segmentation(labels.map, options.out / (name + ".seg.nrrd")); !written)
+  const std::string output = name + ".seg.nrrd";
+  const auto record = record_of(alone, progress, output);
+  if (!record) return fail(record.error());
+  if (auto written = write_segmentation(labels.map, options.out / output, nullptr, *record); !written)
     return fail(written.error());
   return labels.contested_voxels;
 }
@@ -111,8 +119,7 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
                                    "; give the map names, or the set other values");
   auto fitted = fit_set(set, subject, {options.gap_mm, &progress});
   if (!fitted) return fail(path.string(), fitted.error().what);
-  const std::string name = case_name_of(path);
-  const auto contested = write_fits(options, set, subject, *map, name, *fitted);
+  const auto contested = write_fits(options, set, subject, *map, path, *fitted, progress);
   if (!contested) return fail(contested.error());
   Report report;
   auto one = write_case_of_set(set, path, *map, subject, *fitted, options.out, report.warnings);
@@ -124,7 +131,7 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   Json rows = Json::array();
   for (std::size_t k = 0; k < fitted->structures.size(); ++k)
     rows.push_back(row_of_fit(set.set.structures[k], subject.structures[k], fitted->structures[k]));
-  report.values = {{"name", name},
+  report.values = {{"name", case_name_of(path)},
                    {"case", path.string()},
                    {"overlap_voxels", *contested},
                    {"overlap_mm", fitted->depth_mm},

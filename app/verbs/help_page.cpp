@@ -82,6 +82,7 @@ const std::map<std::string_view, Examples> examples{
     {"propagate",
      {"propagate end_diastole.ply --image cine.nii.gz --frame 0 -o beat/",
       "propagate end_diastole.ply --image cine.nii.gz --frame 0 --reach-mm 4 -o beat/"}},
+    {"verify", {"verify fits/case_1.ply --inputs data/", "verify kidney.h5.json --inputs data/ --json"}},
     {"bench", {"bench", "bench --mesh kidney.ply --json"}},
     {"study", {"study make cases.csv --template kidney.ply -o kidneys.study.json", "study bias labels/ --label 1"}},
     {"study make",

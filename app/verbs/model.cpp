@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/verbs/record.h"
 #include "app/verbs/training.h"
 #include "core/base/listed.h"
 #include "core/groupwise/optimise.h"
@@ -32,6 +33,7 @@ struct ModelOptions {
   fs::path out, tables, aligned, optimised;
   double variance = 0.95;
   bool optimise = false, free_landmarks = false;
+  GivenCommand command;
 
   /// Where optimised meshes go: as asked, or beside the model under its name.
   fs::path optimised_folder() const {
@@ -157,7 +159,9 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   model.poses = training->poses;
   model.completed = training->completed;
   model.left_out_distances = left_out_distances(components, model.modes());
-  if (auto written = write_model(model, options.out); !written) return fail(written.error());
+  const auto record = record_of(options.command, progress);
+  if (!record) return fail(record.error());
+  if (auto written = write_model(model, options.out, *record); !written) return fail(written.error());
   Report report;
   report.warnings = std::move(training->warnings);
   if (components.shapes() == 2)
@@ -196,8 +200,10 @@ void add_model(CLI::App& app, CommandLine& asked) {
                    "Folder for the optimised meshes (default: NAME-optimised beside the model)")
       ->needs(optimise);
   verb->add_flag("--free-landmarks", options->free_landmarks, "Vertices at named landmarks slide too")->needs(optimise);
-  verb->callback(
-      [options, &asked] { asked.run = [options](Progress& progress) { return make_and_write(*options, progress); }; });
+  verb->callback([options, verb, &asked] {
+    options->command = given_command(*verb);
+    asked.run = [options](Progress& progress) { return make_and_write(*options, progress); };
+  });
 }
 
 }  // namespace homolog

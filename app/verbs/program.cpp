@@ -91,7 +91,8 @@ int run_verb(const VerbRun& run, bool json, bool quiet) {
   } else if (!quiet) {
     print_report(report->values, std::cout);
   }
-  return shown() ? succeeded : refused;
+  if (report->refusal) std::cerr << "homolog: " << report->refusal->sentence() << '\n';
+  return shown() && !report->refusal ? succeeded : refused;
 }
 
 /// Whether a whole number fits into 64 bits; the library takes the largest number for all above.

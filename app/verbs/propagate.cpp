@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "app/verbs/read_image.h"
+#include "app/verbs/record.h"
 #include "app/verbs/snap_arguments.h"
 #include "core/adapt/propagate.h"
 #include "core/assist/assist.h"
@@ -25,6 +26,7 @@ struct PropagateVerb {
   fs::path image, out;
   int frame = 0;
   PropagateOptions options;
+  GivenCommand command;
 };
 
 std::string frame_name(std::size_t frame) {
@@ -92,7 +94,8 @@ std::string volume_table(const Propagation& propagation, double frame_seconds) {
   return table;
 }
 
-Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propagation& propagation) {
+Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propagation& propagation,
+                       Progress& progress) {
   const auto made = ResultFolder::make(verb.out);
   if (!made) return fail(made.error());
   auto session = case_of(verb, initial, propagation);
@@ -103,7 +106,11 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
     file.points = propagation.frames[f].points;
     file.landmarks = carried_landmarks(the_template, file.points);
     note_frame(file, static_cast<int>(f));
-    if (auto written = write_mesh_file(file, verb.out / (frame_name(f) + ".ply")); !written) return written;
+    const std::string output = frame_name(f) + ".ply";
+    auto record = record_of(verb.command, progress, output);
+    if (!record) return fail(record.error());
+    file.record = std::move(*record);
+    if (auto written = write_mesh_file(file, verb.out / output); !written) return written;
   }
   const double frame_seconds = initial.scan.image->frame_seconds;
   const std::string table = volume_table(propagation, frame_seconds);
@@ -161,7 +168,7 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Document initial =
       new_document(verb.image.string(), std::make_shared<const Volume>(std::move(image->volume)), *the_template);
-  if (auto written = write_all(verb, initial, *propagation); !written) return fail(written.error());
+  if (auto written = write_all(verb, initial, *propagation, progress); !written) return fail(written.error());
   Report report = report_of(verb, *propagation, options.missing_share);
   report.values["seconds"] = seconds;
   report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
@@ -185,8 +192,10 @@ void add_propagate(CLI::App& app, CommandLine& asked) {
                    "How far (mm) the boundary may move from one frame to the next")
       ->check(CLI::Range(0.5, 50.0))
       ->capture_default_str();
-  verb->callback(
-      [options, &asked] { asked.run = [options](Progress& progress) { return run_propagate(*options, progress); }; });
+  verb->callback([options, verb, &asked] {
+    options->command = given_command(*verb);
+    asked.run = [options](Progress& progress) { return run_propagate(*options, progress); };
+  });
 }
 
 }  // namespace homolog

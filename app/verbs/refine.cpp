@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "app/verbs/describe.h"
+#include "app/verbs/record.h"
 #include "core/deform/fold_guard.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
@@ -35,8 +36,11 @@ Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
   if (auto done = session.apply(std::move(refined->action)); !done) return fail(verb.file.string(), done.error().what);
   const ShapeView done = *session.document().view();
   if (!verb.out.empty()) {
-    auto written = write_mesh_file(to_mesh_file(done, session.document().scan.frames() > 1), verb.out);
-    if (!written) return fail(written.error());
+    MeshFile file = to_mesh_file(done, session.document().scan.frames() > 1);
+    auto record = record_of_case(verb.file, progress);
+    if (!record) return fail(record.error());
+    file.record = std::move(*record);
+    if (auto written = write_mesh_file(file, verb.out); !written) return fail(written.error());
   }
   const Mesh after = done.mesh();
   const auto moved_mm = (after.points - before.points).rowwise().norm();

@@ -6,6 +6,7 @@
 
 #include "app/verbs/describe.h"
 #include "app/verbs/mending_report.h"
+#include "app/verbs/record.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
@@ -22,6 +23,7 @@ struct RepairJob {
   fs::path in, out;
   std::string genus = "keep", holes = "small";
   int vertices = 0;
+  GivenCommand command;
 };
 
 constexpr int fewest_vertices = 100, most_vertices = 20000;  ///< of a surface that is rebuilt, where nobody says
@@ -112,13 +114,16 @@ Result<Report> repair(const RepairJob& job, Progress& progress) {
   if (repair->mended.any()) warnings.push_back("was mended: " + repair->mended.words());
   warnings.insert(warnings.end(), cut->warnings.begin(), cut->warnings.end());
   const bool changed = repair->mended.any() || cut->rebuilt;
-  const MeshFile file = changed ? file_of(cut->mesh, *before, warnings) : *before;
+  MeshFile file = changed ? file_of(cut->mesh, *before, warnings) : *before;
   auto report = describe(file, job.out);
   if (!report) return report;
   report->values["mended"] = json_of(repair->mended);
   report->values.update(cut->further);
   report->warnings = about(job.in, std::move(warnings));
   for (std::string& fault : faults_of(file, job.out)) report->warnings.push_back(std::move(fault));
+  auto record = record_of(job.command, progress);
+  if (!record) return fail(record.error());
+  file.record = std::move(*record);
   if (auto written = write_mesh_file(file, job.out); !written) return fail(written.error());
   return report;
 }
@@ -142,6 +147,7 @@ void add_repair_mesh(CLI::App& app, CommandLine& asked) {
       ->check(CLI::Range(100, 200000));
   verb->callback([job, verb, &asked] {
     if (job->genus == "keep") refuse_without_effect(*verb, "--vertices", "surfaces that --genus makes anew");
+    job->command = given_command(*verb);
     asked.run = [job](Progress& progress) { return repair(*job, progress); };
   });
 }

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "app/verbs/record.h"
 #include "app/verbs/verb.h"
 #include "core/deform/fold_guard.h"
 #include "core/session/case_file.h"
@@ -17,6 +18,7 @@ struct ReplayVerb {
   double spacing = -1;
   int events = 0;
   int frame = -1;
+  GivenCommand command;
 };
 
 ReplayOptions replay_options(const ReplayVerb& verb, Progress& progress) {
@@ -43,7 +45,10 @@ Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
   if (shape == nullptr) {
     return fail(verb.file.string(), "has no mesh in frame " + std::to_string(frame) + "; choose another with --frame");
   }
-  const MeshFile mesh = to_mesh_file({*structure, *shape, frame}, document.scan.frames() > 1);
+  auto record = record_of(verb.command, progress);
+  if (!record) return fail(record.error());
+  MeshFile mesh = to_mesh_file({*structure, *shape, frame}, document.scan.frames() > 1);
+  mesh.record = std::move(*record);
   if (auto written = write_mesh_file(mesh, verb.out); !written) return fail(written.error());
   const auto turned = turned_triangles(*structure->the_template->topology, *shape->placed, mesh.points);
   return Report{{{"strokes", read->session.strokes()},
@@ -71,6 +76,7 @@ void add_replay(CLI::App& app, CommandLine& asked) {
   verb->callback([options, verb, &asked] {
     if (!options->scheme.empty() && options->scheme != "paper")
       refuse_without_effect(*verb, "--events", "the scheme paper");
+    options->command = given_command(*verb);
     asked.run = [options](Progress& progress) { return replay(*options, progress); };
   });
 }

@@ -3,6 +3,7 @@
 
 #include "app/verbs/describe.h"
 #include "app/verbs/read_image.h"
+#include "app/verbs/record.h"
 #include "app/verbs/snap_arguments.h"
 #include "core/assist/assist.h"
 #include "core/catalogue/catalogue.h"
@@ -22,6 +23,7 @@ struct SnapVerb {
   fs::path source, image, out;
   std::vector<double> at;
   double sigma_mm = 10;
+  GivenCommand command;
 
   bool of_case() const { return is_case_file(source); }
 };
@@ -83,6 +85,10 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   if (!verb.out.empty()) {
     MeshFile file = to_mesh_file(*after, session->document().scan.frames() > 1);
     if (!verb.of_case()) file.landmarks = carried_landmarks(after->the_template(), *after->shape.points);
+    // The case has gone on: it is playing it that gives this mesh.
+    auto record = verb.of_case() ? record_of_case(verb.source, progress) : record_of(verb.command, progress);
+    if (!record) return fail(record.error());
+    file.record = std::move(*record);
     if (auto written = write_mesh_file(file, verb.out); !written) return fail(written.error());
   }
   Report report = snap_report(snapped->result, after->mesh(), *after->shape.placed, image);
@@ -121,8 +127,9 @@ void add_snap(CLI::App& app, CommandLine& asked) {
       ->needs(at)
       ->capture_default_str();
   add_snap_arguments(*verb, options->snap);
-  verb->callback([options, &asked] {
+  verb->callback([options, verb, &asked] {
     check(*options);
+    options->command = given_command(*verb);
     asked.run = [options](Progress& progress) { return run_snap(*options, progress); };
   });
 }

@@ -10,6 +10,8 @@
 #include "app/verbs/describe.h"
 #include "app/verbs/mending_report.h"
 #include "app/verbs/read_image.h"
+#include "app/verbs/record.h"
+#include "app/verbs/subjects.h"
 #include "app/verbs/template_job.h"
 #include "app/verbs/verb.h"
 #include "core/adapt/choose_closing.h"
@@ -207,6 +209,14 @@ Result<MadeTemplate> make_template_of_one(const TemplateJob& options, bool choos
 
 namespace {
 
+/// A folder of subjects stands for its surfaces or its label maps.
+GivenCommand with_subjects_opened(const TemplateJob& options) {
+  GivenCommand command = options.command;
+  if (!options.consensus.empty()) command = command.with("--consensus", subject_paths(options.consensus));
+  if (!options.best_of.empty()) command = command.with("--best-of", subject_paths(options.best_of));
+  return command;
+}
+
 /// Makes the template, gives it its landmarks and writes it.
 Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
   const bool of_many = !options.consensus.empty() || !options.best_of.empty();
@@ -221,6 +231,9 @@ Result<Report> make_template_file(const TemplateJob& options, Progress& progress
   for (std::string& fault : faults_of(file, out)) made->warnings.push_back(std::move(fault));
   report->values.update(made->values);
   report->warnings = std::move(made->warnings);
+  auto record = record_of(with_subjects_opened(options), progress);
+  if (!record) return fail(record.error());
+  file.record = std::move(*record);
   if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
   return report;
 }
@@ -334,6 +347,7 @@ void add_template(CLI::App& app, CommandLine& asked) {
       throw CLI::ValidationError("--axis", "needs a direction other than 0,0,0");
     if (options->base == options->apex && !options->base.empty())
       throw CLI::ValidationError("--apex", "needs a point other than --base");
+    options->command = given_command(*verb);
     asked.run = [options](Progress& progress) { return make_template_file(*options, progress); };
   });
 }

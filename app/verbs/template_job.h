@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/verbs/record.h"
 #include "app/verbs/verb.h"
 #include "core/mesh/mesh_io.h"
 #include "core/template_making/tube_template.h"
@@ -26,6 +27,7 @@ struct TemplateJob {
   bool tube = false, capped = false;
   int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;
   std::vector<double> axis, base, apex;
+  GivenCommand command;  ///< for the record of its file
 };
 
 /// A template that is not written yet.

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ using Json = nlohmann::ordered_json;
 struct Report {
   Json values = Json::object();
   std::vector<std::string> warnings;
+  std::optional<Error> refusal{};  ///< what was reported is no success: printed after it, with exit status 1
 };
 
 /// The work of a verb.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/file_record.h"
 #include "core/base/files.h"
 #include "core/base/listed.h"
 #include "core/base/text.h"
@@ -100,10 +101,11 @@ Result<MeshFile> read_mesh_file(const std::filesystem::path& path) {
 Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& path) {
   const auto format = format_of(path);
   if (!format) return fail(format.error());
-  return write_whole_file(path, [&](std::ostream& out) {
+  auto written = write_whole_file(path, [&](std::ostream& out) {
     (*format)->write(mesh, out);
     return Result<void>();
   });
+  return written ? write_record_file(path, (*format)->keeps_record ? "" : mesh.record) : written;
 }
 
 Result<Mesh> sound_mesh(const MeshFile& file) {

@@ -40,7 +40,8 @@ struct MeshFile {
   std::map<std::string, VertexScalars> arrays;  ///< further per-vertex values by name, as they were read; not written
   std::map<std::string, VertexScalars> values;  ///< further ones to write, as properties of PLY and arrays of VTK, VTP
   std::vector<std::string> warnings;            ///< what was mended on reading, each a sentence
-  bool may_be_cut = false;                      ///< `.particles` without a line break at the end: points may be missing
+  std::string record;  ///< to write: how the mesh was made [file_record.h]; empty: nothing is said. Never read here
+  bool may_be_cut = false;  ///< `.particles` without a line break at the end: points may be missing
 };
 
 /// Reads a mesh of one of the formats in formats/, chosen by extension; of PLY and VTK text and binary alike. Order and
@@ -52,7 +53,9 @@ Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 Result<MeshFile> read_mesh_to_mend(const std::filesystem::path& path);
 
 /// Writes the format of the extension (binary, with double coordinates where it can), tagged SPACE=LPS where the format
-/// can, whole or not at all. PLY alone keeps landmarks and comments; VTK and VTP keep values of vertices.
+/// can, whole or not at all. PLY alone keeps landmarks and comments; VTK and VTP keep values of vertices. The record is
+/// in the file, or beside it where the format has no place for it; one that lies there and is of no more use is
+/// removed.
 Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& path);
 
 /// Whether the name ends as one of the formats that read_mesh_file takes does.

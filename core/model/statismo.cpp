@@ -44,6 +44,7 @@ Result<FloatMatrix> matrix_at(const HdfTree& tree, const std::string& path, Eige
 
 namespace {
 
+constexpr const char* record_path = "/homolog/record";
 constexpr const char *alignment_path = "/homolog/alignment", *left_out_path = "/homolog/left_out_distances";
 constexpr std::array<std::pair<const char*, Alignment>, 3> alignments{
     {{"similarity", Alignment::similarity}, {"rigid", Alignment::rigid}, {"none", Alignment::none}}};
@@ -74,7 +75,7 @@ std::string build_time() {
   return {text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts)};
 }
 
-HdfTree tree_of(const ShapeModel& model) {
+HdfTree tree_of(const ShapeModel& model, const std::string& record) {
   HdfTree tree;
   tree.groups["/"];
   tree.groups["/model"];
@@ -124,6 +125,10 @@ HdfTree tree_of(const ShapeModel& model) {
   if (model.left_out_distances.size() > 0) {
     tree.groups["/homolog"];
     datasets[left_out_path] = floats_of(model.left_out_distances, true);
+  }
+  if (!record.empty()) {
+    tree.groups["/homolog"];
+    datasets[record_path] = text_of(record);
   }
   statismo::add_structures(model, tree);
   return tree;
@@ -203,6 +208,10 @@ Result<ShapeModel> model_of(const HdfTree& tree) {
   return model;
 }
 
+Result<HdfTree> tree_in(const fs::path& path, const HdfParts& parts) {
+  return name_ends_with(path, ".h5.json") ? read_hdf5_json(path, parts) : read_hdf5(path, parts);
+}
+
 }  // namespace
 
 HdfParts model_parts() {
@@ -219,16 +228,22 @@ bool is_model_name(const fs::path& path) {
   return name_ends_with(path, ".h5") || name_ends_with(path, ".h5.json");
 }
 
-Result<void> write_model(const ShapeModel& model, const fs::path& path) {
-  if (name_ends_with(path, ".h5.json")) return write_hdf5_json(tree_of(model), path);
-  if (name_ends_with(path, ".h5")) return write_hdf5(tree_of(model), path);
+Result<void> write_model(const ShapeModel& model, const fs::path& path, const std::string& record) {
+  if (name_ends_with(path, ".h5.json")) return write_hdf5_json(tree_of(model, record), path);
+  if (name_ends_with(path, ".h5")) return write_hdf5(tree_of(model, record), path);
   return fail(path.string(), "is not the name of a model; use .h5.json or .h5");
+}
+
+Result<std::optional<std::string>> read_model_record(const fs::path& path) {
+  const auto tree = tree_in(path, {.attributes = {}, .datasets = {record_path}, .numbered = {}});
+  if (!tree) return fail(tree.error());
+  if (!tree->datasets.contains(record_path)) return std::nullopt;
+  return tree->text(record_path);
 }
 
 Result<ShapeModel> read_model(const fs::path& path) {
   if (!is_model_name(path)) return fail(path.string(), "is not the name of a model; use .h5.json or .h5");
-  const HdfParts parts = model_parts();
-  const auto tree = name_ends_with(path, ".h5.json") ? read_hdf5_json(path, parts) : read_hdf5(path, parts);
+  const auto tree = tree_in(path, model_parts());
   if (!tree) return fail(tree.error());
   auto model = model_of(*tree);
   if (!model) return fail(path.string(), model.error().what);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "core/base/result.h"
 #include "core/model/hdf_tree.h"
@@ -16,8 +18,12 @@ HdfParts model_parts();
 
 /// Writes a model in the layout of statismo and scalismo 0.9 (docs/models.md), `.h5.json` or `.h5` by extension, whole
 /// or not at all. Numbers become float, which both programs insist on; the basis is orthonormal, coordinates are LPS
-/// mm. Errors: another extension, the file cannot be written.
-Result<void> write_model(const ShapeModel& model, const std::filesystem::path& path);
+/// mm. `record`: how the model was made [file_record.h], as /homolog/record. Errors: another extension, the file cannot
+/// be written.
+Result<void> write_model(const ShapeModel& model, const std::filesystem::path& path, const std::string& record = {});
+
+/// The record of a model; none where it has none. Errors: those of reading its tree.
+Result<std::optional<std::string>> read_model_record(const std::filesystem::path& path);
 
 /// Reads a model of that layout, of whichever program: 0.9, 1.x, or 0.8, whose basis holds √λ. A triangle mesh
 /// (POLYGON_MESH) or points alone (POINT_SET). Errors: not a model, another version or kind of data, parts that do not

@@ -48,6 +48,16 @@ std::vector<fs::path> files_beside(const fs::path& path) {
 
 }  // namespace
 
+fs::path label_names_beside(const fs::path& path) {
+  for (const fs::path& file : files_beside(path)) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(file, ignored)) continue;
+    const auto names = names_in_file(file);
+    if (!names || !names->segments.empty()) return file;
+  }
+  return {};
+}
+
 void take_names_beside(const fs::path& path, VolumeRead& read) {
   if (!read.segmentation.segments.empty()) return;
   for (const fs::path& file : files_beside(path)) {

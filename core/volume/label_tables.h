@@ -34,5 +34,7 @@ Segmentation labels_of_xml(std::string_view text);
 /// .tsv, .label, .txt, .ctbl), or of the folder (labels.json, dataset.json, FreeSurferColorLUT.txt, …). An image stays
 /// as it is. Warnings name a file that holds names and cannot be followed.
 void take_names_beside(const std::filesystem::path& path, VolumeRead& read);
+/// The file beside a label map that names are taken from, should it be a label map; empty where there is none.
+std::filesystem::path label_names_beside(const std::filesystem::path& path);
 
 }  // namespace homolog

@@ -2,6 +2,7 @@
 
 #include <new>
 
+#include "core/base/file_record.h"
 #include "core/base/files.h"
 #include "core/base/listed.h"
 #include "core/volume/formats/formats.h"
@@ -83,9 +84,12 @@ Result<VolumeRead> read_any(const fs::path& path, const VolumeReadOptions& optio
 }
 
 /// By the format that the name's ending chooses. Errors that do not depend on the file name none.
-Result<void> write_any(const Volume& volume, const fs::path& path, Progress* progress) {
+Result<void> write_any(const Volume& volume, const fs::path& path, const std::string& record, Progress* progress) {
   for (const VolumeFormat* format : volume_formats)
-    if (has_ending(path, format->written)) return format->write(volume, path, progress);
+    if (has_ending(path, format->written)) {
+      if (auto written = format->write(volume, path, record, progress); !written) return written;
+      return write_record_file(path, format->keeps_record ? "" : record);
+    }
   return fail("", "is not a kind of volume that can be written; end its name in " +
                       listed(volume_format_endings(&VolumeFormat::written), " or "));
 }
@@ -104,8 +108,8 @@ Result<VolumeRead> read_volume(const fs::path& path, const VolumeReadOptions& op
   }
 }
 
-Result<void> write_volume(const Volume& volume, const fs::path& path, Progress* progress) {
-  auto written = write_any(volume, path, progress);
+Result<void> write_volume(const Volume& volume, const fs::path& path, Progress* progress, const std::string& record) {
+  auto written = write_any(volume, path, record, progress);
   if (!written && written.error().subject.empty()) return fail(path.string(), written.error().what);
   return written;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/colour.h"
+#include "core/base/file_record.h"
 #include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/volume/label_boxes.h"
@@ -95,7 +96,7 @@ VoxelData interleaved(const std::vector<const Volume*>& layers) {
       layers.front()->data);
 }
 
-Result<void> write_slicer(const VolumeRead& map, const fs::path& path, Progress* progress) {
+Result<void> write_slicer(const VolumeRead& map, const fs::path& path, Progress* progress, const std::string& record) {
   constexpr std::array types{"uint8", "int16", "uint16", "float"};
   const auto layers = layers_in(map);
   const VolumeGeometry& g = map.volume.geometry;
@@ -116,7 +117,7 @@ Result<void> write_slicer(const VolumeRead& map, const fs::path& path, Progress*
          << "\nencoding: gzip\nspace origin:";
   vector(g.origin_mm);
   write_segments(layers, complete_segments(map), header);
-  header << "\n\n";
+  header << record_of_nrrd(record) << "\n\n";
   return write_whole_file(path, [&](std::ostream& out) -> Result<void> {
     out << header.str();
     if (!several) return write_compressed(out, {}, map.volume.data, progress);
@@ -126,14 +127,15 @@ Result<void> write_slicer(const VolumeRead& map, const fs::path& path, Progress*
 
 }  // namespace
 
-Result<void> write_segmentation(const VolumeRead& map, const fs::path& path, Progress* progress) {
+Result<void> write_segmentation(const VolumeRead& map, const fs::path& path, Progress* progress,
+                                const std::string& record) {
   const bool known = !map.segmentation.segments.empty() || !map.other_layers.empty();
   if (lower_case_name(path).ends_with(".seg.nrrd") && map.volume.frames == 1 && (known || holds_labels(map.volume)))
-    return write_slicer(map, path, progress);
+    return write_slicer(map, path, progress, record);
   if (!map.other_layers.empty())
     return fail(path.string(), "cannot hold segments in " + std::to_string(map.other_layers.size() + 1) +
                                    " layers; end its name in .seg.nrrd, or choose segments that do not overlap");
-  if (map.segmentation.segments.empty()) return write_volume(map.volume, path, progress);
+  if (map.segmentation.segments.empty()) return write_volume(map.volume, path, progress, record);
   const fs::path names = path.parent_path() / (file_stem(path) + ".json");
   if (std::error_code ignored; fs::exists(names, ignored)) {
     const auto text = read_whole_file(names, std::uintmax_t{1} << 24);
@@ -143,7 +145,7 @@ Result<void> write_segmentation(const VolumeRead& map, const fs::path& path, Pro
                   "is about something else than the names of labels, which belong there; choose another name for the "
                   "label map, or move that file");
   }
-  if (auto written = write_volume(map.volume, path, progress); !written) return written;
+  if (auto written = write_volume(map.volume, path, progress, record); !written) return written;
   nlohmann::ordered_json labels = nlohmann::ordered_json::array();
   for (const Segment& segment : map.segmentation.segments) {
     if (segment.name.empty()) continue;

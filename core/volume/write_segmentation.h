@@ -11,7 +11,8 @@ namespace homolog {
 /// Writes a label map with its names, colours and layers: `.seg.nrrd` as 3D Slicer writes it, all else as write_volume
 /// does with a JSON file beside it ("a.json" beside "a.nii.gz"), which take_names_beside reads again. Errors: those of
 /// write_volume; layers, which only `.seg.nrrd` holds; a JSON file of that name that is about something else.
-Result<void> write_segmentation(const VolumeRead& map, const std::filesystem::path& path, Progress* progress = nullptr);
+Result<void> write_segmentation(const VolumeRead& map, const std::filesystem::path& path, Progress* progress = nullptr,
+                                const std::string& record = {});
 
 /// Writes a folder of single masks, a file of uint8 for each structure, as the reader of such a folder takes it.
 /// `like`: the folder that the map was read from; each mask has the name that it has there, else its structure's with

@@ -123,6 +123,7 @@ for number in range(6):
 run("test", "tested", "--covariates", "tested.csv", "--formula", "shape ~ group + size", "--permutations", "19", "--csv", "tables")
 run("label-map", one, "--like", image, "-o", "map.nii.gz")
 run("mirror", one, "-o", "mirrored.ply")
+run("verify", "mirrored.ply")
 run("convert", image, "out.nrrd")
 run("convert", one, "out.vtp")
 run("repair-mesh", one, "-o", "out.obj")
@@ -164,6 +165,8 @@ for file in (one, "template.ply"):
     comments = re.findall(r"^comment homolog\.(\w+) (.*)$", head, re.M)
     if not comments:
         faults.append(f"{file} has no comments")
+    record = "".join(text for key, text in comments if key == "record")
+    comments = [(key, text) for key, text in comments if key != "record"] + ([("record", record)] if record else [])
     for key, text in comments:
         check({key: text if key == "units" else json.loads(text)}, "template-comment", f"{file}: {key}")
 check({"region": {"name": "hilum"}}, "template-comment", "a region without a factor", valid=False)

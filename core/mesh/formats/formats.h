@@ -19,6 +19,7 @@ struct MeshFormat {
   bool has_faces = true;        ///< false for a list of points
   bool keeps_numbers = true;    ///< a file that is written and read has the same vertices in the same order
   bool keeps_template = false;  ///< stiffness, regions and landmarks too
+  bool keeps_record = false;    ///< how the file was made; else a file beside it does
 
   /// Takes the bytes of a whole file. Errors name no file. It need not check that coordinates are finite, that indices
   /// are in range and that every vertex has its values.

@@ -1,3 +1,4 @@
+#include "core/base/file_record.h"
 #include "core/base/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
@@ -74,7 +75,8 @@ Result<MeshFile> read_obj(std::string_view bytes) {
   std::string joined;
   while (text.remaining() > 0) {
     const std::string_view line = whole_line(text, joined);
-    if (line.starts_with("#")) space.look_in(line);
+    if (line.starts_with("#") && !is_record_line(line.substr(std::min<std::size_t>(2, line.size()))))
+      space.look_in(line);
     if (line.starts_with(counts_key)) counts = line.substr(counts_key.size());
     Text words(line);
     const std::string_view key = words.word();
@@ -98,7 +100,7 @@ Result<MeshFile> read_obj(std::string_view bytes) {
 }
 
 void write_obj(const MeshFile& mesh, std::ostream& out) {
-  std::string text = "# Homolog mesh, mm\n# SPACE=LPS\n";
+  std::string text = "# Homolog mesh, mm\n# SPACE=LPS\n" + record_lines("# ", mesh.record);
   text.append(counts_key)
       .append(std::to_string(mesh.points.rows()) + " " + std::to_string(mesh.triangles.rows()) + "\n");
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
@@ -116,6 +118,6 @@ void write_obj(const MeshFile& mesh, std::ostream& out) {
 
 }  // namespace
 
-const MeshFormat obj{.name = "OBJ", .extension = ".obj", .read = read_obj, .write = write_obj};
+const MeshFormat obj{.name = "OBJ", .extension = ".obj", .keeps_record = true, .read = read_obj, .write = write_obj};
 
 }  // namespace homolog::formats

@@ -350,6 +350,7 @@ const MeshFormat ply{.name = "PLY",
                      .extension = ".ply",
                      .note = "what a template is written as: it keeps stiffness, regions and landmarks",
                      .keeps_template = true,
+                     .keeps_record = true,
                      .read = read_ply,
                      .write = write_ply};
 

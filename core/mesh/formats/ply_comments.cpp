@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/base/colour.h"
+#include "core/base/file_record.h"
 #include "core/base/json.h"
 #include "core/base/text.h"
 #include "core/mesh/formats/text.h"
@@ -48,6 +49,7 @@ std::optional<Region> region_from(std::string_view text) {
 }  // namespace
 
 void keep_comment(std::string_view comment, MeshFile& mesh) {
+  if (is_record_line(comment)) return;  // it is of the file that was read, not of what is made of it
   if (comment.starts_with(landmark_key)) {
     if (auto landmark = landmark_from(comment.substr(landmark_key.size()))) {
       mesh.landmarks.push_back(std::move(*landmark));
@@ -92,6 +94,7 @@ void write_comments(const MeshFile& mesh, std::string& bytes) {
     bytes.append(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)).append("\n");
   }
   for (const std::string& comment : mesh.comments) bytes.append("comment ").append(comment).append("\n");
+  bytes += record_lines("comment ", mesh.record);
 }
 
 }  // namespace homolog::formats

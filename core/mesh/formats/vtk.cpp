@@ -1,3 +1,4 @@
+#include "core/base/file_record.h"
 #include "core/base/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
@@ -290,8 +291,8 @@ Result<MeshFile> read_vtk(std::string_view bytes) {
 }
 
 void write_vtk(const MeshFile& mesh, std::ostream& out) {
-  std::string bytes = "# vtk DataFile Version 3.0\nHomolog mesh. SPACE=LPS\nBINARY\nDATASET POLYDATA\nPOINTS " +
-                      std::to_string(mesh.points.rows()) + " double\n";
+  std::string bytes = "# vtk DataFile Version 3.0\nHomolog mesh. SPACE=LPS\nBINARY\nDATASET POLYDATA\n" +
+                      record_of_vtk(mesh.record) + "POINTS " + std::to_string(mesh.points.rows()) + " double\n";
   for (const double x : mesh.points.reshaped<Eigen::RowMajor>()) store(x, vtk_order, bytes);
   bytes +=
       "\nPOLYGONS " + std::to_string(mesh.triangles.rows()) + " " + std::to_string(4 * mesh.triangles.rows()) + "\n";
@@ -314,6 +315,7 @@ void write_vtk(const MeshFile& mesh, std::ostream& out) {
 
 }  // namespace
 
-const MeshFormat vtk{.name = "VTK legacy", .extension = ".vtk", .read = read_vtk, .write = write_vtk};
+const MeshFormat vtk{
+    .name = "VTK legacy", .extension = ".vtk", .keeps_record = true, .read = read_vtk, .write = write_vtk};
 
 }  // namespace homolog::formats

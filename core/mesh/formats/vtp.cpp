@@ -4,6 +4,7 @@
 #include <map>
 #include <pugixml.hpp>
 
+#include "core/base/file_record.h"
 #include "core/base/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
@@ -311,9 +312,9 @@ void write_vtp(const MeshFile& mesh, std::ostream& out) {
          "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
          "<PolyData>\n<FieldData>\n"
          "<DataArray type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">76 80 83 0</DataArray>\n"
-         "</FieldData>\n<Piece NumberOfPoints=\""
-      << mesh.points.rows() << "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\""
-      << mesh.triangles.rows() << "\">\n"
+      << record_of_vtp(mesh.record) << "</FieldData>\n<Piece NumberOfPoints=\"" << mesh.points.rows()
+      << "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" << mesh.triangles.rows()
+      << "\">\n"
       << point_data
       << "<Points>\n<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"appended\" "
          "offset=\""
@@ -327,6 +328,6 @@ void write_vtp(const MeshFile& mesh, std::ostream& out) {
 
 }  // namespace
 
-const MeshFormat vtp{.name = "VTP", .extension = ".vtp", .read = read_vtp, .write = write_vtp};
+const MeshFormat vtp{.name = "VTP", .extension = ".vtp", .keeps_record = true, .read = read_vtp, .write = write_vtp};
 
 }  // namespace homolog::formats

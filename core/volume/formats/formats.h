@@ -23,7 +23,9 @@ struct VolumeFormat {
   /// Takes a file or, where `in_folder` is not empty, a folder. It checks what the header claims with `check_claim`
   /// before it takes memory, and reads voxels with `read_run` (core/volume/readers.h).
   Result<VolumeRead> (*read)(const std::filesystem::path& path, const VolumeReadOptions& options);
-  Result<void> (*write)(const Volume& volume, const std::filesystem::path& path, Progress* progress) = nullptr;
+  Result<void> (*write)(const Volume& volume, const std::filesystem::path& path, const std::string& record,
+                        Progress* progress) = nullptr;
+  bool keeps_record = false;  ///< what `write` is given of how the image was made; else a file beside it does
 };
 
 namespace formats {

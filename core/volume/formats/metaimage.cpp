@@ -241,7 +241,8 @@ Result<VolumeRead> read_metaimage(const fs::path& path, const VolumeReadOptions&
   return result;
 }
 
-Result<void> write_metaimage(const Volume& volume, const fs::path& path, Progress* progress) {
+Result<void> write_metaimage(const Volume& volume, const fs::path& path, const std::string& /*record*/,
+                             Progress* progress) {
   constexpr std::array types{"MET_UCHAR", "MET_SHORT", "MET_USHORT", "MET_FLOAT"};
   const VolumeGeometry& g = volume.geometry;
   const int n = volume.frames > 1 ? 4 : 3;

@@ -416,7 +416,8 @@ std::string header_bytes(Header header, std::int64_t offset) {
   return bytes;
 }
 
-Result<void> write_nifti(const Volume& volume, const fs::path& path, Progress* progress) {
+Result<void> write_nifti(const Volume& volume, const fs::path& path, const std::string& /*record*/,
+                         Progress* progress) {
   nifti_image image = nifti_header_image(volume);
   // NIfTI-1 counts voxels in 16 bits and keeps places in 32; what they do not hold is written as NIfTI-2.
   const bool small = is_held_by_floats(volume.geometry) && std::all_of(image.dim + 1, image.dim + 5, [](auto n) {

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 
+#include "core/base/file_record.h"
 #include "core/base/files.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/nrrd_grid.h"
@@ -217,7 +218,7 @@ Result<VolumeRead> read_nrrd(const fs::path& path, const VolumeReadOptions& opti
   return result;
 }
 
-Result<void> write_nrrd(const Volume& volume, const fs::path& path, Progress* progress) {
+Result<void> write_nrrd(const Volume& volume, const fs::path& path, const std::string& record, Progress* progress) {
   constexpr std::array types{"uint8", "int16", "uint16", "float"};
   const VolumeGeometry& g = volume.geometry;
   const bool cine = volume.frames > 1;
@@ -234,7 +235,7 @@ Result<void> write_nrrd(const Volume& volume, const fs::path& path, Progress* pr
     header << "\nspacings: nan nan nan " << volume.frame_seconds << "\nunits: \"\" \"\" \"\" \"s\"";
   header << "\nendian: " << (native_big_endian() ? "big" : "little") << "\nencoding: gzip\nspace origin:";
   vector(g.origin_mm);
-  header << "\n\n";
+  header << record_of_nrrd(record) << "\n\n";
   return write_whole_file(path, [&](std::ostream& out) -> Result<void> {
     out << header.str();
     return write_compressed(out, {}, volume.data, progress);
@@ -249,6 +250,7 @@ const VolumeFormat formats::nrrd{
     .written = {".nrrd"},
     .note = "also compressed, also with frames, also with the voxels in files of their own",
     .read = read_nrrd,
-    .write = write_nrrd};
+    .write = write_nrrd,
+    .keeps_record = true};
 
 }  // namespace homolog

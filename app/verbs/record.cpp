@@ -1,0 +1,260 @@
+#include "app/verbs/record.h"
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+
+#include "app/verbs/help_page.h"
+#include "app/version.h"
+#include "core/base/file_record.h"
+#include "core/base/files.h"
+#include "core/base/json.h"
+#include "core/base/paths.h"
+#include "core/base/sha256.h"
+#include "core/base/text.h"
+#include "core/catalogue/catalogue.h"
+#include "core/model/shape_folder.h"
+#include "core/session/case_file.h"
+#include "core/structures/template_set.h"
+#include "core/volume/label_tables.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::array recorded_verbs{
+    RecordedVerb{
+        "fit", {"TEMPLATE", "--mask", "--mesh", "--image", "--placement", "--landmarks", "--model"}, "--output", {}},
+    RecordedVerb{"template", {"MASK", "--consensus", "--best-of", "--landmarks"}, "--output", {}},
+    RecordedVerb{"model", {"SHAPE"}, "--output", {"--csv", "--aligned", "--optimised"}},
+    RecordedVerb{"snap", {"MESH|CASE", "--image"}, "--output", {}},
+    RecordedVerb{"replay", {"CASE"}, "--output", {}},
+    RecordedVerb{"propagate", {"MESH", "--image"}, "--output", {}},
+    RecordedVerb{"convert", {"IN", "--like"}, "OUT", {}},
+    RecordedVerb{"mirror", {"TEMPLATE"}, "--output", {}},
+    RecordedVerb{"label-map", {"MESH", "--like"}, "--output", {}},
+    RecordedVerb{"repair-mesh", {"IN"}, "--output", {}},
+};
+
+bool is_one_of(std::string_view name, const std::vector<std::string_view>& names) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+bool changes_no_byte(const std::string& name) {
+  return name == "--json" || name == "--quiet" || name == "--jobs" || name == "--help";
+}
+
+/// What has to be known of a command to tell its inputs.
+struct InputReader {
+  bool shapes_alone = false;  ///< a folder stands for the shapes in it
+  bool label_names = false;   ///< labels are chosen by names, which a file beside a label map may give
+  Progress* progress = nullptr;
+
+  Result<Json> read(const fs::path& path, int depth = 0) const {
+    // A study names cases, which name images; deeper than that is a circle.
+    constexpr int deepest = 4;
+    std::error_code none;
+    if (fs::is_directory(path, none)) return read_folder(path);
+    const auto bytes = size_of_file(path);
+    if (!bytes) return fail(bytes.error());
+    auto sum = sha256_of_file(path, progress);
+    if (!sum) return fail(sum.error());
+    Json input{{"file", path.filename().string()}, {"bytes", *bytes}, {"sha256", std::move(*sum)}};
+    Json names = Json::array();
+    if (depth < deepest)
+      for (const std::string& name : files_named_in(path)) {
+        const fs::path named = resolved_source(absolute_path(path).parent_path(), name);
+        auto one = fs::exists(named, none) ? read(named, depth + 1) : Result<Json>(Json());
+        if (!one) return one;
+        names.push_back(std::move(*one));
+      }
+    if (label_names)
+      if (const fs::path beside = label_names_beside(path); !beside.empty()) {
+        auto one = read(beside, deepest);
+        if (!one) return one;
+        input["label_names"] = std::move(*one);
+      }
+    if (!names.empty()) input["names"] = std::move(names);
+    return input;
+  }
+
+ private:
+  bool counts(const fs::path& path) const {
+    if (path.filename().string().starts_with('.') || is_record_file(path)) return false;
+    return !shapes_alone || keeps_numbers(path) || is_case_file(path);
+  }
+
+  Result<Json> read_folder(const fs::path& folder) const {
+    std::vector<fs::path> entries;
+    std::error_code error;
+    for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
+         entry.increment(error))
+      if (entry->is_directory(error) || (entry->is_regular_file(error) && counts(entry->path())))
+        entries.push_back(entry->path());
+    if (error) return fail(folder.string(), "cannot be read (" + error.message() + "); check its rights");
+    std::ranges::sort(entries);
+    Json files = Json::array();
+    for (const fs::path& entry : entries) {
+      auto one = read(entry);
+      if (!one) return one;
+      if (one->contains("files") && (*one)["files"].empty()) continue;
+      files.push_back(std::move(*one));
+    }
+    return Json{{"folder", absolute_path(folder / "x").parent_path().filename().string()}, {"files", files}};
+  }
+};
+
+/// A folder of shapes of one structure stands for its shapes.
+GivenCommand with_shapes_opened(const GivenCommand& command) {
+  const auto given = [&](std::string_view name) {
+    return std::ranges::find(command.options, name, &GivenOption::name) != command.options.end();
+  };
+  if (command.verb != "model" || given("--structures")) return command;
+  std::vector<fs::path> shapes;
+  for (const GivenOption& option : command.options) {
+    if (option.name != "SHAPE") continue;
+    for (const fs::path path : option.values) {
+      std::error_code none;
+      auto within = fs::is_directory(path, none) ? shapes_in_folder(path) : Result<std::vector<fs::path>>({path});
+      if (within) shapes.insert(shapes.end(), within->begin(), within->end());
+    }
+  }
+  return command.with("SHAPE", shapes);
+}
+
+/// Whether labels are meant by their names: by --label, or by those of a template set.
+bool asks_for_names(const GivenCommand& command) {
+  return std::ranges::any_of(command.options, [](const GivenOption& option) {
+    if (option.name == "TEMPLATE") return is_template_set(option.values.front());
+    return option.name == "--label" && option.values.front().find_first_not_of("0123456789,") != std::string::npos;
+  });
+}
+
+void add_named(const Json& json, const char* key, std::vector<std::string>& names) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_string()) return;
+  if (auto name = found->get<std::string>(); names_file(name)) names.push_back(std::move(name));
+}
+
+/// The image and the templates of a case. The label map is only shown.
+std::vector<std::string> files_of_case(const std::string& text) {
+  std::vector<std::string> names;
+  std::istringstream lines(text);
+  bool first = true;
+  for (std::string line; std::getline(lines, line); first = false) {
+    if (!first && !line.starts_with("{\"structure\"")) continue;
+    const auto json = read_json<Json>(line);
+    if (!json || !json->is_object()) continue;
+    if (first) add_named(*json, "volume", names);
+    const Json& holder = first ? *json : (*json)["structure"];
+    if (holder.is_object()) add_named(holder, "template", names);
+  }
+  return names;
+}
+
+/// What a study or a set names.
+std::vector<std::string> files_of_list(const std::string& text, const char* list, const char* key) {
+  std::vector<std::string> names;
+  const auto json = read_json<Json>(text);
+  if (!json || !json->is_object()) return names;
+  if (const auto found = json->find(list); found != json->end() && found->is_array())
+    for (const Json& one : *found)
+      if (one.is_object()) add_named(one, key, names);
+  return names;
+}
+
+/// The voxels of a header that keeps them in a file of their own.
+std::vector<std::string> voxels_of_header(const std::string& text, std::string_view key, char sign) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t at = line.find(sign);
+    if (at == std::string::npos || trimmed(std::string_view(line).substr(0, at)) != key) continue;
+    const std::string name(trimmed(std::string_view(line).substr(at + 1)));
+    if (name != "LOCAL" && name.find_first_of("% ") == std::string::npos) return {name};
+  }
+  return {};
+}
+
+}  // namespace
+
+const RecordedVerb* recorded_verb(std::string_view name) {
+  const auto found = std::ranges::find(recorded_verbs, name, &RecordedVerb::name);
+  return found != recorded_verbs.end() ? &*found : nullptr;
+}
+
+GivenCommand GivenCommand::with(std::string_view option, const std::vector<fs::path>& values) const {
+  GivenCommand other = *this;
+  for (GivenOption& one : other.options) {
+    if (one.name != option) continue;
+    one.values.clear();
+    for (const fs::path& value : values) one.values.push_back(value.string());
+  }
+  if (values.empty()) std::erase_if(other.options, [&](const GivenOption& one) { return one.name == option; });
+  return other;
+}
+
+GivenCommand given_command(const CLI::App& verb) {
+  GivenCommand command{full_name(verb), {}};
+  const RecordedVerb& known = *recorded_verb(command.verb);
+  for (const CLI::Option* option : verb.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || changes_no_byte(name) || name == known.output || is_one_of(name, known.beside))
+      continue;
+    GivenOption given{name, {}};
+    if (option->get_items_expected_max() > 0) given.values = option->results();
+    if (const char delimiter = option->get_delimiter(); delimiter != '\0' && given.values.size() > 1) {
+      std::string joined;
+      for (const std::string& value : given.values) joined += (joined.empty() ? "" : std::string(1, delimiter)) + value;
+      given.values = {joined};
+    }
+    command.options.push_back(std::move(given));
+  }
+  return command;
+}
+
+Result<std::string> record_of(const GivenCommand& given, Progress& progress, const std::string& output) {
+  const RecordedVerb& known = *recorded_verb(given.verb);
+  const GivenCommand command = with_shapes_opened(given);
+  const InputReader reader{command.verb == "model", asks_for_names(command), &progress};
+  Json options = Json::object();
+  for (const GivenOption& option : command.options) {
+    Json values = option.values.empty() ? Json(true) : Json::array();
+    for (const std::string& value : option.values) {
+      std::error_code none;
+      if (!is_one_of(option.name, known.inputs) || !names_file(value) || !fs::exists(value, none)) {
+        values.push_back(value);
+        continue;
+      }
+      auto input = reader.read(value);
+      if (!input) return fail(input.error());
+      values.push_back(std::move(*input));
+    }
+    options[option.name] = std::move(values);
+  }
+  Json record{{"version", version}, {"command", command.verb}, {"options", std::move(options)}};
+  if (!output.empty()) record["output"] = output;
+  return record.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+Result<std::string> record_of_case(const fs::path& case_file, Progress& progress) {
+  return record_of({"replay", {{"CASE", {case_file.string()}}}}, progress);
+}
+
+std::vector<std::string> files_named_in(const fs::path& file) {
+  constexpr std::uintmax_t most_bytes = std::uintmax_t{1} << 28;
+  const std::string name = lower_case(file.filename().string());
+  const bool is_case = is_case_file(file), is_study = name.ends_with(".study.json"), is_set = is_template_set(file);
+  const bool is_header = name.ends_with(".mhd") || name.ends_with(".nhdr");
+  if (!is_case && !is_study && !is_set && !is_header) return {};
+  const auto text = read_whole_file(file, most_bytes);
+  if (!text) return {};  // whoever reads it says why
+  if (is_case) return files_of_case(*text);
+  if (is_study) return files_of_list(*text, "cases", "file");
+  if (is_set) return files_of_list(*text, "structures", "template");
+  return name.ends_with(".mhd") ? voxels_of_header(*text, "ElementDataFile", '=')
+                                : voxels_of_header(*text, "data file", ':');
+}
+
+}  // namespace homolog

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/verbs/verb.h"
+#include "core/base/progress.h"
+#include "core/base/result.h"
+
+namespace homolog {
+
+// The record that a verb's files carry: how they were made. It is JSON: the version, the command, its options without
+// those that change no byte, and each input by its base name, its size and its SHA-256. No path, no date, no user.
+// `verify` reads it. How formats hold it is in core/base/file_record.h.
+//
+//   {"version":"0.1.0","command":"fit","options":{"TEMPLATE":["built-in:kidney"],"--mask":[INPUT],"--label":["2"]}}
+//
+// INPUT is {"file":NAME,"bytes":N,"sha256":DIGITS}, with "names":[INPUT or null…] where the file names others (a case
+// its image); or {"folder":NAME,"files":[INPUT…]}. A flag is true. "output":"CASE/STRUCTURE.ply" says which file of a
+// folder it is; without it the command makes this file alone.
+
+/// A verb whose files carry records.
+struct RecordedVerb {
+  std::string_view name;
+  std::vector<std::string_view> inputs;  ///< options that name what is read, as CLI11 calls them
+  std::string_view output;               ///< that names the file, or the folder, to write
+  std::vector<std::string_view> beside;  ///< that name what else is written; not in the record
+};
+/// Null where the files of a verb carry none.
+const RecordedVerb* recorded_verb(std::string_view name);
+
+/// An option as it was given. No values: a flag.
+struct GivenOption {
+  std::string name;
+  std::vector<std::string> values;
+};
+
+/// A command without its outputs and what changes no byte (--jobs, --json, --quiet).
+struct GivenCommand {
+  std::string verb;
+  std::vector<GivenOption> options;  ///< in the order in which the verb declares them
+
+  /// The same command with other values of an option that was given; without values the option is left out.
+  GivenCommand with(std::string_view option, const std::vector<std::filesystem::path>& values) const;
+};
+
+/// The command that was parsed. The verb is one that `recorded_verb` knows.
+GivenCommand given_command(const CLI::App& verb);
+
+/// The record of a file that the command makes, in one line of ASCII. Reads the inputs. `output`: which file of a
+/// folder, empty where the command makes this one alone. Errors: an input that cannot be read; cancelled.
+Result<std::string> record_of(const GivenCommand& command, Progress& progress, const std::string& output = {});
+
+/// The record of a mesh that playing a case gives: of an edit that was added to its file.
+Result<std::string> record_of_case(const std::filesystem::path& case_file, Progress& progress);
+
+/// The files that a file names, as it spells them, in its order: a case its image and its templates, a study its
+/// shapes, a template set its templates, a header its voxels. Built-in names are left out.
+std::vector<std::string> files_named_in(const std::filesystem::path& file);
+
+}  // namespace homolog

@@ -1,0 +1,168 @@
+#include "core/base/file_record.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/files.h"
+#include "core/base/json.h"
+#include "core/base/open_file.h"
+#include "core/base/text.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t piece_bytes = 200;
+/// A header with its record is never longer: a record names some hundred bytes for each input.
+constexpr std::size_t most_header_bytes = std::size_t{16} << 20;
+
+/// The pieces of all lines, joined.
+std::string joined_lines(std::string_view text) {
+  const std::string key = std::string(record_key) + " ";
+  std::string record;
+  for (std::size_t at = text.find(key); at != text.npos; at = text.find(key, at + 1)) {
+    const std::size_t line = at == 0 ? 0 : text.rfind('\n', at - 1) + 1;
+    const std::string_view begin = text.substr(line, at - line);
+    if (begin != "comment " && begin != "# ") continue;
+    const std::size_t from = at + key.size(), end = std::min(text.find('\n', from), text.size());
+    std::string_view piece = text.substr(from, end - from);
+    if (piece.ends_with('\r')) piece.remove_suffix(1);
+    record += piece;
+  }
+  return record;
+}
+
+std::string from_nrrd(std::string_view text) {
+  const std::string key = "\n" + std::string(record_key) + ":=";
+  const std::size_t at = text.find(key);
+  if (at == text.npos || at > text.find("\n\n")) return {};
+  std::string record;
+  for (std::size_t k = at + key.size(); k < text.size() && text[k] != '\n' && text[k] != '\r'; ++k) {
+    if (text[k] == '\\' && k + 1 < text.size()) ++k;
+    record += text[k];
+  }
+  return record;
+}
+
+std::string from_vtk(std::string_view text) {
+  const std::string key = "\n" + std::string(record_key) + " 1 ";
+  const std::size_t at = text.find(key);
+  if (at == text.npos) return {};
+  const std::size_t number = at + key.size(), blank = text.find(' ', number), line = text.find('\n', number);
+  if (blank == text.npos || line == text.npos || blank > line) return {};
+  const auto bytes = as_number<std::size_t>(text.substr(number, blank - number));
+  return bytes && *bytes <= text.size() - line - 1 ? std::string(text.substr(line + 1, *bytes)) : std::string();
+}
+
+std::string from_vtp(std::string_view text) {
+  const std::size_t at = text.find("Name=\"" + std::string(record_key) + "\"");
+  const std::size_t open = at == text.npos ? at : text.find('>', at);
+  const std::size_t close = open == text.npos ? open : text.find('<', open);
+  if (close == text.npos) return {};
+  std::string record;
+  std::string_view codes = trimmed(text.substr(open + 1, close - open - 1));
+  while (!codes.empty()) {
+    const std::size_t end = std::min(codes.find_first_of(" \n\t\r"), codes.size());
+    const auto code = as_number<std::uint8_t>(codes.substr(0, end));
+    if (!code) return {};
+    if (*code != 0) record += static_cast<char>(*code);
+    codes = trimmed(codes.substr(end));
+  }
+  return record;
+}
+
+/// The begin of a file, where headers are.
+Result<std::string> header_bytes(const fs::path& path) {
+  if (const auto size = size_of_file(path); !size) return fail(size.error());
+  const auto file = OpenFile::open(path, OpenFile::For::reading);
+  if (!file) return fail(path.string(), "cannot be read; check its rights");
+  std::string bytes(most_header_bytes, '\0');
+  std::size_t have = 0;
+  while (have < bytes.size()) {
+    const auto got = file->read_at(bytes.data() + have, bytes.size() - have, have);
+    if (!got) return fail(path.string(), "cannot be read to its end; copy it again");
+    if (*got == 0) break;
+    have += *got;
+  }
+  bytes.resize(have);
+  return bytes;
+}
+
+}  // namespace
+
+std::string record_lines(std::string_view begin, std::string_view record) {
+  std::string lines;
+  for (std::size_t at = 0; at < record.size(); at += piece_bytes)
+    lines.append(begin).append(record_key).append(" ").append(record.substr(at, piece_bytes)).append("\n");
+  return lines;
+}
+
+bool is_record_line(std::string_view line) {
+  return line.starts_with(record_key) && line.substr(record_key.size()).starts_with(' ');
+}
+
+std::string record_of_nrrd(std::string_view record) {
+  if (record.empty()) return {};
+  std::string line = "\n" + std::string(record_key) + ":=";
+  for (const char c : record) line += c == '\\' ? std::string("\\\\") : std::string(1, c);
+  return line;
+}
+
+std::string record_of_vtk(std::string_view record) {
+  if (record.empty()) return {};
+  return "FIELD FieldData 1\n" + std::string(record_key) + " 1 " + std::to_string(record.size()) + " unsigned_char\n" +
+         std::string(record) + "\n";
+}
+
+std::string record_of_vtp(std::string_view record) {
+  if (record.empty()) return {};
+  std::string codes;
+  for (const char c : record) codes += std::to_string(static_cast<unsigned char>(c)) + " ";
+  return "<DataArray type=\"String\" Name=\"" + std::string(record_key) + "\" NumberOfTuples=\"1\" format=\"ascii\">" +
+         codes + "0</DataArray>\n";
+}
+
+bool is_record_file(const fs::path& path) {
+  return path.filename().string().ends_with(record_extension);
+}
+
+fs::path record_file_of(const fs::path& path) {
+  return path.parent_path() / (path.filename().string() + record_extension);
+}
+
+Result<void> write_record_file(const fs::path& path, std::string_view record) {
+  const fs::path beside = record_file_of(path);
+  if (record.empty()) {
+    std::error_code ignored;  // most files have none
+    fs::remove(beside, ignored);
+    return {};
+  }
+  const auto json = read_json<nlohmann::ordered_json>(record);
+  if (!json) return fail(beside.string(), json.error().what + "; give inputs shorter names");
+  return write_whole_file(beside, nlohmann::ordered_json{{std::string(record_key), *json}}.dump(1) + "\n");
+}
+
+Result<std::optional<std::string>> read_record(const fs::path& path) {
+  const auto header = header_bytes(path);
+  if (!header) return fail(header.error());
+  const std::string extension = lower_case(path.extension().string());
+  std::string record;
+  if (extension == ".ply" || extension == ".obj") record = joined_lines(*header);
+  if (extension == ".nrrd") record = from_nrrd(*header);
+  if (extension == ".vtk") record = from_vtk(*header);
+  if (extension == ".vtp") record = from_vtp(*header);
+  if (!record.empty()) return record;
+  const fs::path beside = record_file_of(path);
+  if (std::error_code none; !fs::exists(beside, none)) return std::nullopt;
+  const auto text = read_whole_file(beside, most_header_bytes);
+  if (!text) return fail(text.error());
+  const auto json = read_json<nlohmann::ordered_json>(*text);
+  if (!json) return fail(beside.string(), json.error().what + "; copy it again with its file");
+  if (!json->is_object() || !json->contains(std::string(record_key))) return std::nullopt;
+  return (*json)[std::string(record_key)].dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace homolog

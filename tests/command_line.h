@@ -48,6 +48,14 @@ inline Ran run_on_full_disk(const TemporaryFolder& folder, const std::string& ar
   return run(folder, arguments);
 }
 
+/// The bytes of a PLY without the record of how it was made: two commands may make the same mesh.
+inline std::string without_record(std::string bytes) {
+  const std::string key = "comment homolog.record ";
+  for (std::size_t at = bytes.find(key); at != std::string::npos; at = bytes.find(key, at))
+    bytes.erase(at, bytes.find('\n', at) + 1 - at);
+  return bytes;
+}
+
 inline std::size_t lines(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }

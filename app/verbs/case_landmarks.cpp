@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/file_record.h"
 #include "core/base/file_stem.h"
 #include "core/mesh/landmark_io.h"
 
@@ -100,7 +101,7 @@ std::vector<std::string> landmarks_of_no_case(const LandmarkFiles& files, const 
   std::vector<std::string> names;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(files.given, error))
-    if (is_landmark_name(entry.path()) && !used.contains(entry.path()))
+    if (is_landmark_name(entry.path()) && !is_record_file(entry.path()) && !used.contains(entry.path()))
       names.push_back(entry.path().filename().string());
   if (names.empty()) return {};
   std::sort(names.begin(), names.end());

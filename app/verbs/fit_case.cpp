@@ -225,8 +225,10 @@ std::optional<double> closing_of(const FitShared& shared, const AmongCases& amon
 
 Result<std::string> record_of_fit(const FitJob& options, const fs::path& path, Progress& progress) {
   const char* const option = options.to_meshes() ? "--mesh" : "--mask";
-  if (options.ways_by_others() > 0)
-    return record_of(options.command.with(option, options.cases()), progress, case_name_of(path) + ".ply");
+  if (options.ways_by_others() > 0) {
+    const auto of_all = record_of(options.command.with(option, options.cases()), progress);
+    return of_all ? record_of_output(*of_all, case_name_of(path) + ".ply") : of_all;
+  }
   GivenCommand alone = options.command.with(option, {path});
   if (fs::is_directory(options.landmarks)) {
     const fs::path own = landmark_file_in(options.landmarks, case_name_of(path));

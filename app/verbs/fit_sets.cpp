@@ -74,7 +74,8 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
 Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set, const SetInMap& subject,
                                const SubjectMap& map, const fs::path& of_map, FittedSet& fitted, Progress& progress) {
   const std::string name = case_name_of(of_map);
-  const GivenCommand alone = options.command.with("--mask", {of_map});
+  const auto record = record_of(options.command.with("--mask", {of_map}), progress);
+  if (!record) return fail(record.error());
   const auto folder = ResultFolder::make(options.out / name);
   if (!folder) return fail(folder.error());
   std::vector<MeshOfSegment> meshes;
@@ -85,18 +86,14 @@ Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set,
     if (map.read.volume.frames > 1) note_frame(file, map.frame);
     if (one.judgement.doubtful) file.comments.push_back(doubt_comment(reason_of_doubt(one.judgement.warnings)));
     const std::string output = name + "/" + file_name_of_structure(set.set.structures[k].name) + ".ply";
-    auto record = record_of(alone, progress, output);
-    if (!record) return fail(record.error());
-    file.record = std::move(*record);
+    file.record = record_of_output(*record, output);
     if (auto written = write_mesh_file(file, options.out / output); !written) return fail(written.error());
     meshes.push_back({subject.structures[k].segment, one.fit->mesh});
   }
   const auto labels = map_of_meshes(meshes, grid_of_all(map.read));
   const std::string output = name + ".seg.nrrd";
-  const auto record = record_of(alone, progress, output);
-  if (!record) return fail(record.error());
-  if (auto written = write_segmentation(labels.map, options.out / output, nullptr, *record); !written)
-    return fail(written.error());
+  auto written = write_segmentation(labels.map, options.out / output, nullptr, record_of_output(*record, output));
+  if (!written) return fail(written.error());
   return labels.contested_voxels;
 }
 

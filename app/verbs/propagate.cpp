@@ -102,14 +102,14 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
   if (!session) return fail(session.error());
   const Template& the_template = *initial.structure()->the_template;
   MeshFile file = to_mesh_file(the_template);
+  const auto record = record_of(verb.command, progress);
+  if (!record) return fail(record.error());
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
     file.points = propagation.frames[f].points;
     file.landmarks = carried_landmarks(the_template, file.points);
     note_frame(file, static_cast<int>(f));
     const std::string output = frame_name(f) + ".ply";
-    auto record = record_of(verb.command, progress, output);
-    if (!record) return fail(record.error());
-    file.record = std::move(*record);
+    file.record = record_of_output(*record, output);
     if (auto written = write_mesh_file(file, verb.out / output); !written) return written;
   }
   const double frame_seconds = initial.scan.image->frame_seconds;

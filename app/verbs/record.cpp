@@ -15,8 +15,10 @@
 #include "core/catalogue/catalogue.h"
 #include "core/model/shape_folder.h"
 #include "core/session/case_file.h"
+#include "core/structures/built_in_set.h"
 #include "core/structures/template_set.h"
 #include "core/volume/label_tables.h"
+#include "core/volume/volume_io.h"
 
 namespace homolog {
 
@@ -70,7 +72,7 @@ struct InputReader {
         if (!one) return one;
         names.push_back(std::move(*one));
       }
-    if (label_names)
+    if (label_names && looks_like_volume(path))
       if (const fs::path beside = label_names_beside(path); !beside.empty()) {
         auto one = read(beside, deepest);
         if (!one) return one;
@@ -127,7 +129,7 @@ GivenCommand with_shapes_opened(const GivenCommand& command) {
 /// Whether labels are meant by their names: by --label, or by those of a template set.
 bool asks_for_names(const GivenCommand& command) {
   return std::ranges::any_of(command.options, [](const GivenOption& option) {
-    if (option.name == "TEMPLATE") return is_template_set(option.values.front());
+    if (option.name == "TEMPLATE") return names_set(option.values.front());
     return option.name == "--label" && option.values.front().find_first_not_of("0123456789,") != std::string::npos;
   });
 }
@@ -214,7 +216,7 @@ GivenCommand given_command(const CLI::App& verb) {
   return command;
 }
 
-Result<std::string> record_of(const GivenCommand& given, Progress& progress, const std::string& output) {
+Result<std::string> record_of(const GivenCommand& given, Progress& progress) {
   const RecordedVerb& known = *recorded_verb(given.verb);
   const GivenCommand command = with_shapes_opened(given);
   const InputReader reader{command.verb == "model", asks_for_names(command), &progress};
@@ -233,9 +235,13 @@ Result<std::string> record_of(const GivenCommand& given, Progress& progress, con
     }
     options[option.name] = std::move(values);
   }
-  Json record{{"version", version}, {"command", command.verb}, {"options", std::move(options)}};
-  if (!output.empty()) record["output"] = output;
+  const Json record{{"version", version}, {"command", command.verb}, {"options", std::move(options)}};
   return record.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+std::string record_of_output(const std::string& record, const std::string& output) {
+  const std::string name = Json(output).dump(-1, ' ', true, Json::error_handler_t::replace);
+  return record.substr(0, record.size() - 1) + ",\"output\":" + name + "}";
 }
 
 Result<std::string> record_of_case(const fs::path& case_file, Progress& progress) {

@@ -49,9 +49,12 @@ struct GivenCommand {
 /// The command that was parsed. The verb is one that `recorded_verb` knows.
 GivenCommand given_command(const CLI::App& verb);
 
-/// The record of a file that the command makes, in one line of ASCII. Reads the inputs. `output`: which file of a
-/// folder, empty where the command makes this one alone. Errors: an input that cannot be read; cancelled.
-Result<std::string> record_of(const GivenCommand& command, Progress& progress, const std::string& output = {});
+/// The record of the file that the command makes, in one line of ASCII. Reads the inputs. Errors: an input that cannot
+/// be read; cancelled.
+Result<std::string> record_of(const GivenCommand& command, Progress& progress);
+
+/// The same record for one file, `output`, of the folder that the command makes.
+std::string record_of_output(const std::string& record, const std::string& output);
 
 /// The record of a mesh that playing a case gives: of an edit that was added to its file.
 Result<std::string> record_of_case(const std::filesystem::path& case_file, Progress& progress);

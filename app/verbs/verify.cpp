@@ -16,6 +16,7 @@
 #include "core/base/paths.h"
 #include "core/base/process.h"
 #include "core/base/text.h"
+#include "core/catalogue/catalogue.h"
 #include "core/model/statismo.h"
 #include "core/session/case_file.h"
 
@@ -76,40 +77,55 @@ bool is_one_of_names(std::string_view name, const std::vector<std::string_view>&
   return std::ranges::find(names, name) != names.end();
 }
 
-/// Adds an option of a record to a command line: values first, since a file may come from anywhere and must not write
-/// where the record says. Positional arguments come before all options.
+Error damaged_record_of_file() {
+  return {"", "has a damaged record; copy the file again from where it was written"};
+}
+
+/// A value of an option as the command line has it. An input becomes the path where it was laid; any other path is
+/// refused, since a record may come from anywhere. `folder`: of this value alone.
+Result<std::string> argument_of(const Json& value, bool of_input, const FoundInputs& inputs, const fs::path& folder,
+                                const fs::path& room) {
+  if (value.is_object()) {
+    // Deep, so that what a file names may lie above it.
+    const auto path = inputs.lay(value, folder / "1/2/3/4/5/6/7/8", room);
+    return path ? Result<std::string>(path->string()) : fail(path.error());
+  }
+  if (!value.is_string()) return fail(damaged_record_of_file());
+  auto text = value.get<std::string>();
+  if (text.empty() || (of_input && names_file(text))) return fail(damaged_record_of_file());
+  return text;
+}
+
+/// Whether a name is that of an option that a record may give: nothing that writes, and no value in the name.
+bool may_be_given(const std::string& name, const RecordedVerb& verb) {
+  return name != verb.output && !is_one_of_names(name, verb.beside) && name.find('=') == std::string::npos &&
+         (!name.starts_with('-') || name.starts_with("--"));
+}
+
+/// Adds an option of a record to a command line.
 Result<void> add_option(const std::string& name, const Json& values, const ReadRecord& record,
                         const FoundInputs& inputs, const fs::path& room, std::vector<std::string>& arguments) {
-  const Error damaged{"", "has a damaged record; copy the file again from where it was written"};
-  if (name == record.verb->output || is_one_of_names(name, record.verb->beside)) return fail(damaged);
+  if (!may_be_given(name, *record.verb)) return fail(damaged_record_of_file());
+  const bool of_input = is_one_of_names(name, record.verb->inputs);
   std::vector<std::string> given;
   for (const Json& value : values.is_array() ? values : Json::array()) {
-    if (value.is_object()) {
-      // Deep, so that what a file names may lie above it.
-      const fs::path folder = room / std::to_string(arguments.size()) / std::to_string(given.size());
-      auto path = inputs.lay(value, folder / "1/2/3/4/5/6/7/8", room);
-      if (!path) return fail(path.error());
-      given.push_back(path->string());
-    } else if (value.is_string()) {
-      given.push_back(value.get<std::string>());
-    } else {
-      return fail(damaged);
-    }
+    const fs::path folder = room / std::to_string(arguments.size()) / std::to_string(given.size());
+    auto one = argument_of(value, of_input, inputs, folder, room);
+    if (!one) return fail(one.error());
+    given.push_back(std::move(*one));
   }
-  if (!name.starts_with("--")) {
-    for (const std::string& value : given)
-      if (value.starts_with('-')) return fail(damaged);
-    arguments.insert(arguments.end(), given.begin(), given.end());
-  } else if (given.size() == 1) {
+  if (name.starts_with("--") && given.size() == 1) {
     arguments.push_back(name + "=" + given.front());
-  } else {
-    arguments.push_back(name);
-    arguments.insert(arguments.end(), given.begin(), given.end());
+    return {};
   }
+  for (const std::string& value : given)
+    if (value.starts_with('-')) return fail(damaged_record_of_file());  // it would be another option
+  if (name.starts_with("--")) arguments.push_back(name);
+  arguments.insert(arguments.end(), given.begin(), given.end());
   return {};
 }
 
-/// The command line of a record that writes to `out`.
+/// The command line of a record that writes to `out`. Positional arguments come before all options.
 Result<std::vector<std::string>> command_line_of(const ReadRecord& record, const FoundInputs& inputs,
                                                  const fs::path& room, const fs::path& out) {
   std::vector<std::string> arguments;
@@ -131,6 +147,7 @@ Result<Report> do_again(std::vector<std::string> arguments, Progress& progress) 
   CLI::App app("", "homolog");
   CommandLine asked;
   for (AddVerb* const add : all_verbs) add(app, asked);
+  app.require_subcommand(1, 1);  // a value that is called like a verb is none
   std::reverse(arguments.begin(), arguments.end());
   try {
     app.parse(std::move(arguments));

@@ -155,7 +155,8 @@ TEST_CASE("template --best-of takes the subject whose template suits the others 
   }
   // It is that subject's own template, whatever the order and the number of threads.
   REQUIRE(run(folder, "template " + best + ".ply -o own.ply --vertices 500").status == 0);
-  CHECK(read_whole_file(folder.path / "t.ply").value() == read_whole_file(folder.path / "own.ply").value());
+  CHECK(without_record(read_whole_file(folder.path / "t.ply").value()) ==
+        without_record(read_whole_file(folder.path / "own.ply").value()));
   REQUIRE(
       run(folder, "template --best-of s4.ply s3.ply s0.ply s1.ply s2.ply -o u.ply --vertices 500 --jobs 1").status ==
       0);

@@ -49,7 +49,8 @@ TEST_CASE("repair-mesh mends a broken surface and says what it did") {
 TEST_CASE("repair-mesh leaves a sound template as it is and cuts tunnels on request") {
   const NamedBallFolder folder;
   CHECK(run(folder, "repair-mesh named.ply -o same.ply").errors.empty());
-  CHECK(read_whole_file(folder.path / "same.ply").value() == read_whole_file(folder.path / "named.ply").value());
+  CHECK(without_record(read_whole_file(folder.path / "same.ply").value()) ==
+        read_whole_file(folder.path / "named.ply").value());
   REQUIRE(write_mesh(shapes::torus(48, 24, 20, 8), folder.path / "ring.ply"));
   CHECK(run(folder, "repair-mesh ring.ply -o out.ply --json").json()["genus"] == 1);
   const Ran cut = run(folder, "repair-mesh ring.ply -o out.ply --genus 0 --vertices 800 --json");

@@ -156,6 +156,24 @@ TEST_CASE("a label map that was changed says how many voxels differ") {
   CHECK(report["largest_mm"].is_null());
 }
 
+TEST_CASE("labels that are chosen by name are verified with the file that names them") {
+  const VerifyFolder folder;
+  write_bytes(folder.path / "data/long.json", R"({"labels":[{"value":1,"name":"pear"}]})");
+  REQUIRE(run(folder, "template data/long.nii.gz --label pear --vertices 300 -o t.ply").status == 0);
+  CHECK(verified(folder, "t.ply")["inputs"].size() == 2);
+  fs::remove(folder.path / "data/long.json");
+  check_refused(run(folder, "verify t.ply"), "made of long.json, which");
+}
+
+TEST_CASE("each file of a fitted set is verified") {
+  const VerifyFolder folder;
+  write_bytes(folder.path / "data/two.set.json",
+              R"({"homolog_set":1,"structures":[{"name":"A","value":1,"template":"ball.ply"}]})");
+  REQUIRE(run(folder, "fit data/two.set.json --mask data/long.nii.gz -o sets").status == 0);
+  CHECK(verified(folder, "sets/long/A.ply --inputs data")["inputs"].size() == 3);
+  CHECK(verified(folder, "sets/long.seg.nrrd --inputs data")["same"] == true);
+}
+
 TEST_CASE("edits by hand are verified by playing their case which may have gone on since") {
   const VerifyFolder folder;
   fs::create_directory(folder.path / "cases");
@@ -170,8 +188,8 @@ TEST_CASE("edits by hand are verified by playing their case which may have gone 
   CHECK(report["command"] == "replay");
   CHECK(report["inputs"].size() == 3);
   write_bytes(folder.path / "cases/c.homolog", folder.bytes("cases/c.homolog") +
-                                                    R"({"tool":"pull","at":[0,20,0],"to":[0,23,0],"sigma_mm":8})"
-                                                    "\n");
+                                                   R"({"tool":"pull","at":[0,20,0],"to":[0,23,0],"sigma_mm":8})"
+                                                   "\n");
   CHECK(verified(folder, "edited.ply")["same"] == true);
   // The case of the mesh must stay as it is.
   CHECK(lines(folder.bytes("cases/c.homolog")) == 3);
@@ -200,6 +218,15 @@ TEST_CASE("a record can write nowhere and read nothing but what it names by its 
   bad = good;
   bad["homolog.record"]["options"]["--csv"] = {"x"};
   refuses(bad, "cannot be done again");
+  bad = good;
+  bad["homolog.record"]["options"]["--times=2"] = true;
+  refuses(bad, "damaged record");
+  bad = good;
+  bad["homolog.record"]["options"]["IN"][0] = (folder.path / "data/ball.ply").string();
+  refuses(bad, "damaged record");
+  bad = good;
+  bad["homolog.record"]["options"]["--times"] = {"1", "--from-ras"};
+  refuses(bad, "damaged record");
   bad = good;
   bad["homolog.record"]["output"] = "../out.ply";
   refuses(bad, "damaged record");

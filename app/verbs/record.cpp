@@ -93,7 +93,8 @@ struct InputReader {
     std::error_code error;
     for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
          entry.increment(error))
-      if (entry->is_directory(error) || (entry->is_regular_file(error) && counts(entry->path())))
+      if (std::error_code none; (entry->is_directory(none) && !entry->is_symlink(none)) ||  // links may go in circles
+                                (entry->is_regular_file(none) && counts(entry->path())))
         entries.push_back(entry->path());
     if (error) return fail(folder.string(), "cannot be read (" + error.message() + "); check its rights");
     std::ranges::sort(entries);

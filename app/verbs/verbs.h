@@ -17,9 +17,9 @@ AddVerb add_demo, add_info, add_replay, add_compare, add_label_map, add_model, a
 
 /// The verbs, in the order in which `homolog --help` lists them.
 inline constexpr std::array all_verbs{
-    add_demo,      add_sample,    add_info,   add_replay,   add_compare,     add_measure,   add_landmarks,
-    add_observers, add_label_map, add_model,  add_evaluate, add_score,       add_test,      add_mirror,
-    add_phantom,   add_picture,   add_report, add_convert,  add_repair_mesh, add_study,     add_template,
-    add_set,       add_fit,       add_repair, add_refine,   add_snap,        add_propagate, add_verify,   add_bench};
+    add_demo,      add_sample,  add_info,        add_replay, add_compare,  add_measure, add_landmarks, add_observers,
+    add_label_map, add_model,   add_evaluate,    add_score,  add_test,     add_mirror,  add_phantom,   add_picture,
+    add_report,    add_convert, add_repair_mesh, add_study,  add_template, add_set,     add_fit,       add_repair,
+    add_refine,    add_snap,    add_propagate,   add_verify, add_bench};
 
 }  // namespace homolog

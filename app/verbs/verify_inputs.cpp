@@ -52,17 +52,17 @@ bool may_be(const FoundInput& input, const fs::path& path, std::uintmax_t bytes)
   return bytes == input.bytes;
 }
 
-struct Candidate {
+struct FileOfSize {
   fs::path path;
   std::uintmax_t bytes;
 };
 
 /// The files below a folder by name. Links to folders are not followed, and what cannot be entered is passed over.
-Result<std::vector<Candidate>> files_below(const fs::path& folder, const Progress& progress) {
+Result<std::vector<FileOfSize>> files_below(const fs::path& folder, const Progress& progress) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
     return fail(folder.string(), "is no folder; name the one that holds the inputs");
-  std::vector<Candidate> files;
+  std::vector<FileOfSize> files;
   fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
   for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
     if (progress.cancelled()) return fail(folder.string(), "cancelled");
@@ -72,7 +72,7 @@ Result<std::vector<Candidate>> files_below(const fs::path& folder, const Progres
     if (!none) files.push_back({entry->path(), bytes});
   }
   if (error) return fail(folder.string(), "cannot be looked through (" + error.message() + "); check its rights");
-  std::ranges::sort(files, {}, &Candidate::path);
+  std::ranges::sort(files, {}, &FileOfSize::path);
   return files;
 }
 

@@ -41,8 +41,8 @@ Result<std::shared_ptr<const Template>> load_template(const std::string& source)
 
 /// The recipes that ship: "femur", "vertebra", "ventricle".
 std::vector<std::string> shipped_recipes();
-/// A recipe that ships, or that of a file [parse_recipe]. Errors: those of read_recipe; a word that is neither, with the
-/// nearest.
+/// A recipe that ships, or that of a file [parse_recipe]. Errors: those of read_recipe; a word that is neither, with
+/// the nearest.
 Result<Recipe> load_recipe(const std::string& source);
 /// The recipe that is kept with a template: NAME.recipe.json beside NAME.ply; of a built-in template the one of its
 /// name. Empty: there is none.

@@ -54,8 +54,8 @@ void add_others(ReadShape& shape, const ShapesOfFile& shapes, const WhichShape& 
   for (const ShapesOfStructure& one : shapes.structures) {
     const auto found = one.frames.find(which.frame.value_or(shapes.shown));
     if (&one == own || found == one.frames.end()) continue;
-    shape.others.emplace_back(
-        name_of(one), flipped ? std::make_shared<const MeshFile>(mirrored(*found->second)) : found->second);
+    shape.others.emplace_back(name_of(one),
+                              flipped ? std::make_shared<const MeshFile>(mirrored(*found->second)) : found->second);
   }
 }
 

@@ -21,8 +21,8 @@ enum class ShapeWorksFrame { local, world };
 /// The meshes of these structures in folders, case by case in the order of the cases' names. A folder is
 /// - one of cases, CASE/STRUCTURE.ply [fit_set.h] or of another format that keeps vertices, or such a CASE itself,
 /// - or one of ShapeWorks' with several domains, SUBJECT_DOMAIN_local.particles and _world.particles.
-/// Names of structures are found in any case; a mesh .ply is taken before others of its name. Errors: fewer than `least`
-/// structures, one twice, one that no case has (with the nearest names), two files of one case and structure,
+/// Names of structures are found in any case; a mesh .ply is taken before others of its name. Errors: fewer than
+/// `least` structures, one twice, one that no case has (with the nearest names), two files of one case and structure,
 /// ShapeWorks' files of the other frame alone, a folder that cannot be read.
 Result<std::vector<CaseFiles>> structure_files(const std::vector<std::filesystem::path>& folders,
                                                const std::vector<std::string>& structures,

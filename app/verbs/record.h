@@ -15,7 +15,7 @@ namespace homolog {
 // those that change no byte, and each input by its base name, its size and its SHA-256. No path, no date, no user.
 // `verify` reads it. How formats hold it is in core/base/file_record.h.
 //
-//   {"version":"0.1.0","command":"fit","options":{"TEMPLATE":["built-in:kidney"],"--mask":[INPUT],"--label":["2"]}}
+//   {"version":"0.1.0","command":"fit","options":{"TEMPLATE":[INPUT],"--mask":[INPUT],"--label":["2"]}}
 //
 // INPUT is {"file":NAME,"bytes":N,"sha256":DIGITS}, with "names":[INPUT or null…] where the file names others (a case
 // its image); or {"folder":NAME,"files":[INPUT…]}. A flag is true. "output":"CASE/STRUCTURE.ply" says which file of a

@@ -128,7 +128,7 @@ std::vector<KeyRow> rows_of_case() {
          return NextStructure{false, true};
        }},
       {"H",
-       "repaired structures: also as they were",
+       "shapes before a repair",
        {{'H'}},
        [](const KeyMoment& now) -> Given { return ShowAsRead{!now.state.look.structures.as_read_shown}; }},
       {"N", "snap here", {{'N'}}, snap_here},

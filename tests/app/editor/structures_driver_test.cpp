@@ -54,6 +54,7 @@ std::array<double, 2> on_axial_outline(Driver& driver, const char* id) {
 TEST_CASE("what a hand pulls is the structure that is worked on") {
   Driver driver(demo());
   start_with_two(driver);
+  driver.app().send(KeepApartAfterStrokes{false});
   const Points first = points_of(driver, "s1"), second = points_of(driver, "s2");
 
   driver.app().send(ChooseStructure{"s2"});

@@ -173,7 +173,7 @@ void draw_repair(const UiContext& ui, Outbox& out) {
              "Shows repaired structures also as the label map has them, in white (H)", {}, half))
     out.send(ShowAsRead{!shown});
   ImGui::SameLine(0, theme.px(4));
-  if (button(theme, "As read",
+  if (button(theme, "Take back",
              missing ? "The label map has no such structure, and it goes again. One step to undo"
                      : "Takes the proposal back: the structure is as the label map has it. One step to undo",
              changed ? "" : "The repair did not change this structure.", half))

@@ -183,7 +183,7 @@ TEST_CASE("the window repairs a label map: what was missing is proposed, shown b
   driver.settle();
   CHECK_FALSE(driver.state().look.structures.as_read_shown);
   const Points proposed = *driver.document().structure(id_of(3))->shape(0)->points;
-  driver.click("As read");
+  driver.click("Take back");
   driver.settle();
   const Points given_back = *driver.document().structure(id_of(3))->shape(0)->points;
   CHECK((given_back - *as_read.at(id_of(3))).cwiseAbs().maxCoeff() < 1e-3);
@@ -195,7 +195,7 @@ TEST_CASE("the window repairs a label map: what was missing is proposed, shown b
   // The missing one goes, and comes back.
   driver.app().send(ChooseStructure{id_of(2)});
   driver.settle();
-  driver.click("As read");
+  driver.click("Take back");
   driver.settle();
   CHECK(driver.document().structures.size() == 4);
   driver.press('Z', {.ctrl = true});

@@ -55,6 +55,7 @@ void keep_as_read(StructureLooks& looks, const SetFitted& found, const std::vect
     if (set == nullptr || !set->name) continue;
     const auto k =
         static_cast<std::size_t>(std::ranges::find(structures, *set->name, &TemplateOfSet::name) - structures.begin());
+    if (found.repaired->found[k].empty()) continue;
     const auto& fit = found.fitted.structures[k].fit;
     const auto& before = found.repaired->as_read[k];
     if (!before)

@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 . scripts/packages.sh
 . scripts/count_tests.sh
 install_missing $build_packages git xvfb xdotool imagemagick clang-format clang-tidy python3-jsonschema python3-numpy python3-pydicom || exit 1
-[ "${1:-}" != --peers ] || install_missing python3-nibabel python3-h5py python3-vtk9 r-base-core r-cran-vegan chromium || exit 1
+[ "${1:-}" != --peers ] || install_missing python3-nibabel python3-h5py python3-vtk9 r-base-core r-cran-vegan chromium snakemake || exit 1
 
 passed=0 failed=0 skipped=0
 # step NAME COMMAND…: one check that passes or fails as a whole.

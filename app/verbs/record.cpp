@@ -40,10 +40,6 @@ const std::array recorded_verbs{
     RecordedVerb{"repair-mesh", {"IN"}, "--output", {}},
 };
 
-bool is_one_of(std::string_view name, const std::vector<std::string_view>& names) {
-  return std::ranges::find(names, name) != names.end();
-}
-
 bool changes_no_byte(const std::string& name) {
   return name == "--json" || name == "--quiet" || name == "--jobs" || name == "--help";
 }
@@ -182,6 +178,14 @@ std::vector<std::string> voxels_of_header(const std::string& text, std::string_v
 
 }  // namespace
 
+bool RecordedVerb::reads(std::string_view option) const {
+  return std::ranges::find(inputs, option) != inputs.end();
+}
+
+bool RecordedVerb::writes(std::string_view option) const {
+  return option == output || std::ranges::find(beside, option) != beside.end();
+}
+
 const RecordedVerb* recorded_verb(std::string_view name) {
   const auto found = std::ranges::find(recorded_verbs, name, &RecordedVerb::name);
   return found != recorded_verbs.end() ? &*found : nullptr;
@@ -203,8 +207,7 @@ GivenCommand given_command(const CLI::App& verb) {
   const RecordedVerb& known = *recorded_verb(command.verb);
   for (const CLI::Option* option : verb.get_options()) {
     const std::string name = option->get_name();
-    if (option->count() == 0 || changes_no_byte(name) || name == known.output || is_one_of(name, known.beside))
-      continue;
+    if (option->count() == 0 || changes_no_byte(name) || known.writes(name)) continue;
     GivenOption given{name, {}};
     if (option->get_items_expected_max() > 0) given.values = option->results();
     if (const char delimiter = option->get_delimiter(); delimiter != '\0' && given.values.size() > 1) {
@@ -226,7 +229,7 @@ Result<std::string> record_of(const GivenCommand& given, Progress& progress) {
     Json values = option.values.empty() ? Json(true) : Json::array();
     for (const std::string& value : option.values) {
       std::error_code none;
-      if (!is_one_of(option.name, known.inputs) || !names_file(value) || !fs::exists(value, none)) {
+      if (!known.reads(option.name) || !names_file(value) || !fs::exists(value, none)) {
         values.push_back(value);
         continue;
       }

@@ -27,6 +27,9 @@ struct RecordedVerb {
   std::vector<std::string_view> inputs;  ///< options that name what is read, as CLI11 calls them
   std::string_view output;               ///< that names the file, or the folder, to write
   std::vector<std::string_view> beside;  ///< that name what else is written; not in the record
+
+  bool reads(std::string_view option) const;
+  bool writes(std::string_view option) const;
 };
 /// Null where the files of a verb carry none.
 const RecordedVerb* recorded_verb(std::string_view name);

@@ -51,7 +51,7 @@ Result<Json> record_json(const fs::path& file) {
                 "carries no record of how it was made; only what a verb of this version or a newer one wrote can be "
                 "verified, and not what the window or another program wrote");
   auto json = read_json<Json>(**text);
-  if (!json) return fail(file.string(), "has a damaged record; copy the file again from where it was written");
+  if (!json) return fail(file.string(), damaged_record().what);
   return json;
 }
 
@@ -64,21 +64,13 @@ Result<ReadRecord> record_in(const fs::path& file) {
   };
   ReadRecord record{text("version"), text("output"), recorded_verb(text("command")), Json::object()};
   if (record.version.empty() || !json->contains("options") || !(*json)["options"].is_object())
-    return fail(file.string(), "has a damaged record; copy the file again from where it was written");
+    return fail(file.string(), damaged_record().what);
   if (record.verb == nullptr)
     return fail(file.string(), "was made by \"" + excerpt(text("command")) + "\" of version " +
                                    excerpt(record.version) + ", which this version " + version +
                                    " cannot do again; use that version");
   record.options = (*json)["options"];
   return record;
-}
-
-bool is_one_of_names(std::string_view name, const std::vector<std::string_view>& names) {
-  return std::ranges::find(names, name) != names.end();
-}
-
-Error damaged_record_of_file() {
-  return {"", "has a damaged record; copy the file again from where it was written"};
 }
 
 /// A value of an option as the command line has it. An input becomes the path where it was laid; any other path is
@@ -90,23 +82,23 @@ Result<std::string> argument_of(const Json& value, bool of_input, const FoundInp
     const auto path = inputs.lay(value, folder / "1/2/3/4/5/6/7/8", room);
     return path ? Result<std::string>(path->string()) : fail(path.error());
   }
-  if (!value.is_string()) return fail(damaged_record_of_file());
+  if (!value.is_string()) return fail(damaged_record());
   auto text = value.get<std::string>();
-  if (text.empty() || (of_input && names_file(text))) return fail(damaged_record_of_file());
+  if (text.empty() || (of_input && names_file(text))) return fail(damaged_record());
   return text;
 }
 
 /// Whether a name is that of an option that a record may give: nothing that writes, and no value in the name.
 bool may_be_given(const std::string& name, const RecordedVerb& verb) {
-  return name != verb.output && !is_one_of_names(name, verb.beside) && name.find('=') == std::string::npos &&
+  return !verb.writes(name) && name.find('=') == std::string::npos &&
          (!name.starts_with('-') || name.starts_with("--"));
 }
 
 /// Adds an option of a record to a command line.
 Result<void> add_option(const std::string& name, const Json& values, const ReadRecord& record,
                         const FoundInputs& inputs, const fs::path& room, std::vector<std::string>& arguments) {
-  if (!may_be_given(name, *record.verb)) return fail(damaged_record_of_file());
-  const bool of_input = is_one_of_names(name, record.verb->inputs);
+  if (!may_be_given(name, *record.verb)) return fail(damaged_record());
+  const bool of_input = record.verb->reads(name);
   std::vector<std::string> given;
   for (const Json& value : values.is_array() ? values : Json::array()) {
     const fs::path folder = room / std::to_string(arguments.size()) / std::to_string(given.size());
@@ -119,7 +111,7 @@ Result<void> add_option(const std::string& name, const Json& values, const ReadR
     return {};
   }
   for (const std::string& value : given)
-    if (value.starts_with('-')) return fail(damaged_record_of_file());  // it would be another option
+    if (value.starts_with('-')) return fail(damaged_record());  // it would be another option
   if (name.starts_with("--")) arguments.push_back(name);
   arguments.insert(arguments.end(), given.begin(), given.end());
   return {};
@@ -166,7 +158,7 @@ Result<fs::path> made_anew(const ReadRecord& record, const FoundInputs& inputs, 
   if (!record.output.empty()) {
     const fs::path output(record.output);
     for (const fs::path& part : output)
-      if (!is_file_name(part.string())) return fail("", "has a damaged record; copy the file again");
+      if (!is_file_name(part.string())) return fail(damaged_record());
     out = folder;
     anew = folder / output;
   }

@@ -17,10 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Error damaged_record() {
-  return {"", "has a damaged record; copy the file again from where it was written"};
-}
-
 bool is_file_input(const Json& json) {
   return json.is_object() && json.contains("file") && json["file"].is_string() &&
          is_file_name(json["file"].get<std::string>()) && json.contains("sha256") && json["sha256"].is_string() &&
@@ -77,6 +73,10 @@ Result<std::vector<FileOfSize>> files_below(const fs::path& folder, const Progre
 }
 
 }  // namespace
+
+Error damaged_record() {
+  return {"", "has a damaged record; copy the file again from where it was written"};
+}
 
 Result<FoundInputs> FoundInputs::find(const Json& options, const fs::path& folder, Progress& progress) {
   FoundInputs found;

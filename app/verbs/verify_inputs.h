@@ -9,6 +9,9 @@
 
 namespace homolog {
 
+/// What is said of a file whose record does not have the form that it should have; without the file's name.
+Error damaged_record();
+
 /// An input that a record names, and where it lies now.
 struct FoundInput {
   std::string name, sha256;

@@ -20,7 +20,8 @@ Result<SetFitted> repair_and_fit(SetFitted done, VolumeRead& read, const MapToFi
   if (!repaired) return fail(map.file.filename().string(), repaired.error().what);
   done.subject = std::move(repaired->subject);
   done.fitted = std::move(repaired->fitted);
-  done.repaired = std::move(*repaired);
+  done.found = std::move(repaired->found);
+  done.as_read = std::move(repaired->as_read);
   return done;
 }
 

@@ -33,8 +33,10 @@ struct SetFitted {
   std::shared_ptr<const SetOfTemplates> set;
   SetInMap subject;
   FittedSet fitted;
-  std::vector<std::string> warnings;    ///< of the map
-  std::optional<RepairedFit> repaired;  ///< where the map was repaired too: what was wrong, and shapes as they were
+  std::vector<std::string> warnings;  ///< of the map
+  /// Where the map was repaired too, of each structure of the set, as RepairedFit has them; else both are empty.
+  std::vector<std::string> found;
+  std::vector<std::optional<Points>> as_read;
 };
 
 /// Fits a template set to a label map on a thread of its own. Called from the window's thread only.

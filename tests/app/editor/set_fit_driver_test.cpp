@@ -192,8 +192,14 @@ TEST_CASE("the window repairs a label map: what was missing is proposed, shown b
   driver.settle();
   CHECK((*driver.document().structure(id_of(3))->shape(0)->points == proposed));
 
-  // The missing one goes, and comes back.
+  // The missing one stays while it is locked, then goes, and comes back.
   driver.app().send(ChooseStructure{id_of(2)});
+  driver.app().send(LockStructures{{id_of(2)}, true});
+  driver.settle();
+  driver.click("Take back");
+  driver.settle();
+  CHECK(driver.document().structures.size() == 5);
+  driver.app().send(LockStructures{{id_of(2)}, false});
   driver.settle();
   driver.click("Take back");
   driver.settle();

@@ -7,7 +7,9 @@
 #include "core/base/parallel.h"
 #include "core/measure/compare.h"
 #include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_quality.h"
 #include "tests/must.h"
+#include "tests/refusal.h"
 #include "tests/thread_limit.h"
 
 // Fits among the shapes that a model allows.
@@ -145,6 +147,38 @@ TEST_CASE("a model keeps a snap to the shapes that it allows") {
   Similarity far;
   far.translation = Vec3(500, 0, 0);
   CHECK_FALSE(snap_allowed(image, 0, allowed, the_template->topology, far, {}));
+}
+
+TEST_CASE("of a joint model the structure that the template is of says what is allowed") {
+  // Two eggs one above the other; the upper one is as long as the lower one is short.
+  const std::vector<double> ages{-1, -0.5, 0, 0.4, 1};
+  const Eigen::Index n = egg(0).points.rows();
+  ShapeMatrix shapes(6 * n, std::ssize(ages));
+  for (std::size_t k = 0; k < ages.size(); ++k) {
+    const Points lower = egg(ages[k]).points;
+    Points upper = egg(-ages[k]).points;
+    upper.col(2).array() += 120;
+    shapes.col(static_cast<Eigen::Index>(k)) << Eigen::Map<const Eigen::VectorXd>(lower.data(), lower.size()),
+        Eigen::Map<const Eigen::VectorXd>(upper.data(), upper.size());
+  }
+  ShapeModel joint = make_model(principal_components(std::move(shapes)), 1, nullptr, {});
+  joint.parts = {{"egg", 0, n, 0, 0}, {"other egg", n, n, 0, 0}};
+  const auto length = [](const AllowedShapes& allowed, const Mesh& target) {
+    const Points normals = vertex_normals(target);
+    const Points found = allowed.nearest(target.points, normals, VertexScalars::Ones(normals.rows()), 0.5).posed;
+    return found.col(2).maxCoeff() - found.col(2).minCoeff();
+  };
+  const AllowedShapes allowed = test::must(allowed_by(joint, *egg_template()));
+  REQUIRE(allowed.mean.rows() == n);
+  CHECK(length(allowed, egg(1)) == doctest::Approx(2 * 34 * 1.2).epsilon(0.02));
+  MeshFile file{egg(0).points, egg(0).topology->triangles()};
+  const auto nameless = test::must(make_template(file, "third.ply"));
+  CHECK(
+      says(allowed_by(joint, *nameless), "several structures of the template's numbering, such as egg and other egg"));
+  joint.parts[1].vertices -= 1;
+  CHECK(allowed_by(joint, *nameless));
+  joint.parts[0].vertices -= 1;
+  CHECK(says(allowed_by(joint, *nameless), "no structure of the template's numbering"));
 }
 
 TEST_CASE("a model of another numbering is refused") {

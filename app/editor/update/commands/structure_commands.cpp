@@ -86,7 +86,7 @@ void KeepApart::run(Editing& editing) const {
 void TakeBackRepair::run(Editing& editing) const {
   const Structure* active = editing.structure();
   const StructureLooks& looks = editing.state.look.structures;
-  if (active == nullptr || !looks.as_read.contains(active->id)) return;
+  if (active == nullptr || !looks.as_read.contains(active->id) || editing.refuses_edits()) return;
   const auto& document = editing.shown.document();
   if (const Points* before = shape_as_read(looks, *active)) {
     const Shape shape = shape_of_frame(*active, document.frame, document.frame);

@@ -31,8 +31,8 @@ void say_fitted(EditorState& state, const SetFitted& found, std::size_t locked) 
     if (!one.why_not.empty()) failed += (failed.empty() ? "" : ", ") + found.set->set.structures[k].name;
   }
   std::string said = count_of(fitted, "structure") + " fitted";
-  if (found.repaired) {
-    const auto wrong = std::ranges::count_if(found.repaired->found, [](const auto& one) { return !one.empty(); });
+  if (!found.found.empty()) {
+    const auto wrong = std::ranges::count_if(found.found, [](const auto& one) { return !one.empty(); });
     said += wrong == 0 ? "; nothing wrong was found."
                        : "; something was found in " + std::to_string(wrong) + ", on top of the list.";
   } else {
@@ -48,16 +48,16 @@ void say_fitted(EditorState& state, const SetFitted& found, std::size_t locked) 
 void keep_as_read(StructureLooks& looks, const SetFitted& found, const std::vector<EditStep>& steps) {
   looks.as_read.clear();
   looks.as_read_shown = true;
-  if (!found.repaired) return;
+  if (found.found.empty()) return;
   const auto& structures = found.set->set.structures;
   for (const EditStep& step : steps) {
     const auto* set = std::get_if<SetStructure>(&step.action);
     if (set == nullptr || !set->name) continue;
     const auto k =
         static_cast<std::size_t>(std::ranges::find(structures, *set->name, &TemplateOfSet::name) - structures.begin());
-    if (found.repaired->found[k].empty()) continue;
+    if (found.found[k].empty()) continue;
     const auto& fit = found.fitted.structures[k].fit;
-    const auto& before = found.repaired->as_read[k];
+    const auto& before = found.as_read[k];
     if (!before)
       looks.as_read[set->id] = nullptr;
     else if (*before != fit->mesh.points)
@@ -68,8 +68,7 @@ void keep_as_read(StructureLooks& looks, const SetFitted& found, const std::vect
 void take_set_fit(Editing& editing, const SetFitted& found) {
   EditorState& state = editing.state;
   const Document& document = *editing.shown.snapshot().document;
-  auto steps = steps_of_fitted_set(document, *found.set, found.subject, found.fitted,
-                                   found.repaired ? found.repaired->found : std::vector<std::string>());
+  auto steps = steps_of_fitted_set(document, *found.set, found.subject, found.fitted, found.found);
   std::size_t locked = 0;
   std::erase_if(steps, [&](const EditStep& step) {
     const bool stays = is_of(step, state.look.structures.locked);
@@ -84,7 +83,7 @@ void take_set_fit(Editing& editing, const SetFitted& found) {
   say_fitted(state, found, locked);
   state.look.making_shown = false;
   editing.work.set_enters = true;
-  editing.log.is_done(FitSet{found.repaired.has_value()});
+  editing.log.is_done(FitSet{!found.found.empty()});
 }
 
 }  // namespace
@@ -117,10 +116,13 @@ std::string set_fit_refusal(const EditorState& state, const ShownCase& shown, co
 void start_set_fit(Editing& editing, bool repair) {
   if (const std::string why = set_fit_refusal(editing.state, editing.shown, editing.work); !why.empty())
     return add_notice(editing.state, why, false);
-  editing.work.set_fitter.start(
-      editing.state.automatic.set,
-      {editing.shown.labels().file, editing.shown.document().frame, editing.shown.document().scan.image}, repair,
-      editing.shown.number());
+  const Document& document = editing.shown.document();
+  const std::filesystem::path& labels = editing.shown.labels().file;
+  // A label map that was opened by itself is shown as an image, and shows no boundary but its own.
+  const bool is_scan = std::filesystem::path(document.scan.source) != labels;
+  editing.work.set_fitter.start(editing.state.automatic.set,
+                                {labels, document.frame, is_scan ? document.scan.image : nullptr}, repair,
+                                editing.shown.number());
 }
 
 bool update_set_fit(Editing& editing) {

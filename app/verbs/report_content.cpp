@@ -30,7 +30,8 @@ std::string plain_title(const fs::path& file) {
   return file_stem(name);
 }
 
-/// The command without folders. Many shapes become their number.
+/// The command without folders and without the page's name, so that the page is the same under each. Many shapes become
+/// their number.
 std::string plain_command(const ReportVerb& verb) {
   std::string command = "homolog report";
   const TrainingVerb& training = verb.training;
@@ -49,7 +50,8 @@ std::string plain_command(const ReportVerb& verb) {
   if (training.world) command += " --world";
   if (verb.modes > 0) command += " --modes " + std::to_string(verb.modes);
   if (verb.without_names) command += " --without-names";
-  return command + " -o " + verb.out.filename().string();
+  if (verb.samples != ReportVerb().samples) command += " --samples " + std::to_string(verb.samples);
+  return command;
 }
 
 /// How many modes the page has. Errors: more are asked for than there are.

@@ -66,9 +66,7 @@ TEST_CASE("a report is one page that loads nothing and is the same bytes twice")
   CHECK(page.find(folder.path.string()) == std::string::npos);
   CHECK(page.find("<b>") == page.find("<b></b>"));  // the legend's own, and no name's
   REQUIRE(run(folder, "report organs.study.json -o again.html --jobs 1").status == 0);
-  std::string again = page_in(folder, "again.html");
-  again.replace(again.find("again.html"), 10, "page.html");
-  CHECK(again == page);
+  CHECK(page_in(folder, "again.html") == page);
 }
 
 TEST_CASE("the arrays of a report are the model's to float precision") {
@@ -116,7 +114,7 @@ TEST_CASE("a report says which cases are left out and why") {
   CHECK(page.find("1 case was left out: 1 (lies 3 mm off the label map)") != std::string::npos);
   CHECK(page.find("from 4 shapes") != std::string::npos);
   CHECK(page.find("Erdt M, Kirschner M, Wesarg S.") != std::string::npos);
-  CHECK(page.find("homolog report organs.study.json --without-doubtful -o page.html") != std::string::npos);
+  CHECK(page.find("homolog report organs.study.json --without-doubtful</code>") != std::string::npos);
 }
 
 TEST_CASE("a report without names numbers its cases") {

@@ -97,7 +97,8 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
   begin_region("top bar", ui.layout.top_bar, palette::surface, theme.px(8));
   draw_mode_switch(ui, out);
   same_line(ui, 12);
-  if (icon_button(theme, icon::open, "open", "Open an image, a case or a template (Ctrl+O)", {}, false, 28))
+  if (icon_button(theme, icon::open, "open", "Open an image, a case, a template or a template set (Ctrl+O)", {}, false,
+                  28))
     out.send(ShowFileDialog{FilePurpose::open, {}});
   same_line(ui, 2);
   if (icon_button(theme, icon::save, "save", "Save the case (Ctrl+S)", {}, false, 28)) out.send(SaveCase{});

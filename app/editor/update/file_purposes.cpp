@@ -54,7 +54,7 @@ Extensions joined(Extensions first, const Extensions& second) {
 const std::vector<FilePurposeKind>& file_purposes() {
   static const Extensions& meshes = mesh_extensions();
   static const Extensions& volumes = volume_extensions();
-  static const Extensions openable = joined(joined({case_extension}, volumes), meshes);
+  static const Extensions openable = joined(joined({case_extension, ".set.json", ".study.json"}, volumes), meshes);
   static const Extensions exported = mesh_format_extensions();
   static const Extensions shapes = joined(shape_extensions(), {case_extension});
   static const Extensions templates = mesh_format_extensions(&MeshFormat::keeps_template);
@@ -62,7 +62,7 @@ const std::vector<FilePurposeKind>& file_purposes() {
   static const std::vector<FilePurposeKind> all{
       {FilePurpose::open,
        "open",
-       "Open an image, a case or a template",
+       "Open an image, a case, a template or a template set",
        {false, openable, true},
        to<OpenFiles>,
        to_several<OpenFiles>},

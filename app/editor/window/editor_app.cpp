@@ -1,5 +1,6 @@
 #include "app/editor/window/editor_app.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <iterator>
@@ -9,6 +10,7 @@
 #include "app/editor/update/results/results.h"
 #include "core/base/guarded.h"
 #include "core/base/paths.h"
+#include "core/structures/template_set.h"
 
 namespace homolog {
 
@@ -44,7 +46,12 @@ void EditorApp::start(const EditorOptions& options) {
     send(OpenStudy{{absolute_path(options.files.front())}});
     return;
   }
-  auto request = sort_files(options.files);
+  auto files = options.files;
+  if (const auto set = std::ranges::find_if(files, is_template_set); set != files.end()) {
+    send(ChooseSet{absolute_path(*set).string()});
+    files.erase(set);
+  }
+  auto request = sort_files(files);
   if (!request) return add_notice(state_, request.error().sentence());
   if (!options.template_source.empty()) request->template_source = options.template_source;
   send(OpenRequested{std::move(*request)});

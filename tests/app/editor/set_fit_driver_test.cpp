@@ -98,6 +98,27 @@ TEST_CASE("the window fits a set and one undo takes all of its structures back")
   CHECK(driver.document().structures.size() == 2);
 }
 
+TEST_CASE("a set that is opened or dropped is chosen, and what came with it is opened") {
+  const TwoBalls balls;
+  Driver driver(balls.document);
+  driver.app().open({balls.set, balls.labels});
+  driver.wait_until("the set is read", [&] { return driver.state().automatic.set != nullptr; });
+  driver.settle();
+  CHECK(driver.state().automatic.set_source == balls.set.string());
+  CHECK(driver.shows("balls.set.json"));
+  CHECK(driver.shows("2 of 2"));
+  CHECK(driver.document().scan.image != nullptr);
+}
+
+TEST_CASE("a label map that is opened by itself is the image and offers its labels") {
+  const TwoBalls balls;
+  Driver driver(new_document({}, nullptr, nullptr));
+  driver.app().open({balls.labels});
+  driver.wait_until("the image is open", [&] { return driver.document().scan.image != nullptr; });
+  driver.settle();
+  CHECK(driver.has("Remove the overlay"));
+}
+
 TEST_CASE("a second fit of a set gives its structures new meshes and leaves locked ones alone") {
   const TwoBalls balls;
   Driver driver(balls.document);

@@ -1,5 +1,6 @@
 #include "app/editor/update/commands/file_commands.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <set>
@@ -12,6 +13,7 @@
 #include "app/editor/update/results/imports.h"
 #include "app/editor/update/status.h"
 #include "core/base/files.h"
+#include "core/base/paths.h"
 #include "core/base/picture_io.h"
 #include "core/base/text.h"
 #include "core/mesh/formats/formats.h"
@@ -107,6 +109,15 @@ void OpenFiles::run(Editing& editing) const {
       editing.out.send(ShowModels{true});
       return editing.out.send(OpenStudy{{path}});
     }
+  // A template set is chosen, whatever else is opened beside it.
+  if (const auto set = std::ranges::find_if(paths, is_template_set); set != paths.end()) {
+    std::vector<fs::path> others = paths;
+    std::erase(others, *set);
+    editing.state.wanted_section = structures_section;
+    ++editing.state.section_wanted;
+    editing.out.send(ChooseSet{absolute_path(*set).string()});
+    return others.empty() ? void() : editing.out.send(OpenFiles{std::move(others)});
+  }
   // Dropped on the Models mode, all else becomes a case of the study.
   if (editing.state.models.shown) return editing.out.send(AddCases{paths});
   auto request = sort_files(paths);

@@ -32,6 +32,13 @@ bool is_label_map_on(const Volume& volume, const Volume& image) {
   return on_same_voxels(volume, image) && holds_labels(volume);
 }
 
+/// Whether an image that is opened by itself is a label map, to which templates can be fitted.
+bool is_label_map_alone(const VolumeRead& read, const OpenRequest& request) {
+  if (!request.labels.empty() || is_built_in(request.volume_source)) return false;
+  return std::ranges::any_of(read.segmentation.segments, [](const Segment& one) { return !one.name.empty(); }) ||
+         label_likeness(read.volume) == LabelLikeness::few_small_values;
+}
+
 /// The sentence where a second volume cannot be the label map of the first.
 Error second_image(const std::string& path, const std::string& why) {
   return {path, "is a second image" + why +
@@ -136,6 +143,7 @@ Result<void> open_volume(Opened& opened, Progress& progress) {
     opened.warnings.push_back(shown_as_labels(request.labels));
     return {};
   } else {
+    if (is_label_map_alone(*read, request)) request.labels = request.volume_source;
     opened.volume = std::make_shared<const Volume>(std::move(read->volume));
   }
   return {};

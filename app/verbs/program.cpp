@@ -18,6 +18,7 @@
 #include "app/verbs/lab_verbs.h"
 #include "app/verbs/plain_report.h"
 #include "app/verbs/progress_line.h"
+#include "app/verbs/report_content.h"
 #include "app/version.h"
 #include "core/base/guarded.h"
 #include "core/base/limits.h"
@@ -239,6 +240,7 @@ int run_program(int argc, char** argv, const Program& program) {
   const bool is_edit = !asked.run && !asked.is_of_lab;
   if (is_edit)
     if (const auto status = wrong_files(app, asked.editor.files)) return *status;
+  asked.editor.write_report = write_study_report;
   if (is_edit) return limit_threads(nullptr) ? program.edits(asked.editor) : wrong_command_line;
   for (const CLI::Option* option : app.get_options())
     if (option->count() > 0) {

@@ -57,6 +57,22 @@ Result<Report> write_report(const ReportVerb& verb, Progress& progress) {
   return report;
 }
 
+}  // namespace
+
+Result<std::vector<std::string>> write_study_report(const std::filesystem::path& study, Alignment alignment,
+                                                    const std::filesystem::path& out, Progress& progress) {
+  ReportVerb verb;
+  verb.training.files = {study};
+  verb.training.keep_scale = alignment == Alignment::rigid;
+  verb.training.no_align = alignment == Alignment::none;
+  verb.out = out;
+  auto written = write_report(verb, progress);
+  if (!written) return fail(written.error());
+  return std::move(written->warnings);
+}
+
+namespace {
+
 bool reports_on_model(const ReportVerb& verb) {
   return verb.training.files.size() == 1 && is_model_name(verb.training.files.front());
 }

@@ -54,6 +54,10 @@ struct PageContent {
   std::vector<std::string> groups() const;
 };
 
+/// The page of a study, as the window's button writes it. Gives warnings.
+Result<std::vector<std::string>> write_study_report(const std::filesystem::path& study, Alignment alignment,
+                                                    const std::filesystem::path& out, Progress& progress);
+
 /// Reads the model or the shapes, and computes what the page shows. Errors: those of read_model and of `train`; a model
 /// without modes; points without faces; more modes than there are; cancelled.
 Result<PageContent> page_content(const ReportVerb& verb, Progress& progress);

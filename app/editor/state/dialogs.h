@@ -61,6 +61,7 @@ enum class FilePurpose {
   export_model,
   export_measures,
   export_plots,
+  export_report,
   export_sizes,
   export_landmark_table,
   open_observer,

@@ -56,9 +56,9 @@ using AllCommands = TypeList<
     ShowRecovery, DiscardCase, Quit,
     // the study and its model
     OpenStudy, NewStudy, SaveStudyAs, SetStudyTemplate, OpenPhantomStudy, CancelStudyFile, ExportModel,
-    ExportEvaluation, ExportPlots, ExportSizes, ExportLandmarkTable, ShowDistance, CompareObservers, CancelObservers,
-    ExportObservers, ChooseShapesFolder, ExportShapes, StartEvaluation, CancelEvaluation, AddCases, AddScans,
-    FitWaiting, MakeStudyTemplate, CancelWorklist, OpenNextCase, OpenCaseOfStudy, SelectCase, SelectNextCase,
+    ExportEvaluation, ExportPlots, ExportReport, ExportSizes, ExportLandmarkTable, ShowDistance, CompareObservers,
+    CancelObservers, ExportObservers, ChooseShapesFolder, ExportShapes, StartEvaluation, CancelEvaluation, AddCases,
+    AddScans, FitWaiting, MakeStudyTemplate, CancelWorklist, OpenNextCase, OpenCaseOfStudy, SelectCase, SelectNextCase,
     RemoveCase, SetCaseState, CycleCaseState, TypeCaseText, SetCaseText, FlipCases, AddFrames, FilterCases, SortCases,
     LookFromSideInGallery, ShowAllShapes, ShowGalleryPage, TurnGallery, PanGallery, LetGoOfGallery, ZoomGallery,
     PointAtVertex, PinVertex, ShowGalleryGlyphs, SpaceGalleryGlyphs, ShowMean, ShowSample, ShowSelectedShape, SetMode,

@@ -58,6 +58,7 @@ struct Work {
   Worklist worklist;
   QualityMonitor quality;
   Recovery recovery;
+  WriteReport write_report;  ///< empty: this program cannot
 
   RecoveryOffer recovery_offer = RecoveryOffer::dialog;
   bool fit_seen = false;                              ///< a step of the fit that goes on was shown

@@ -160,6 +160,7 @@ const std::vector<FilePurposeKind>& file_purposes() {
        {true, {".csv", ".json"}},
        to<ExportEvaluation>},
       {FilePurpose::export_plots, "export plots", "Save the plots", {true, {".png"}}, to<ExportPlots>},
+      {FilePurpose::export_report, "export report", "Write the report", {true, {".html"}}, to<ExportReport>},
       {FilePurpose::export_sizes,
        "export sizes",
        "Export volumes, areas and distances",

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/work/exports.h"
 #include "core/phantom/phantom.h"
 
 namespace homolog {
@@ -16,6 +17,7 @@ struct EditorOptions {
   std::optional<Organ> demo;                 ///< a phantom's image with its template
   std::filesystem::path log;                 ///< gets every command as a line; empty: none does
   std::filesystem::path replay;              ///< such a file, whose commands are done again; empty: none
+  WriteReport write_report;                  ///< for the button; empty: there is none
 };
 
 /// The editor in a window, until it is closed. Returns the program's exit status; without a display it says so on

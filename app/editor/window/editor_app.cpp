@@ -30,6 +30,7 @@ void EditorApp::start_session(EditSession session) {
 }
 
 void EditorApp::start(const EditorOptions& options) {
+  work_.write_report = options.write_report;
   work_.recovery.look();
   start_session(EditSession(new_document({}, nullptr, nullptr)));
   if (!options.log.empty())

@@ -309,7 +309,7 @@ TEST_CASE("a model made of a study comes out of its log with the same bytes") {
     driver.click("cases/ball125/row");
     driver.click("cases/ball125/state");
     driver.settle();
-    driver.click("Export the model…");
+    driver.click("Export model…");
     pick_file(driver, desktop.out / "balls.h5.json");
     driver.click("Measure");
     driver.wait_until("the measures are there", [&] { return driver.state().models.evaluation != nullptr; });

@@ -106,4 +106,28 @@ TEST_CASE("the slider of the gallery's glyphs has its whole name in a window of 
   CHECK(driver.shows("Spacing"));
 }
 
+TEST_CASE("the report is written of the study's file as the model is aligned and its warnings are said") {
+  Driver driver(new_document("", nullptr, nullptr));
+  const fs::path study = ball_study(driver.folder() / "mine", 20, 24), page = driver.folder() / "balls.html";
+  std::vector<std::pair<fs::path, Alignment>> asked;  // by the worker's thread, before it ends
+  EditorOptions options;
+  options.files = {study};
+  options.write_report = [&](const fs::path& of, Alignment alignment, const fs::path& out,
+                             Progress&) -> Result<std::vector<std::string>> {
+    asked.emplace_back(of, alignment);
+    if (auto written = write_whole_file(out, "page"); !written) return fail(written.error());
+    return std::vector<std::string>{"the page is short"};
+  };
+  driver.app().start(options);
+  driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+  driver.settle();
+  driver.click("Report…");
+  choose_file(driver, page);
+  driver.wait_until("the report is written", [&] { return fs::exists(page); });
+  driver.settle();
+  REQUIRE(asked.size() == 1);
+  CHECK(asked.front() == std::pair(study, driver.state().models.alignment));
+  CHECK(driver.shows("the page is short"));
+}
+
 }  // namespace homolog

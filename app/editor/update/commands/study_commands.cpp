@@ -1,5 +1,6 @@
 #include "app/editor/update/commands/study_commands.h"
 
+#include <memory>
 #include <utility>
 
 #include "app/editor/state/models/gallery.h"
@@ -115,6 +116,24 @@ void ExportPlots::run(Editing& editing) const {
     write_picture_beside(editing, path,
                          editing.pictures.plots({std::nullopt, 1800, 560, editing.state.saving.picture.transparent,
                                                  editing.state.saving.picture.light}));
+}
+
+void ExportReport::run(Editing& editing) const {
+  const auto& models = editing.state.models;
+  if (!editing.work.write_report || models.study_file.empty()) return;
+  const auto warnings = std::make_shared<std::vector<std::string>>();
+  editing.work.exports.start(
+      path,
+      [write = editing.work.write_report, study = models.study_file, alignment = models.alignment, to = path,
+       warnings](Progress& progress) -> Result<void> {
+        auto written = write(study, alignment, to, progress);
+        if (!written) return fail(written.error());
+        *warnings = std::move(*written);
+        return {};
+      },
+      [&editing, warnings] {
+        for (const std::string& warning : *warnings) add_notice(editing.state, warning, false);
+      });
 }
 
 void ChooseShapesFolder::spell(Fields& line) {

@@ -77,6 +77,11 @@ struct ExportPlots : FileCommand {
   static constexpr const char* key = "export plots";
   void run(Editing& editing) const;
 };
+/// The study's model as one page for a browser.
+struct ExportReport : FileCommand {
+  static constexpr const char* key = "export report";
+  void run(Editing& editing) const;
+};
 /// Asks for a folder to export the shapes to; empty: each in the format it was imported from.
 struct ChooseShapesFolder {
   static constexpr const char* key = "choose shapes folder";

@@ -47,6 +47,8 @@ Json row_of_repair(const TemplateOfSet& structure, const RepairedStructure& foun
           {"signs",
            {{"islands", signs.islands},
             {"holes", signs.holes},
+            {"tunnels", signs.tunnels},
+            {"bars", signs.bars},
             {"bridges", signs.bridges},
             {"volume", signs.volume},
             {"lacking", signs.lacking},

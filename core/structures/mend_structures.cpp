@@ -22,9 +22,10 @@ namespace homolog {
 namespace {
 
 /// From which share of the voxels something counts; sound structures stay below [docs/measurements/repair.md].
-constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.0025, much_lost = 0.05,
-                 much_lacking = 0.15, much_beyond = 0.05, some_at_border = 0.002, much_smaller = 0.2, usual_dice = 0.98,
-                 no_hole = 0.1, no_bridge = 0.15, hardly_dice = 0.85, near_share = 0.1, large_island = 0.1;
+constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.0025, some_tunnels = 0.0085,
+                 some_bars = 0.004, much_lost = 0.05, much_lacking = 0.15, much_beyond = 0.05, some_at_border = 0.002,
+                 much_smaller = 0.2, usual_dice = 0.98, no_hole = 0.1, no_bridge = 0.15, hardly_dice = 0.85,
+                 near_share = 0.1, large_island = 0.1;
 
 /// The work on one map.
 class Mending {
@@ -69,6 +70,8 @@ class Mending {
   }
   const std::string& name(std::size_t k) const { return set_.set.structures[k].name; }
 
+  /// Of a set of voxels, the share that has a structure's label outside of the shape that is expected of it.
+  double share_beyond(std::size_t k, const Neighbourhood& there, const std::vector<std::uint8_t>& of) const;
   /// Names what has been filled in, where the map gives names.
   void name_new();
   /// The volume that has a structure, and its first voxel of the frame.
@@ -99,6 +102,18 @@ class Mending {
   const std::vector<std::optional<Mesh>>& expected_;
   std::vector<std::optional<Mesh>> shapes_;
 };
+
+double Mending::share_beyond(std::size_t k, const Neighbourhood& there, const std::vector<std::uint8_t>& of) const {
+  if (!expected_[k]) return 0;
+  const auto own = voxelise(*expected_[k], there.grid);
+  double all = 0, beyond = 0;
+  for (std::size_t v = 0; v < of.size(); ++v) {
+    if (of[v] == 0) continue;
+    all += 1;
+    if (own[v] == 0 && there.labels[v] == result_.subject.structures[k].segment.value) beyond += 1;
+  }
+  return all > 0 ? beyond / all : 0;
+}
 
 std::pair<Volume*, std::size_t> Mending::voxels_of(std::size_t k) {
   const std::size_t layer = result_.subject.structures[k].segment.layer;
@@ -159,11 +174,13 @@ void Mending::find_in(std::size_t k) {
   const double holes_from = some_holes + misfit / 4, bridges_from = some_bridges + misfit / 2;
   const double holes = share_left(k, signs.holes, signs.without_holes),
                bridges = share_left(k, signs.bridges, signs.without_bridges);
-  if (holes >= holes_from && holes < no_hole) {
+  const bool is_pierced = share_left(k, signs.tunnels, signs.without_holes) >= some_tunnels,
+             has_bars = share_left(k, signs.bars, signs.without_bridges) >= some_bars;
+  if ((holes >= holes_from || is_pierced) && holes < no_hole) {
     add(k, DefectKind::hole);
     change(k, signs.without_holes);
   }
-  if (bridges >= bridges_from && bridges < no_bridge) {
+  if ((bridges >= bridges_from || has_bars) && bridges < no_bridge) {
     add(k, DefectKind::bridge);
     change(k, signs.without_bridges);
   }
@@ -188,7 +205,8 @@ void Mending::find_lost(std::size_t k) {
 }
 
 void Mending::find_missing(std::size_t k) {
-  constexpr double whole = 0.6, much_of_it = 0.25, much_larger = 0.3, room = 0.4;
+  constexpr double whole = 0.6, much_of_it = 0.25, much_larger = 0.3, much_beside = 0.15, much_beyond_itself = 0.5,
+                   room = 0.4;
   if (!expected_[k]) return;
   if (options_.model != nullptr)
     if (auto said = said_by_model(*options_.model, set_, result_.fitted.structures, k))
@@ -205,9 +223,11 @@ void Mending::find_missing(std::size_t k) {
   std::size_t doubled = k;
   for (std::size_t other = 0; other < result_.structures.size(); ++other) {
     const StructureInMap& theirs = result_.subject.structures[other];
-    const bool is_too_large =
-        result_.fitted.structures[other].judgement.doubtful || result_.signs[other].volume > much_larger;
-    if (!theirs.is_there() || !is_too_large || held[theirs.segment.value] < much_of_it) continue;
+    if (!theirs.is_there() || held[theirs.segment.value] < much_of_it) continue;
+    const StructureSigns& signs = result_.signs[other];
+    const bool is_too_large = result_.fitted.structures[other].judgement.doubtful || signs.volume > much_larger ||
+                              signs.bridges > much_beside;
+    if (!is_too_large && share_beyond(other, there, inside) * voxels < much_beyond_itself * all) continue;
     if (doubled == k || held[theirs.segment.value] > held[result_.subject.structures[doubled].segment.value])
       doubled = other;
   }

@@ -96,35 +96,71 @@ class Signs {
     }
   }
 
+  template <class Is>
+  std::vector<std::uint8_t> voxels_where(const Is& is) const {
+    std::vector<std::uint8_t> set(main_.size());
+    for (std::size_t v = 0; v < set.size(); ++v) set[v] = is(v) ? 1 : 0;
+    return set;
+  }
+
   void find_holes_and_bridges() {
     const double deep_mm = std::max(deep_in_fit * size_mm_, coarse_mm());
     const double far_mm = std::max(far_from_fit * size_mm_, coarse_mm());
-    std::vector<std::uint8_t> hole(main_.size(), 0), bridge(main_.size(), 0);
-    for (std::size_t v = 0; v < main_.size(); ++v) {
-      if (there_.labels[v] == 0 && fit_.inside[v] != 0 && fit_.depth[v] > deep_mm) hole[v] = 1;
-      if (main_[v] != 0 && fit_.inside[v] == 0 && fit_.to[v] > far_mm) bridge[v] = 1;
-    }
-    constexpr double least_share = 0.0005;
-    const double least = std::max(2.0, least_share * static_cast<double>(own_.voxels));
-    hole = large_parts(std::move(hole), there_.grid, least);
-    bridge = large_parts(std::move(bridge), there_.grid, least);
-    const auto count = [](const auto& set) {
-      return static_cast<std::size_t>(std::ranges::count(set, std::uint8_t{1}));
-    };
-    signs_.holes = share(count(hole));
-    signs_.bridges = share(count(bridge));
-    if (signs_.holes > 0) {
-      // The rest of each hole reaches up to the surface of the fit.
-      const Body core(std::move(hole), there_.grid);
+    auto hole = voxels_where(
+        [&](std::size_t v) { return there_.labels[v] == 0 && fit_.inside[v] != 0 && fit_.depth[v] > deep_mm; });
+    auto bridge =
+        voxels_where([&](std::size_t v) { return main_[v] != 0 && fit_.inside[v] == 0 && fit_.to[v] > far_mm; });
+    signs_.holes = share_of_large(hole);
+    signs_.bridges = share_of_large(bridge);
+    std::vector<std::uint8_t> filled(main_.size());  // where a hole may be filled beyond the fit
+    if (expected_[of_]) find_tunnels_and_bars(hole, bridge, filled);
+    // The rest of each hole reaches up to the surface, and that of each bridge back to it.
+    if (const Body core(std::move(hole), there_.grid); core.voxels > 0)
       for (std::size_t v = 0; v < main_.size(); ++v)
-        if (there_.labels[v] == 0 && fit_.inside[v] != 0 && core.to[v] <= 1.5 * deep_mm)
+        if (there_.labels[v] == 0 && (fit_.inside[v] != 0 || filled[v] != 0) && core.to[v] <= 1.5 * deep_mm)
           change(v, value_, signs_.without_holes);
-    }
-    if (signs_.bridges > 0) {
-      const Body core(std::move(bridge), there_.grid);
+    if (const Body core(std::move(bridge), there_.grid); core.voxels > 0)
       for (std::size_t v = 0; v < main_.size(); ++v)
         if (own_.inside[v] != 0 && fit_.inside[v] == 0 && core.to[v] <= 1.5 * far_mm)
           change(v, 0, signs_.without_bridges);
+  }
+
+  /// Leaves the large parts alone. Gives what share of the structure they are.
+  double share_of_large(std::vector<std::uint8_t>& set) const {
+    constexpr double least_share = 0.0005;
+    set = large_parts(std::move(set), there_.grid, std::max(2.0, least_share * static_cast<double>(own_.voxels)));
+    return share(static_cast<std::size_t>(std::ranges::count(set, std::uint8_t{1})));
+  }
+
+  /// A fit follows a narrow tunnel and a thin bar. A ball that does not enter the one, and has no room in the other,
+  /// tells them from the expected shape's own. Adds them to `hole` and `bridge`.
+  void find_tunnels_and_bars(std::vector<std::uint8_t>& hole, std::vector<std::uint8_t>& bridge,
+                             std::vector<std::uint8_t>& filled) {
+    constexpr double ball = 0.14, deep_in_closed = 0.08, deep_in_expected = 0.03,
+                     off_both = 0.06;  // shares of the size
+    const double ball_mm = ball * size_mm_, off_mm = std::max(off_both * size_mm_, coarse_mm());
+    const Body expected(voxelise(*expected_[of_], there_.grid), there_.grid);
+    const Body wide(voxels_where([&](std::size_t v) { return own_.to[v] <= ball_mm; }), there_.grid);
+    const Body closed(voxels_where([&](std::size_t v) {
+                        return own_.inside[v] != 0 || (wide.inside[v] != 0 && wide.depth[v] > ball_mm);
+                      }),
+                      there_.grid);
+    filled = voxels_where([&](std::size_t v) { return closed.inside[v] != 0 && expected.inside[v] != 0; });
+    auto tunnel = voxels_where([&](std::size_t v) {
+      return there_.labels[v] == 0 && filled[v] != 0 && closed.depth[v] > deep_in_closed * size_mm_ &&
+             expected.depth[v] > deep_in_expected * size_mm_;
+    });
+    signs_.tunnels = share_of_large(tunnel);
+    const Body thick(voxels_where([&](std::size_t v) { return own_.inside[v] != 0 && own_.depth[v] > ball_mm; }),
+                     there_.grid);
+    auto bar = voxels_where([&](std::size_t v) {
+      return main_[v] != 0 && thick.to[v] > ball_mm && fit_.inside[v] == 0 && fit_.to[v] > off_mm &&
+             expected.inside[v] == 0 && expected.to[v] > off_mm;
+    });
+    signs_.bars = share_of_large(bar);
+    for (std::size_t v = 0; v < main_.size(); ++v) {
+      hole[v] |= tunnel[v];
+      bridge[v] |= bar[v];
     }
   }
 
@@ -186,14 +222,18 @@ std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, cons
   for_each_in_parallel(expected.size(), [&](std::size_t k) {
     if (set.templates[k] == nullptr) return;
     const Template& own = *set.templates[k];
-    if (!cut_borders(own, own.points).empty()) return;
+    // One that is cut off itself says where a structure is missing, but nothing of the form of one that is there.
+    const bool is_there = subject.structures[k].is_there();
+    if (is_there && !cut_borders(own, own.points).empty()) return;
     auto said = said_by_neighbours(set, fitted.structures, k);
     if (!said) return;
-    if (const StructureInMap& there = subject.structures[k]; there.is_there()) {
+    if (is_there) {
+      const StructureInMap& there = subject.structures[k];
       const int value = there.segment.value;
       const auto boundary = label_boundary(*there.mask, value, 0, usual_closing_mm(*there.mask, value, 0),
                                            own.points.rows(), {.all = true});
-      if (boundary) said = find_placement(own, *boundary, {.start = said, .partial = true}).placement;
+      if (boundary)
+        said = find_placement(own, *boundary, {.start = said, .partial = true, .size_deviation = 0.05}).placement;
     }
     expected[k] = Mesh{own.topology, said->apply(own.points)};
   });

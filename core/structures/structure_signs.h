@@ -18,9 +18,11 @@ struct VoxelChange {
 /// What tells of a structure of a label map whether it is right, against its fit and against the shape that its
 /// neighbours expect of it. All are shares of its voxels or of the expected ones, unless something else is said.
 struct StructureSigns {
-  double islands = 0;    ///< apart from the largest part
-  double holes = 0;      ///< deep within the fit, without a label
-  double bridges = 0;    ///< far outside of the fit, but joined to the structure
+  double islands = 0;  ///< apart from the largest part
+  double holes = 0;    ///< deep within the fit, without a label
+  double bridges = 0;  ///< far outside of the fit, but joined to the structure
+  /// What the fit follows, though the expected shape does not: narrow ways into the structure, and thin parts of it.
+  double tunnels = 0, bars = 0;
   double volume = 0;     ///< logarithm of the volume against the expected one, less the median of that of all
   double lacking = 0;    ///< of the expected shape: without a label, far from the structure
   double beyond = 0;     ///< of the expected shape: outside of the map

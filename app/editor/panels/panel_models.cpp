@@ -130,8 +130,8 @@ void draw_model_section(const UiContext& ui, Outbox& out) {
   draw_mode_sliders(ui, out);
   draw_difference(ui, out);
   const float half = std::floor((ImGui::GetContentRegionAvail().x - theme.px(8)) / 2);
-  if (button(theme, "Export model\xe2\x80\xa6", "statismo / scalismo 0.9: .h5.json or .h5" + of_optimised(state),
-             {}, half))
+  if (button(theme, "Export model\xe2\x80\xa6", "statismo / scalismo 0.9: .h5.json or .h5" + of_optimised(state), {},
+             half))
     ask_for_file(out, FilePurpose::export_model, study_stem(state) + ".h5.json");
   ImGui::SameLine(0, theme.px(8));
   if (button(theme, "Report\xe2\x80\xa6",

@@ -145,7 +145,7 @@ Placed placed(const Template& the_template, const Boundary& boundary, const Plac
   const auto at = [&](const Eigen::Quaterniond& rotation) { return onto(from, to, rotation); };
   const bool any = hints.orientation == Orientation::any && !hints.start;
   const PlacementPrior prior{hints.start.value_or(at(Eigen::Quaterniond::Identity())),
-                             any ? any_turn : PlacementPrior{}.turn_rad};
+                             any ? any_turn : PlacementPrior{}.turn_rad, hints.size_deviation};
   // Without landmarks the best overlap alone is anatomically wrong too often.
   const double farthest = any ? everywhere : most_tilt;
   std::vector<Start> starts;

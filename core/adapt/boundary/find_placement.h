@@ -6,6 +6,7 @@
 
 #include "core/adapt/boundary/boundary.h"
 #include "core/adapt/boundary/closest_points.h"
+#include "core/placement/likely_similarity.h"
 #include "core/template/template.h"
 
 namespace homolog {
@@ -23,6 +24,8 @@ struct PlacementHints {
   std::optional<Similarity> start;  ///< near which to look, instead of the patient's axes; turned by at most 60°
   bool partial = false;             ///< the boundary may lack parts of the organ, or have what is not the organ's
   bool cut_template = false;        ///< the template lacks parts of the organ; it counts as partial
+  /// Of the start's scale, as a standard deviation of its logarithm.
+  double size_deviation = PlacementPrior{}.size_deviation;
 };
 
 /// The most likely similarity that places a template on a boundary automatically. It weighs closest points in both

@@ -7,10 +7,8 @@
 #include <vector>
 
 #include "app/editor/window/editor_picture.h"
-#include "app/editor/window/picture_captions.h"
-#include "app/pictures/pictures.h"
 #include "app/verbs/model_part.h"
-#include "app/verbs/verb.h"
+#include "app/verbs/picture_verb.h"
 #include "core/base/file_stem.h"
 #include "core/base/picture_io.h"
 #include "core/mesh/mirror.h"
@@ -25,27 +23,8 @@ namespace homolog {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-struct PictureVerb {
-  std::vector<fs::path> in;
-  fs::path out;
-  std::string size = "1280x960", view = "anterior";
-  double glyph_spacing_mm = 0;
-  bool transparent = false, all_frames = false, captions = false;
-  std::string ground, only;             ///< empty: as it always was
-  std::vector<std::string> structures;  ///< joined; empty: shapes of one
-  std::string structure;                ///< of those this one alone; empty: all
-  int modes = 2;
-};
-
-const std::vector<std::string> grounds{"dark", "light", "transparent"};
-
 constexpr int largest_side_px = 16384;
-const std::vector<std::string> view_names{"axial", "sagittal", "coronal", "3d"};  // as all_views
-const std::vector<std::string> study_names{"gallery", "modes"};
 
-/// {width, height}; nullopt where the text is no size.
 std::optional<std::pair<int, int>> parsed_size(const std::string& text) {
   const char *begin = text.data(), *end = begin + text.size();
   int width = 0, height = 0;
@@ -56,22 +35,15 @@ std::optional<std::pair<int, int>> parsed_size(const std::string& text) {
   return std::pair(width, height);
 }
 
+namespace {
+
+const std::vector<std::string> view_names{"axial", "sagittal", "coronal", "3d"};  // as all_views
+const std::vector<std::string> study_names{"gallery", "modes"};
+
 void add_size(CLI::App& verb, std::string& size) {
   verb.add_option("--size", size, "WIDTHxHEIGHT in pixels")->check([](const std::string& text) {
     return parsed_size(text) ? std::string() : text + " is not WIDTHxHEIGHT in pixels between 64 and 16384";
   });
-}
-
-/// The command line was checked when it was parsed.
-MontageOptions montage_options(const PictureVerb& verb) {
-  MontageOptions options;
-  std::tie(options.width_px, options.height_px) = parsed_size(verb.size).value();
-  options.from = direction_from_name(verb.view).value();
-  options.glyph_spacing_mm = verb.glyph_spacing_mm;
-  options.transparent = verb.transparent || verb.ground == "transparent";
-  options.light = verb.ground == "light";
-  options.captions = verb.captions;
-  return options;
 }
 
 /// The part of the window that `only` names, as the window's own export makes it.
@@ -91,23 +63,16 @@ std::optional<PictureOptions> part_of(const PictureVerb& verb) {
 }
 
 Result<Report> write(Result<MadePicture> made, const PictureVerb& verb) {
-  if (!made) {
-    Error error = made.error();
-    if (error.subject.empty()) error.subject = verb.in.front().string();
-    return fail(std::move(error));
-  }
-  if (verb.captions) {
-    std::vector<PictureCaption> captions;
-    for (const PictureCell& cell : made->cells)
-      captions.push_back({{static_cast<float>(cell.x), static_cast<float>(cell.y), static_cast<float>(cell.width),
-                           static_cast<float>(cell.height)},
-                          cell.name,
-                          cell.mm_per_px});
-    const bool light_ground = verb.ground == "light";
-    if (auto put = write_captions(made->picture, captions, light_ground); !put) return fail(put.error());
+  if (!made) return fail(about(verb, made.error()));
+  const MontageOptions options = montage_options(verb);
+  const int glyphs = made->glyphs;
+  if (options.captions) {
+    auto report = write_plate(captioned(std::move(*made), options), verb);
+    if (report) report->values["glyphs"] = glyphs;
+    return report;
   }
   if (auto written = write_picture(made->picture, verb.out); !written) return fail(written.error());
-  return Report{{{"glyphs", made->glyphs}, {"size", Json::array({made->picture.width, made->picture.height})}}, {}};
+  return Report{{{"glyphs", glyphs}, {"size", Json::array({made->picture.width, made->picture.height})}}, {}};
 }
 
 Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
@@ -179,6 +144,38 @@ Result<Report> of_model(const PictureVerb& verb) {
   return write(modes_picture(*model, verb.modes, montage_options(verb)), verb);
 }
 
+/// A mode as it plays: a GIF, or a picture of each frame.
+Result<Report> of_playing_mode(const PictureVerb& verb, Progress& progress) {
+  const auto model = read_model_part(verb.in.front(), verb.structure);
+  if (!model) return fail(model.error());
+  if (!model->topology)
+    return fail(verb.in.front().string(), "is a model of points without faces, which cannot be drawn");
+  if (verb.mode > model->modes())
+    return fail("--mode " + std::to_string(verb.mode), "is more than the " + std::to_string(model->modes()) +
+                                                           " modes that " + verb.in.front().string() + " has");
+  const MontageOptions options = montage_options(verb);
+  progress.part(0, 0.9);
+  const auto frames = montage_frames(playing_mode(*model, verb.mode - 1, verb.frames, options.from), options, progress);
+  if (!frames) return fail(about(verb, frames.error()));
+  if (is_gif_name(verb.out)) {
+    constexpr int hundredths_of_a_turn = 200;
+    if (auto written = write_gif(*frames, std::max(2, hundredths_of_a_turn / verb.frames), verb.out); !written)
+      return fail(written.error());
+  } else {
+    for (std::size_t k = 0; k < frames->size(); ++k) {
+      if (progress.cancelled()) return fail("", "cancelled");
+      const std::string number = std::to_string(10001 + k).substr(1);
+      const fs::path file =
+          verb.out.parent_path() / (verb.out.stem().string() + '-' + number + verb.out.extension().string());
+      if (auto written = write_picture((*frames)[k], file); !written) return fail(written.error());
+    }
+  }
+  return Report{{{"mode", verb.mode},
+                 {"frames", frames->size()},
+                 {"size", Json::array({frames->front().width, frames->front().height})}},
+                {}};
+}
+
 Result<Report> of_case(const PictureVerb& verb, Progress& progress) {
   const MontageOptions options = montage_options(verb);
   ReplayOptions replay;
@@ -233,18 +230,14 @@ Result<Report> of_study(const PictureVerb& verb) {
 CLI::Option* add_ground(CLI::App& verb, PictureVerb& options) {
   verb.add_flag("--captions", options.captions, "Write names and a scale bar on the picture");
   return verb.add_option("--ground", options.ground, "Behind what is shown: dark, light or transparent")
-      ->check(CLI::IsMember(grounds));
+      ->check(CLI::IsMember({"dark", "light", "transparent"}));
 }
 
 void add_options(CLI::App& verb, PictureVerb& options) {
-  verb.add_option("-o,--output", options.out, "The picture to write (.png)")->required();
+  verb.add_option("-o,--output", options.out, "The picture to write: .png, or for print .svg or .pdf")->required();
   add_size(verb, options.size);
-  verb.add_option("--view", options.view,
-                  "Where the 3D view looks from: anterior, posterior, left, right, superior, inferior or x,y,z")
-      ->check([](const std::string& text) {
-        const auto direction = direction_from_name(text);
-        return direction ? std::string() : direction.error().sentence();
-      });
+  add_width(verb, options)->excludes("--size");
+  add_view(verb, options);
   verb.add_option("--glyph-spacing", options.glyph_spacing_mm, "Least distance between glyphs in mm")
       ->check(CLI::PositiveNumber);
   auto* transparent = verb.add_flag("--transparent", options.transparent, "The same as --ground transparent");
@@ -264,6 +257,7 @@ void add_picture(CLI::App& app, CommandLine& asked) {
   CLI::App* picture = app.add_subcommand("picture", "Pictures without a display");
   picture->require_subcommand(1);
   auto options = std::make_shared<PictureVerb>();
+  add_plates(*picture, options, asked);
   CLI::App* all = add_verb(*picture, "correspondence", "Shapes in a grid; equal hues and glyphs are equal vertices");
   all->add_option("SHAPE", options->in,
                   "Shapes in correspondence: meshes, case files (.homolog), a study (.study.json)")
@@ -287,7 +281,23 @@ void add_picture(CLI::App& app, CommandLine& asked) {
   modes->add_option("--structure", options->structure, "Of a joint model this structure alone");
   modes->add_option("--modes", options->modes, "How many modes to show, a row for each")->check(CLI::Range(1, 20));
   add_options(*modes, *options);
-  modes->callback([options, &asked] { asked.run = [options](Progress&) { return of_model(*options); }; });
+  auto* mode = modes->add_option("--mode", options->mode, "Let this mode play, as .gif or as numbered .png")
+                   ->check(CLI::Range(1, 1000))
+                   ->excludes("--modes");
+  modes->add_option("--frames", options->frames, "How many pictures of it, from the mean to +3, -3 and back")
+      ->check(CLI::Range(2, 1000))
+      ->needs(mode);
+  modes->callback([options, modes, &asked] {
+    const bool plays = options->mode > 0;
+    if (is_gif_name(options->out) != plays && (!plays || is_page_name(options->out)))
+      throw CLI::ValidationError("-o " + options->out.string(), plays ? "cannot play; use .gif, or .png for the frames"
+                                                                      : "plays one mode; name it with --mode");
+    if (plays) refuse_without_effect(*modes, "--width-mm", "pages, which do not play");
+    if (plays && modes->count("--size") == 0) options->size = "640x480";
+    asked.run = [options, plays](Progress& progress) {
+      return plays ? of_playing_mode(*options, progress) : of_model(*options);
+    };
+  });
   CLI::App* one = add_verb(*picture, "case", "A case: three slices with the outline, and the shape in 3D");
   one->add_option("CASE", options->in, "The case file")->required()->expected(1);
   add_options(*one, *options);

@@ -45,6 +45,14 @@ Result<void> write_picture(const Picture& picture, const fs::path& path) {
   return write_whole_file(path, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
 }
 
+Result<void> write_gif(const std::vector<Picture>& frames, int hundredths, const fs::path& path) {
+  const auto module = picture_module();
+  if (!module) return fail(module.error());
+  const auto bytes = (*module)->encode_gif(frames, hundredths, path);
+  if (!bytes) return fail(bytes.error());
+  return write_whole_file(path, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+}
+
 Result<Picture> read_picture(const fs::path& path) {
   if (const auto size = size_of_file(path); !size) return fail(size.error());
   const auto module = picture_module();

@@ -10,8 +10,8 @@
 #include "core/base/result.h"
 #include "core/base/scalar.h"
 
-// The border between the program and its picture module, the only part that knows OpenImageIO, libpng and libtiff. The
-// module is loaded when first needed.
+// The border between the program and its picture module, the only part that knows OpenImageIO, libpng, libtiff and
+// giflib. The module is loaded when first needed.
 namespace homolog {
 
 /// One greyscale picture or a file of several pages.
@@ -37,6 +37,9 @@ struct PictureModule {
   /// All pages, each top row first in the type that `pages` gave; room is asked for as rows arrive, so that a file that
   /// claims much and holds little takes little. Fails where they are no longer `expected`.
   Result<void> (*read_pages)(const std::filesystem::path& path, const PicturePages& expected, const PageRoom& room);
+  /// The bytes of a GIF that plays [encode_gif in picture_readers.h].
+  Result<std::vector<unsigned char>> (*encode_gif)(const std::vector<Picture>& frames, int hundredths,
+                                                   const std::filesystem::path& path);
 };
 
 /// The loaded module, or why it cannot be loaded.

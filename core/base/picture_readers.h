@@ -12,6 +12,11 @@ Result<void> read_png_page(const std::filesystem::path& path, const PicturePages
 /// The bytes of a PNG file. Errors: a size that PNG cannot hold; no memory is left.
 Result<std::vector<unsigned char>> encode_png(const Picture& picture, const std::filesystem::path& path);
 
+/// The bytes of a GIF file that plays its frames for ever, each for that many hundredths of a second, with one palette.
+/// Frames have one size, and there is at least one. Errors: a size that GIF cannot hold; no memory is left.
+Result<std::vector<unsigned char>> encode_gif(const std::vector<Picture>& frames, int hundredths,
+                                              const std::filesystem::path& path);
+
 Result<PicturePages> tiff_pages(const std::filesystem::path& path);
 Result<void> read_tiff_pages(const std::filesystem::path& path, const PicturePages& expected, const PageRoom& room);
 

@@ -10,11 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/widgets/fonts.h"
 #include "core/base/files.h"
 
 extern "C" {
-extern const unsigned char font_inter_regular[];
-extern const std::size_t font_inter_regular_size;
 extern const unsigned char font_inter_semibold[];
 extern const std::size_t font_inter_semibold_size;
 extern const unsigned char font_fork_awesome[];
@@ -30,9 +29,8 @@ constexpr ImWchar text_ranges[] = {0x20,   0x24F,  0x370,  0x3FF,  0x400,  0x4FF
                                    0x209C, 0x2190, 0x21FF, 0x2200, 0x22FF, 0x232B, 0x232B, 0};
 constexpr ImWchar icon_ranges[] = {0xF000, 0xF330, 0};
 
-/// The bytes of a font that has the letters of East Asia, where the system has one: of Debian's fonts-noto-cjk, which
-/// has Korean too, else of fonts-droid-fallback; or of the same files in the user's own fonts. Empty where there is
-/// none.
+}  // namespace
+
 std::string east_asian_font() {
   namespace fs = std::filesystem;
   const auto set_to = [](const char* name, const std::string& otherwise) {
@@ -53,6 +51,8 @@ std::string east_asian_font() {
   }
   return {};
 }
+
+namespace {
 
 ImFont* add_font(const unsigned char* bytes, std::size_t size, float size_px, const ImWchar* ranges, bool merge = false,
                  float down_px = 0) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/widgets/short_names.h"
 #include "app/editor/widgets/theme.h"
 
 namespace homolog {

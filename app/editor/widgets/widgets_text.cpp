@@ -30,8 +30,16 @@ ImVec2 text_size(ImFont* font, const std::string& text) {
   return font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str());
 }
 
-std::string shortened(const std::string& text, float width_px) {
-  const auto fits = [width_px](const std::string& t) { return ImGui::CalcTextSize(t.c_str()).x <= width_px; };
+namespace {
+
+/// Whether a text fits, in the font that is in use.
+TextFits fits_into(float width_px) {
+  return [width_px](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x <= width_px; };
+}
+
+}  // namespace
+
+std::string shortened(const std::string& text, const TextFits& fits) {
   if (text.empty() || fits(text)) return text;
   std::vector<std::size_t> characters;  // where each begins in UTF-8
   for (std::size_t i = 0; i < text.size(); ++i)
@@ -45,8 +53,12 @@ std::string shortened(const std::string& text, float width_px) {
   return fits(left_out) ? left_out : std::string();
 }
 
+std::string shortened(const std::string& text, float width_px) {
+  return shortened(text, fits_into(width_px));
+}
+
 std::string whole_sentences(const std::string& text, float width_px) {
-  const auto fits = [width_px](const std::string& t) { return ImGui::CalcTextSize(t.c_str()).x <= width_px; };
+  const TextFits fits = fits_into(width_px);
   if (fits(text)) return text;
   std::string best;
   for (std::size_t at = text.find(". "); at != std::string::npos; at = text.find(". ", at + 1)) {
@@ -100,10 +112,6 @@ std::optional<Shared> shared_ends(const std::string& name, const std::vector<std
 
 namespace {
 
-bool fits_into(const std::string& text, float width_px) {
-  return ImGui::CalcTextSize(text.c_str()).x <= width_px;
-}
-
 /// Words of letters that are cut short, and what lies between them, which stays.
 std::vector<std::string> words_of(const std::string& name) {
   std::vector<std::string> words;
@@ -146,7 +154,7 @@ bool is_read_from(const std::string& name, const std::vector<std::string>& cut) 
 
 /// The name with its longest words cut short, one letter after the other: "body ant. sup.". Empty where that does not
 /// fit, or where it could be one of the other names as well.
-std::string with_short_words(const std::string& name, const std::vector<std::string>& names, float width_px) {
+std::string with_short_words(const std::string& name, const std::vector<std::string>& names, const TextFits& fits) {
   constexpr std::size_t least = 3;
   const std::vector<std::string> words = words_of(name);
   if (words.size() < 2) return {};
@@ -165,7 +173,7 @@ std::string with_short_words(const std::string& name, const std::vector<std::str
       cut.push_back(is_cut ? first_letters(words[k], kept[k]) + "." : words[k]);
       text += (k > 0 ? " " : "") + cut.back();
     }
-    if (!fits_into(text, width_px)) continue;
+    if (!fits(text)) continue;
     const bool other = std::any_of(names.begin(), names.end(),
                                    [&](const std::string& one) { return one != name && is_read_from(one, cut); });
     return other ? std::string() : text;
@@ -187,7 +195,7 @@ Shared outside_numbers(Shared shared, const std::string& name) {
 }
 
 /// What a name has of its own, with as much of what it shares as there is room for; empty where there is too little.
-std::string own_part(const std::string& name, const Shared& shared, float width_px) {
+std::string own_part(const std::string& name, const Shared& shared, const TextFits& fits) {
   const std::string own = name.substr(shared.head, name.size() - shared.tail - shared.head);
   const std::string after = shared.tail > 0 ? left_out : "";
   std::string best;
@@ -195,7 +203,7 @@ std::string own_part(const std::string& name, const Shared& shared, float width_
   for (std::size_t kept = 0; kept < shared.tail; ++kept) {
     if (!begins_letter(name, name.size() - kept)) continue;
     const std::string text = name.substr(0, name.size() - shared.tail) + left_out + name.substr(name.size() - kept);
-    if (!fits_into(text, width_px)) break;
+    if (!fits(text)) break;
     best = text;
   }
   if (!best.empty()) return best;
@@ -203,7 +211,7 @@ std::string own_part(const std::string& name, const Shared& shared, float width_
   for (std::size_t kept = 0; kept <= shared.head; ++kept) {
     if (!begins_letter(name, kept)) continue;
     const std::string text = name.substr(0, kept) + (kept < shared.head ? left_out : "") + own + after;
-    if (!fits_into(text, width_px)) break;
+    if (!fits(text)) break;
     best = text;
   }
   return best;
@@ -211,16 +219,16 @@ std::string own_part(const std::string& name, const Shared& shared, float width_
 
 /// The number that what a name has of its own begins with, whole, and of what follows as much as there is room for;
 /// empty where it begins with none, or where that does not fit.
-std::string own_number(const std::string& name, const Shared& shared, float width_px) {
+std::string own_number(const std::string& name, const Shared& shared, const TextFits& fits) {
   const std::string own = name.substr(shared.head), before = shared.head > 0 ? left_out : "";
   std::size_t digits = 0;
   while (digits < own.size() && is_digit(own[digits])) ++digits;
   for (std::size_t kept = own.size(); digits > 0 && kept-- > digits;) {
     const std::string text = before + own.substr(0, kept) + left_out;
-    if (begins_letter(own, kept) && fits_into(text, width_px)) return text;
+    if (begins_letter(own, kept) && fits(text)) return text;
   }
   const std::string alone = before + own.substr(0, digits) + left_out;
-  return digits > 0 && fits_into(alone, width_px) ? alone : std::string();
+  return digits > 0 && fits(alone) ? alone : std::string();
 }
 
 /// What all names share, however they are shortened; nothing where there is one only.
@@ -236,26 +244,30 @@ std::optional<Shared> shared_by_all(const std::string& name, const std::vector<s
 
 }  // namespace
 
-std::string shortened_among(const std::string& name, const std::vector<std::string>& names, float width_px) {
-  const std::string alone = shortened(name, width_px);
+std::string shortened_among(const std::string& name, const std::vector<std::string>& names, const TextFits& fits) {
+  const std::string alone = shortened(name, fits);
   if (alone == name) return name;
-  if (std::string words = with_short_words(name, names, width_px); !words.empty()) return words;
+  if (std::string words = with_short_words(name, names, fits); !words.empty()) return words;
   const auto like_it = shared_ends(name, names, alone);
   const auto shared = like_it ? like_it : shared_by_all(name, names);
   if (!shared || shared->head + shared->tail == 0) return alone;
   const Shared whole = outside_numbers(*shared, name);
-  if (std::string own = own_part(name, whole, width_px); !own.empty()) return own;
-  if (std::string number = own_number(name, whole, width_px); !number.empty()) return number;
-  if (std::string own = own_part(name, *shared, width_px); !own.empty()) return own;
+  if (std::string own = own_part(name, whole, fits); !own.empty()) return own;
+  if (std::string number = own_number(name, whole, fits); !number.empty()) return number;
+  if (std::string own = own_part(name, *shared, fits); !own.empty()) return own;
   const bool alike = std::any_of(names.begin(), names.end(), [&](const std::string& other) {
-    return other != name && shortened(other, width_px) == alone;
+    return other != name && shortened(other, fits) == alone;
   });
   if (!alike) return alone;
   for (const Shared& ends : {outside_numbers(*shared, name), *shared}) {
     const std::string own = name.substr(ends.head, name.size() - ends.tail - ends.head);
-    if (fits_into(own, width_px)) return own;
+    if (fits(own)) return own;
   }
-  return shortened(name.substr(shared->head, name.size() - shared->tail - shared->head), width_px);
+  return shortened(name.substr(shared->head, name.size() - shared->tail - shared->head), fits);
+}
+
+std::string shortened_among(const std::string& name, const std::vector<std::string>& names, float width_px) {
+  return shortened_among(name, names, fits_into(width_px));
 }
 
 namespace {

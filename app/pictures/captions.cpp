@@ -63,7 +63,7 @@ Page captioned(MadePicture made, const MontageOptions& options) {
     const auto fits = [&](const std::string& text) { return text_width_mm(text, name_pt) <= room; };
     page.add_text(x, y, shortened_among(one.name, names, fits), PageText::Anchor::start, name_pt);
     if (one.mm_per_px > 0)
-      add_scale_bar(page, mm * (one.x + one.width) - inset_mm, y - 1, mm * one.width / 5, mm / one.mm_per_px, true);
+      add_scale_bar(page, mm * (one.x + one.width) - 4 * inset_mm, y - 1, mm * one.width / 5, mm / one.mm_per_px, true);
   }
   const double strip_mm = mm * made.strip_px;
   if (made.mm_per_px > 0 && strip_mm > 0 && !made.cells.empty())

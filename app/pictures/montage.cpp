@@ -104,7 +104,8 @@ struct Studio {
   std::unique_ptr<Framebuffer> framebuffer;
   std::unique_ptr<Renderer> renderer;
 
-  static Result<Studio> make(const MontageOptions& options) {
+  /// `fills`: the gaps between the cells too, and what captions are written on.
+  static Result<Studio> make(const MontageOptions& options, bool fills) {
     auto context = OffscreenContext::make();
     if (!context) return fail(context.error());
     auto framebuffer = Framebuffer::make(options.width_px, options.height_px);
@@ -112,10 +113,9 @@ struct Studio {
     auto renderer = Renderer::make();
     if (!renderer) return fail(renderer.error());
     (*framebuffer)->bind();
-    // The gaps between the cells too, and what captions are written on.
     Scene empty;
     empty.background = background(options);
-    if (options.light || options.captions)
+    if (fills)
       if (auto drawn = (*renderer)->draw(empty, Camera3D(), {0, 0, options.width_px, options.height_px, 1}); !drawn)
         return fail(drawn.error());
     return Studio{std::move(*context), std::move(*framebuffer), std::move(*renderer)};
@@ -260,20 +260,20 @@ Result<void> draw_cells(Studio& studio, const MontagePlan& plan, const MeshColou
   return {};
 }
 
-Result<Studio> studio_for(const MontagePlan& plan, std::size_t count) {
+Result<Studio> studio_for(const MontagePlan& plan, std::size_t count, bool fills) {
   const Target first = plan.room_of(0);
   if (std::min(first.width, first.height) < 3 * gap_px)
     return fail("", "one of " + std::to_string(count) + " shapes, which need a larger picture; raise " +
                         (plan.options.width_mm > 0 ? "--width-mm" : "--size") +
                         (plan.options.captions && plan.options.width_mm == 0 ? ", or leave --captions out" : ""));
-  return Studio::make(plan.options);
+  return Studio::make(plan.options, fills);
 }
 
 }  // namespace
 
 Result<MadePicture> montage(const std::vector<MontageCell>& cells, int columns, const MontageOptions& options) {
   const MontagePlan plan(cells, static_cast<int>(cells.size()), columns, options);
-  auto studio = studio_for(plan, cells.size());
+  auto studio = studio_for(plan, cells.size(), options.light || options.captions);
   if (!studio) return fail(studio.error());
   const MeshColours colouring(cells, options.glyph_spacing_mm);
   if (auto drawn = draw_cells(*studio, plan, colouring, cells); !drawn) return fail(drawn.error());
@@ -291,7 +291,7 @@ Result<MadePicture> montage(const std::vector<MontageCell>& cells, int columns, 
 Result<std::vector<Picture>> montage_frames(const std::vector<MontageCell>& frames, const MontageOptions& options,
                                             Progress& progress) {
   const MontagePlan plan(frames, 1, 1, options);
-  auto studio = studio_for(plan, 1);
+  auto studio = studio_for(plan, 1, true);
   if (!studio) return fail(studio.error());
   const MeshColours colouring(frames, options.glyph_spacing_mm);
   std::vector<Picture> pictures;
@@ -330,7 +330,7 @@ Result<MadePicture> case_picture(const Document& document, const MontageOptions&
   };
   if (std::min(room_of(0).width, room_of(0).height) < 3 * gap_px)
     return fail("", "has no room beside its captions; raise --size, or leave --captions out");
-  auto studio = Studio::make(options);
+  auto studio = Studio::make(options, options.light || options.captions);
   if (!studio) return fail(studio.error());
   const Mesh mesh = shown->mesh();
   const Vec3 centre = mesh.points.colwise().mean();

@@ -56,7 +56,8 @@ std::string svg_of(const PagePath& path) {
   for (std::size_t k = 0; k < path.points_mm.size(); ++k)
     svg += (k == 0 ? "M" : "L") + decimal(path.points_mm[k].x()) + ' ' + decimal(path.points_mm[k].y());
   const bool filled = path.line_mm <= 0;
-  svg += filled ? "Z\" fill=\"" + svg_colour(path.colour) + '"' : "\" fill=\"none\" stroke=\"" + svg_colour(path.colour) + '"';
+  svg += filled ? "Z\" fill=\"" + svg_colour(path.colour) + '"'
+                : "\" fill=\"none\" stroke=\"" + svg_colour(path.colour) + '"';
   if (!filled) svg += svg_attribute("stroke-width", path.line_mm) + " stroke-linejoin=\"round\"";
   return svg + "/>\n";
 }
@@ -64,8 +65,8 @@ std::string svg_of(const PagePath& path) {
 std::string svg_of(const PageText& text) {
   static constexpr std::array<const char*, 3> anchors{"start", "middle", "end"};
   return "<text" + svg_attribute("x", text.at_mm.x()) + svg_attribute("y", text.at_mm.y()) +
-         svg_attribute("font-size", text.size_pt * 25.4 / 72) + " fill=\"" + svg_colour(text.colour) + "\" text-anchor=\"" +
-         anchors[static_cast<std::size_t>(text.anchor)] + "\">" + as_xml(text.text) + "</text>\n";
+         svg_attribute("font-size", text.size_pt * 25.4 / 72) + " fill=\"" + svg_colour(text.colour) +
+         "\" text-anchor=\"" + anchors[static_cast<std::size_t>(text.anchor)] + "\">" + as_xml(text.text) + "</text>\n";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/editor/scene/mesh_colouring.h"
+#include "app/editor/widgets/short_names.h"
 #include "app/pictures/plots.h"
 #include "core/base/index.h"
 #include "core/base/text.h"
@@ -16,7 +17,7 @@ namespace homolog {
 namespace {
 
 constexpr double narrow_mm = 120;  // a page of one column
-constexpr double plot_mm = 55;
+constexpr double plot_mm = 55, scored_mm = 62;
 
 /// Where a direction looks from, as captions say it.
 std::string side_name(const Vec3& from) {
@@ -70,19 +71,21 @@ void plot_coordinates(Page& page, const PageBox& box, const ShapeModel& model, c
   }
   for (const auto* some : {&training, &own})
     for (const Eigen::Vector2d& one : *some) most = std::max(most, std::ceil(std::abs(one.y())));
-  const PageBox below{box.x, box.y + 5, box.width, box.height - 5};
+  constexpr double row_mm = 4.2;
+  const PageBox below{box.x, box.y + 2 * row_mm + 1, box.width, box.height - 2 * row_mm - 1};
   Plot plot(page, below, {"Mode", 0.5, static_cast<double>(modes) + 0.5, true},
             {"Coordinate (standard deviations)", -most, most});
   plot.add_dots(training, plot_grey, 0.5);
   plot.add_dots(own, plot_orange, 1.1, 4);
-  const double y = box.y + 3.6;
-  page.add_mark({1.5, y - 1}, 0.5, plot_grey);
+  const double y = box.y + 3.4;
+  page.add_mark({1.6, y - 1}, 0.5, plot_grey);
   page.add_text(3, y, "training shapes");
-  const double next = 3 + text_width_mm("training shapes", 8) + 5;
+  const double next = 3 + text_width_mm("training shapes", 8) + 5, room = box.width - next - 4;
   page.add_mark({next, y - 1}, 1.1, plot_orange, 4);
-  std::string said = name + ": distance " + figure(score.distance);
+  page.add_text(next + 2, y, shortened(name, [&](const std::string& text) { return text_width_mm(text, 8) <= room; }));
+  std::string said = "Distance " + figure(score.distance) + ", residual " + figure(score.residual_mm) + " mm";
   if (score.percentile) said += ", percentile " + figure(*score.percentile);
-  page.add_text(next + 2, y, said + ", residual " + figure(score.residual_mm) + " mm");
+  page.add_text(1, y + row_mm, said);
 }
 
 }  // namespace
@@ -129,8 +132,8 @@ Result<Page> score_page(const ShapeModel& model, const ShapeScore& score, const 
   std::vector<MontageCell> cells{{mean, "Mean of the model", options.from, bone(mean)},
                                  {subject, name, options.from, bone(subject)}};
   add_sides(cells, subject, "z", scale.of(score.z), options);
-  auto page = plate(cells, options.width_mm < narrow_mm ? 2 : 4, scale, plot_mm, options);
-  if (page) plot_coordinates(*page, {0, page->height_mm - plot_mm, page->width_mm, plot_mm}, model, score, name);
+  auto page = plate(cells, options.width_mm < narrow_mm ? 2 : 4, scale, scored_mm, options);
+  if (page) plot_coordinates(*page, {0, page->height_mm - scored_mm, page->width_mm, scored_mm}, model, score, name);
   return page;
 }
 

@@ -55,7 +55,7 @@ Plot::Plot(Page& page, const PageBox& box, const PlotAxis& x, const PlotAxis& y)
   const auto y_marks = marks(y, box.height - above - below, 7);
   double left = 0;
   for (const double tick : y_marks) left = std::max(left, text_width_mm(figure(tick), number_pt));
-  left += 2;
+  left += 3;
   area_ = {box.x + left, box.y + above, box.width - left - right, box.height - above - below};
   const double bottom = area_.y + area_.height;
   for (const double tick : y_marks) {
@@ -69,7 +69,7 @@ Plot::Plot(Page& page, const PageBox& box, const PlotAxis& x, const PlotAxis& y)
     page.add_text(place, bottom + 1.4 + number_mm, figure(tick), PageText::Anchor::middle, number_pt);
   }
   page.add_line({{area_.x, area_.y}, {area_.x, bottom}, {area_.x + area_.width, bottom}});
-  page.add_text(box.x, box.y + title_pt * 25.4 / 72, y.title, PageText::Anchor::start, title_pt);
+  page.add_text(box.x + 1, box.y + title_pt * 25.4 / 72, y.title, PageText::Anchor::start, title_pt);
   page.add_text(area_.x + area_.width / 2, box.y + box.height - 1.2, x.title, PageText::Anchor::middle, title_pt);
 }
 
@@ -118,8 +118,9 @@ ColourScale scale_for(const std::vector<VertexScalars>& values, const std::strin
     for (const double value : some)
       if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
   const bool is_signed = range.empty() ? low < 0 : range[0] < 0 && range[1] > 0;
-  ColourScale scale{
-      is_signed ? diverging_scale() : rising_scale(), 0, round_end(high), false, false, title_of(property)};
+  // On paper much is dark, and most of a surface is light enough to show its form.
+  const std::vector<Rgb> much_is_dark(rising_scale().rbegin(), rising_scale().rend());
+  ColourScale scale{is_signed ? diverging_scale() : much_is_dark, 0, round_end(high), false, false, title_of(property)};
   if (is_signed) scale.high = round_end(std::max(-low, high)), scale.low = -scale.high;
   if (!range.empty()) scale.low = range[0], scale.high = range[1];
   const double slack = 1e-9 * (scale.high - scale.low);
@@ -138,12 +139,12 @@ void add_colour_bar(Page& page, const PageBox& box, const ColourScale& scale) {
     const double from = box.width * k / steps, to = std::min(box.width, box.width * (k + 1.5) / steps);
     page.add_box(box.x + from, top, to - from, bar_mm, on_colours(scale.colours, (k + 0.5) / steps));
   }
-  for (const double tick : round_ticks(scale.low, scale.high, 4)) {
-    const double place = box.x + box.width * (tick - scale.low) / (scale.high - scale.low);
+  for (const double share : {0.0, 0.5, 1.0}) {
+    const double place = box.x + share * box.width, tick = scale.low + share * (scale.high - scale.low);
     page.add_line({{place, top + bar_mm}, {place, top + bar_mm + 0.6}});
-    const bool first = tick - scale.low < 1e-9 * (scale.high - scale.low);
-    const bool last = scale.high - tick < 1e-9 * (scale.high - scale.low);
-    const std::string beyond = first && scale.below ? "\xe2\x89\xa4 " : last && scale.above ? "\xe2\x89\xa5 " : "";
+    const std::string beyond = share == 0 && scale.below   ? "\xe2\x89\xa4 "
+                               : share == 1 && scale.above ? "\xe2\x89\xa5 "
+                                                           : "";
     page.add_text(place, top + bar_mm + 1 + number_mm, beyond + figure(tick), PageText::Anchor::middle, number_pt);
   }
 }

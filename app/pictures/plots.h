@@ -51,7 +51,7 @@ struct ColourScale {
   /// The colour of each value; grey where it is not known (NaN).
   std::shared_ptr<const std::vector<Rgb>> of(const VertexScalars& values) const;
 };
-/// A scale for values, from blue over white to red about 0 where some are below 0, else from dark to light. Its ends
+/// A scale for values, from blue over white to red about 0 where some are below 0, else from light to dark. Its ends
 /// are round; `range` {low, high} gives them. The title is the property's name with its unit.
 ColourScale scale_for(const std::vector<VertexScalars>& values, const std::string& property,
                       const std::vector<double>& range);
@@ -59,7 +59,7 @@ ColourScale scale_for(const std::vector<VertexScalars>& values, const std::strin
 std::string title_of(const std::string& property);
 /// A bar of a scale with its title and numbers, in a box of colour_bar_mm height.
 void add_colour_bar(Page& page, const PageBox& box, const ColourScale& scale);
-inline constexpr double colour_bar_mm = 10;
+inline constexpr double colour_bar_mm = 11;
 
 /// Colours of plots that colour-blind eyes tell apart [Okabe and Ito 2008].
 inline constexpr Rgb plot_blue{0.0f, 0.447f, 0.698f}, plot_orange{0.835f, 0.369f, 0.0f}, plot_grey{0.62f, 0.62f, 0.62f};

@@ -294,6 +294,7 @@ void add_picture(CLI::App& app, CommandLine& asked) {
                                                                       : "plays one mode; name it with --mode");
     if (plays) refuse_without_effect(*modes, "--width-mm", "pages, which do not play");
     if (plays && modes->count("--size") == 0) options->size = "640x480";
+    if (plays && options->ground.empty() && !options->transparent) options->ground = "light";
     asked.run = [options, plays](Progress& progress) {
       return plays ? of_playing_mode(*options, progress) : of_model(*options);
     };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <exception>
 #include <numeric>
 
@@ -14,7 +15,19 @@ namespace {
 
 constexpr std::size_t shades = 32, cells = shades * shades * shades;
 
-std::size_t cell_of(const std::uint8_t* rgb) {
+/// The colour of a pixel, made a little lighter or darker by where it lies, so that a smooth surface shows no bands
+/// [Bayer 1973]. The ground, which is the first pixel's, stays as it is.
+std::array<std::uint8_t, 3> dithered(const Picture& picture, std::size_t x, std::size_t y) {
+  static constexpr std::array<int, 16> order{0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
+  const std::uint8_t* pixel = picture.rgba.data() + 4 * (y * static_cast<std::size_t>(picture.width) + x);
+  const bool is_ground = std::equal(pixel, pixel + 3, picture.rgba.begin());
+  const int shift = is_ground ? 0 : order[4 * (y % 4) + x % 4] - 7;
+  std::array<std::uint8_t, 3> colour{};
+  for (std::size_t c = 0; c < 3; ++c) colour[c] = static_cast<std::uint8_t>(std::clamp(pixel[c] + shift, 0, 255));
+  return colour;
+}
+
+std::size_t cell_of(const std::array<std::uint8_t, 3>& rgb) {
   return (rgb[0] / 8U * shades + rgb[1] / 8U) * shades + rgb[2] / 8U;
 }
 
@@ -25,11 +38,13 @@ struct UsedColours {
 
   explicit UsedColours(const std::vector<Picture>& frames) {
     for (const Picture& frame : frames)
-      for (std::size_t i = 0; i < frame.rgba.size(); i += 4) {
-        if (frame.rgba[i + 3] < 128) continue;
-        const std::size_t cell = cell_of(&frame.rgba[i]);
+      for (std::size_t i = 0; i < frame.rgba.size() / 4; ++i) {
+        if (frame.rgba[4 * i + 3] < 128) continue;
+        const auto width = static_cast<std::size_t>(frame.width);
+        const auto colour = dithered(frame, i % width, i / width);
+        const std::size_t cell = cell_of(colour);
         ++counts[cell];
-        for (std::size_t c = 0; c < 3; ++c) sums[cell][c] += frame.rgba[i + c];
+        for (std::size_t c = 0; c < 3; ++c) sums[cell][c] += colour[c];
       }
   }
 };
@@ -50,17 +65,21 @@ std::pair<std::size_t, std::size_t> longest_side(const std::vector<std::size_t>&
   return longest;
 }
 
-/// One palette for all frames, so that nothing flickers: the box of colours with the longest side is halved, until
-/// there are enough [after Heckbert 1982]. `colour_of`: which colour each cell gets.
+/// One palette for all frames, so that nothing flickers: the box of colours whose pixels lie farthest apart is
+/// halved, until there are enough [after Heckbert 1982]. `colour_of`: which colour each cell gets.
 std::vector<GifColorType> palette_of(const UsedColours& used, std::size_t most, std::vector<GifByteType>& colour_of) {
   std::vector<std::vector<std::size_t>> boxes(1);
   for (std::size_t cell = 0; cell < cells; ++cell)
     if (used.counts[cell] > 0) boxes[0].push_back(cell);
   if (boxes[0].empty()) boxes[0].push_back(0);
   while (boxes.size() < most) {
-    const auto widest = std::max_element(boxes.begin(), boxes.end(), [](const auto& a, const auto& b) {
-      return longest_side(a).second < longest_side(b).second;
-    });
+    std::vector<double> spreads;
+    for (const auto& box : boxes) {
+      double count = 0;
+      for (const std::size_t cell : box) count += used.counts[cell];
+      spreads.push_back(count * std::pow(longest_side(box).second, 2));
+    }
+    const auto widest = boxes.begin() + (std::max_element(spreads.begin(), spreads.end()) - spreads.begin());
     const auto [side, length] = longest_side(*widest);
     if (length == 0) break;
     std::stable_sort(widest->begin(), widest->end(),
@@ -118,7 +137,8 @@ bool put_frame(GifFileType* gif, const Picture& frame, int hundredths, int clear
   for (std::size_t y = 0; y < static_cast<std::size_t>(frame.height); ++y) {
     for (std::size_t x = 0; x < row.size(); ++x) {
       const std::uint8_t* pixel = frame.rgba.data() + 4 * (y * row.size() + x);
-      row[x] = pixel[3] < 128 ? static_cast<GifByteType>(std::max(clear, 0)) : colour_of[cell_of(pixel)];
+      row[x] =
+          pixel[3] < 128 ? static_cast<GifByteType>(std::max(clear, 0)) : colour_of[cell_of(dithered(frame, x, y))];
     }
     if (EGifPutLine(gif, row.data(), frame.width) != GIF_OK) return false;
   }

@@ -40,6 +40,8 @@ slow=(
   "fit|built-in:kidney --mask kidney-1-labels.nii.gz kidney-2-labels.nii.gz -o fitted"
   "demo|--headless -o demo" "picture correspondence|a.ply b.ply -o old.png" "picture modes|m.h5 -o old.png"
   "picture case|case.homolog -o old.png" "picture window|case.homolog -o old.png" "picture study|s.study.json -o old.png"
+  "picture map|a.ply --property v --values v.csv -o old.svg" "picture groups|a.ply --against b.ply -o old.pdf"
+  "picture score|a.ply --model m.h5 -o old.pdf" "picture plot|m.h5 -o old.pdf" "picture modes|m.h5 --mode 1 --frames 2 -o old.gif"
   "propagate|ventricle.ply --image cine.nii.gz --frame 0 -o cine" "study schemes|built-in:kidney --mask mask.nii.gz --schemes anchored --pulls 2 -o tables"
   "model|a.ply b.ply c.ply --optimise -o old.h5.json"
 )

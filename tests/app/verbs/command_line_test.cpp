@@ -318,7 +318,7 @@ TEST_CASE("pictures are made on any ground with captions or without") {
   REQUIRE(run(folder, "model " + balls + "-o m.h5").status == 0);
   check_grounds(folder, "picture correspondence " + balls, true);
   check_grounds(folder, "picture modes m.h5", true);
-  check_grounds(folder, "picture case a.homolog", false);
+  check_grounds(folder, "picture case a.homolog", true);
   check_grounds(folder, "picture window a.homolog --only 3d", false);
   check_grounds(folder, "picture study a.study.json --only gallery", true);
   check_grounds(folder, "picture study a.study.json --only modes", true);

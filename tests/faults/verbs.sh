@@ -14,6 +14,7 @@ printf '%s\n' '{"homolog":1,"volume":"image.nii.gz","template":"a.ply","placemen
   '{"tool":"pull","at":[-21,20,-9],"to":[-20,19,-9],"sigma_mm":10}' > imaged.homolog
 printf '{"homolog_study":1,"cases":[{"file":"a.ply"},{"file":"b.ply"},{"file":"c.ply"}]}\n' > s.study.json
 printf 'name,age\na,1\nb,2\nc,4\n' > t.csv
+printf 'vertex,v\n0,1\n1,2\n' > v.csv
 printf '{"homolog_set":1,"structures":[{"name":"A","value":1,"template":"a.ply"},{"name":"B","value":2,"template":"a.ply"}]}\n' > two.set.json
 
 if [ "${which:-}" = all ]; then

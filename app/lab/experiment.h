@@ -34,6 +34,7 @@ void add_lab_corrupt(CLI::App& app, CommandLine& asked);
 void add_study_user(CLI::App& study, CommandLine& asked);
 void add_study_schemes(CLI::App& study, CommandLine& asked);
 void add_study_bias(CLI::App& study, CommandLine& asked);
+void add_study_contours(CLI::App& study, CommandLine& asked);
 void add_study_experts(CLI::App& study, CommandLine& asked);
 
 }  // namespace homolog

@@ -13,6 +13,7 @@ void add_experiments(CLI::App& app, CommandLine& asked) {
   add_study_user(*study, asked);
   add_study_schemes(*study, asked);
   add_study_bias(*study, asked);
+  add_study_contours(*study, asked);
   add_study_experts(*study, asked);
 }
 

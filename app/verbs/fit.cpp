@@ -10,6 +10,7 @@
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
 #include "app/verbs/fit_case.h"
+#include "app/verbs/fit_contours.h"
 #include "app/verbs/fit_parts.h"
 #include "app/verbs/fit_sets.h"
 #include "app/verbs/input_folders.h"
@@ -235,7 +236,8 @@ Result<Report> fit(const FitJob& options, Progress& progress) {
   if (names_set(options.template_source)) return fit_sets(options, progress);
   const auto shared = shared_of_fits(options);
   if (!shared) return fail(shared.error());
-  auto report = !options.image.empty() ? fit_image(options, *shared, progress)
+  auto report = !options.contours.empty() ? fit_contours(options, *shared, progress)
+                : !options.image.empty()  ? fit_image(options, *shared, progress)
                 : !is_mesh_name(options.out)
                     ? fit_many(options, *shared, progress)
                     : fit_case(options, *shared, options.cases().front(), options.out, progress);
@@ -248,6 +250,16 @@ Result<Report> fit(const FitJob& options, Progress& progress) {
 /// Refuses options that were given and do nothing for what is fitted to.
 void check_effect(const FitJob& options, const CLI::App& verb) {
   const bool image = !options.image.empty();
+  if (!options.contours.empty()) {
+    for (const char* name : {"--partial", "--model", "--by-others", "--parts"})
+      refuse_without_effect(verb, name, "a fit without --contours");
+    if (options.masks.empty() && !image) refuse_without_effect(verb, "--frame", "images and label maps");
+    if (!image)
+      for (const char* name : {"--reach-mm", "--strength", "--polarity", "--done"})
+        refuse_without_effect(verb, name, "an --image");
+    return;
+  }
+  for (const char* name : {"--structure", "--off-mm", "--outside"}) refuse_without_effect(verb, name, "--contours");
   if (image) {
     refuse_without_effect(verb, "--partial", "label maps and surfaces");
     refuse_without_effect(verb, "--orientation", "label maps and surfaces");
@@ -264,17 +276,27 @@ void check_effect(const FitJob& options, const CLI::App& verb) {
 /// A set goes to label maps, into a folder, and takes few options.
 void check_set(const FitJob& options, const CLI::App& verb) {
   for (const char* name :
-       {"--mesh", "--image", "--label", "--level", "--closing-mm", "--parts", "--placement", "--landmarks",
-        "--orientation", "--model", "--beyond", "--partial", "--mirror", "--by-others"})
+       {"--mesh", "--image", "--contours", "--label", "--level", "--closing-mm", "--parts", "--placement",
+        "--landmarks", "--orientation", "--model", "--beyond", "--partial", "--mirror", "--by-others"})
     refuse_without_effect(verb, name, "a single template, not for a set");
   if (options.masks.empty()) throw CLI::RequiredError("--mask with the label maps to fit the set to");
   if (is_mesh_name(options.out))
     throw CLI::ValidationError("--output", "must be a folder, since a set gives a mesh for each structure");
 }
 
+/// Contours are of one case, alone or with a label map or an image.
+void check_contours(const FitJob& options) {
+  if (!options.meshes.empty()) throw CLI::ValidationError("--contours", "go with --mask or --image, not with --mesh");
+  if (options.masks.size() > 1 || options.of_folder || (!options.masks.empty() && !options.image.empty()))
+    throw CLI::ValidationError("--contours", "go with one label map or one image");
+  if (!is_mesh_name(options.out))
+    throw CLI::ValidationError("--output", "must be a mesh, since contours are of one case");
+}
+
 void check(const FitJob& options) {
+  if (!options.contours.empty()) return check_contours(options);
   const int kinds = !options.masks.empty() + !options.meshes.empty() + !options.image.empty();
-  if (kinds != 1) throw CLI::RequiredError("exactly one of --mask, --mesh and --image");
+  if (kinds != 1) throw CLI::RequiredError("--contours, or exactly one of --mask, --mesh and --image");
   if (!options.image.empty()) return;
   if (options.cases().size() == 1 && !options.of_folder) return;
   if (is_mesh_name(options.out))
@@ -289,13 +311,27 @@ void check(const FitJob& options) {
 
 void add_fit(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<FitJob>();
-  CLI::App* verb = add_verb(app, "fit", "Fits a template to label maps, surfaces or an image");
+  CLI::App* verb = add_verb(app, "fit", "Fits a template to label maps, surfaces, contours or an image");
   verb->add_option("TEMPLATE", options->template_source, template_sources())->required();
   auto* mask = verb->add_option("--mask", options->masks,
                                 "The label map to fit to. Several, or a folder of them, go into a folder");
   verb->add_option("--mesh", options->meshes, "The surface to fit to. Several, or a folder of them, go into a folder")
       ->excludes(mask);
-  verb->add_option("--image", options->image, "The grey-value image to fit to; needs --placement or --landmarks");
+  verb->add_option("--image", options->image,
+                   "The grey-value image to fit to; needs --placement, --landmarks or --contours");
+  auto* contours =
+      verb->add_option("--contours", options->contours,
+                       "Contours to fit to: a DICOM structure set (RTSTRUCT), curves of 3D Slicer (.mrk.json) or lines "
+                       "(.vtp), in any planes; alone, or with a --mask or an --image for what lies between them");
+  verb->add_option("--structure", options->structure, "Of contours of several structures this one, by number or name")
+      ->needs(contours);
+  verb->add_option("--off-mm", options->off_mm, "How far the contours may lie off the boundary (mm)")
+      ->check(CLI::Range(0.0, 100.0))
+      ->needs(contours)
+      ->capture_default_str();
+  verb->add_flag("--outside", options->outside,
+                 "The contours are not the boundary: the organ lies inside of them, as in loose strokes")
+      ->needs(contours);
   keeps_correspondence(
       verb->add_option(
               "-o,--output", options->out,

@@ -111,19 +111,6 @@ Json described_allowed(const Points& allowed, const Mesh& mesh, const Mesh& boun
           {"beyond_mm", {{"mean", beyond_mm.mean()}, {"max", beyond_mm.maxCoeff()}}}};
 }
 
-/// How far vertices and landmarks may lie from where they belong.
-Json described_doubt(const Template& the_template, const FitResult& fit) {
-  const std::vector<double> each(fit.doubt_mm.begin(), fit.doubt_mm.end());
-  Json doubt{{"mean", fit.doubt_mm.mean()}, {"p95", quantile(each, 0.95)}, {"max", fit.doubt_mm.maxCoeff()}};
-  if (the_template.landmarks.empty()) return doubt;
-  Json of_landmarks = Json::object();
-  for (std::size_t k = 0; k < the_template.landmarks.size(); ++k) {
-    of_landmarks[the_template.landmarks[k].name] = value_at_landmark(the_template, k, fit.doubt_mm);
-  }
-  doubt["landmarks"] = std::move(of_landmarks);
-  return doubt;
-}
-
 Report report_of_fit(const FitTarget& target, const Template& the_template, const FitResult& fit,
                      const FitJudgement& judgement, bool partial, double seconds) {
   const Agreement& agreement = judgement.agreement;
@@ -222,6 +209,18 @@ std::optional<double> closing_of(const FitShared& shared, const AmongCases& amon
 }
 
 }  // namespace
+
+Json described_doubt(const Template& the_template, const FitResult& fit) {
+  const std::vector<double> each(fit.doubt_mm.begin(), fit.doubt_mm.end());
+  Json doubt{{"mean", fit.doubt_mm.mean()}, {"p95", quantile(each, 0.95)}, {"max", fit.doubt_mm.maxCoeff()}};
+  if (the_template.landmarks.empty()) return doubt;
+  Json of_landmarks = Json::object();
+  for (std::size_t k = 0; k < the_template.landmarks.size(); ++k) {
+    of_landmarks[the_template.landmarks[k].name] = value_at_landmark(the_template, k, fit.doubt_mm);
+  }
+  doubt["landmarks"] = std::move(of_landmarks);
+  return doubt;
+}
 
 Result<std::string> record_of_fit(const FitJob& options, const fs::path& path, Progress& progress) {
   const char* const option = options.to_meshes() ? "--mesh" : "--mask";

@@ -20,6 +20,10 @@ struct FitJob {
   std::string template_source, orientation = "patient", parts;  ///< parts: empty where nobody said
   std::vector<std::filesystem::path> masks, meshes;
   std::filesystem::path image, out, placement, landmarks, model;
+  std::vector<std::filesystem::path> contours;
+  std::string structure;  ///< of the contours: which
+  double off_mm = 0;      ///< how far contours may lie off the boundary
+  bool outside = false;   ///< contours only lie outside of the organ
   double beyond = 1;
   SnapArguments snap;        ///< for an image
   std::optional<int> frame;  ///< of a label map: as asked
@@ -81,6 +85,9 @@ struct AmongCases {
 /// writer's.
 Result<Report> fit_case(const FitJob& options, const FitShared& shared, const std::filesystem::path& path,
                         const std::filesystem::path& out, Progress& progress, const AmongCases& among = {});
+
+/// How far vertices and landmarks of a fit may lie from where they belong, for the report.
+Json described_doubt(const Template& the_template, const FitResult& fit);
 
 /// The template's file with the fitted shape; `partial`: with the outliers marked.
 MeshFile fitted_file(const Template& the_template, const FitResult& fit, bool partial);

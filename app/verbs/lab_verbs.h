@@ -17,6 +17,8 @@ struct LabVerb {
 inline constexpr LabVerb lab_user{"user", "A scripted user adapts a template to a label map and writes a case file"};
 inline constexpr LabVerb lab_schemes{"schemes", "Compares ways of working: every scheme on every case, as tables"};
 inline constexpr LabVerb lab_bias{"bias", "How much results depend on the subject that the template is made from"};
+inline constexpr LabVerb lab_contours{"contours",
+                                      "Fits to a few contours of label maps against shape-based interpolation"};
 inline constexpr LabVerb lab_experts{"experts", "Fits, closest points and point drift against experts' landmarks"};
 inline constexpr LabVerb lab_bench{"bench", "Times the solver, models, slices and pictures on this machine (medians)"};
 

@@ -27,8 +27,10 @@ namespace fs = std::filesystem;
 namespace {
 
 const std::array recorded_verbs{
-    RecordedVerb{
-        "fit", {"TEMPLATE", "--mask", "--mesh", "--image", "--placement", "--landmarks", "--model"}, "--output", {}},
+    RecordedVerb{"fit",
+                 {"TEMPLATE", "--mask", "--mesh", "--image", "--contours", "--placement", "--landmarks", "--model"},
+                 "--output",
+                 {}},
     RecordedVerb{"template", {"MASK", "--consensus", "--best-of", "--landmarks"}, "--output", {}},
     RecordedVerb{"model", {"SHAPE"}, "--output", {"--csv", "--aligned", "--optimised"}},
     RecordedVerb{"snap", {"MESH|CASE", "--image"}, "--output", {}},

@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/adapt/boundary/surface_target.h"
 #include "core/adapt/fit_steps.h"
 #include "core/placement/known_matches.h"
 

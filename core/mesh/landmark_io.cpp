@@ -10,6 +10,7 @@
 #include "core/base/json.h"
 #include "core/base/limits.h"
 #include "core/base/text.h"
+#include "core/mesh/slicer_curves.h"
 
 namespace homolog {
 namespace {
@@ -143,7 +144,8 @@ Result<void> check_names(const std::vector<Landmark>& landmarks) {
   return {};
 }
 
-Result<void> add_slicer_markup(const Json& markup, std::vector<Landmark>& landmarks) {
+/// `unnamed`: what a point is called that has no name; empty: it needs one.
+Result<void> add_slicer_markup(const Json& markup, std::vector<Landmark>& landmarks, const std::string& unnamed = {}) {
   const Json* named = member(markup, "coordinateSystem");
   if (named != nullptr && !named->is_string())
     return fail("", "gives its coordinateSystem as " + excerpt(named->dump()) +
@@ -160,8 +162,8 @@ Result<void> add_slicer_markup(const Json& markup, std::vector<Landmark>& landma
   for (const Json& point : *points) {
     const std::string status = text_of(point, "positionStatus");
     if (!status.empty() && status != "defined") continue;
-    const std::string label = text_of(point, "label");
-    auto landmark = landmark_of(label.empty() ? text_of(point, "id") : label, member(point, "position"));
+    const std::string label = text_of(point, "label"), id = text_of(point, "id");
+    auto landmark = landmark_of(!label.empty() ? label : !id.empty() ? id : unnamed, member(point, "position"));
     if (!landmark) return fail(landmark.error());
     if (space == "RAS") landmark->position.head<2>() *= -1;
     landmarks.push_back(std::move(*landmark));
@@ -184,6 +186,24 @@ Result<std::vector<Landmark>> landmarks_of(const Json& json) {
     return fail("", "holds neither markups of 3D Slicer nor landmarks of scalismo; export the points as one of these");
   }
   return landmarks;
+}
+
+Result<std::vector<SlicerCurve>> curves_of(const Json& json) {
+  const Json* markups = member(json, "markups");
+  if (markups == nullptr || !markups->is_array())
+    return fail("", "holds no markups of 3D Slicer; save the curves there as .mrk.json");
+  std::vector<SlicerCurve> curves;
+  for (const Json& markup : *markups) {
+    const std::string type = text_of(markup, "type");
+    if (type != "Curve" && type != "ClosedCurve") continue;
+    std::vector<Landmark> points;
+    if (auto added = add_slicer_markup(markup, points, "a point of a curve"); !added) return fail(added.error());
+    SlicerCurve& curve = curves.emplace_back();
+    curve.closed = type == "ClosedCurve";
+    for (const Landmark& point : points) curve.points.push_back(point.position);
+  }
+  if (curves.empty()) return fail("", "holds no curves, points at most; draw curves in 3D Slicer and save these");
+  return curves;
 }
 
 std::string fcsv_text(const std::vector<Landmark>& landmarks) {
@@ -245,6 +265,16 @@ Result<std::vector<Landmark>> read_landmarks(const std::filesystem::path& path) 
   if (!landmarks) return fail(path.string(), landmarks.error().what);
   if (auto checked = check_names(*landmarks); !checked) return fail(path.string(), checked.error().what);
   return landmarks;
+}
+
+Result<std::vector<SlicerCurve>> read_slicer_curves(const std::filesystem::path& path) {
+  const auto text = read_whole_file(path, std::uintmax_t{1} << 24);
+  if (!text) return fail(text.error());
+  const auto json = read_json<Json>(*text);
+  if (!json) return fail(path.string(), json.error().what + "; export it again");
+  auto curves = curves_of(*json);
+  if (!curves) return fail(path.string(), curves.error().what);
+  return curves;
 }
 
 Result<void> write_landmarks(const std::vector<Landmark>& landmarks, const std::filesystem::path& path) {

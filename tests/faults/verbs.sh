@@ -47,4 +47,4 @@ slow=(
   "model|a.ply b.ply c.ply --optimise -o old.h5.json"
 )
 # What cannot work on these inputs, or writes nothing: said here, so that a new verb is not forgotten.
-elsewhere=("set add" info verify "set info" repair compare bench edit "study bias" "study experts")
+elsewhere=("set add" info verify "set info" repair compare bench edit "study bias" "study contours" "study experts")

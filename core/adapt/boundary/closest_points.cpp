@@ -28,6 +28,14 @@ Eigen::Matrix<double, 7, 1> moved_along(const Vec3& normal, const Vec3& from_cen
   return step;
 }
 
+/// Some of many points, at equal steps.
+std::vector<Vec3> sampled(const Points& points) {
+  std::vector<Vec3> samples;
+  const Eigen::Index stride = 1 + points.rows() / surface_samples;
+  for (Eigen::Index i = 0; i < points.rows(); i += stride) samples.push_back(points.row(i));
+  return samples;
+}
+
 }  // namespace
 
 /// A placement with what is seen there.
@@ -54,20 +62,25 @@ struct ClosestPoints::System {
 };
 
 ClosestPoints::ClosestPoints(const Template& the_template, const Boundary& boundary, bool partial)
-    : boundary_(boundary),
+    : boundary_(&boundary),
       on_boundary_(boundary.surface),
       on_template_({the_template.topology, the_template.points}),
       partial_(partial) {
-  const auto sampled = [](const Points& points, std::vector<Vec3>& samples) {
-    const Eigen::Index stride = 1 + points.rows() / surface_samples;
-    for (Eigen::Index i = 0; i < points.rows(); i += stride) samples.push_back(points.row(i));
-  };
-  sampled(the_template.points, own_);
-  sampled(boundary.surface.points, there_);
+  own_ = sampled(the_template.points);
+  there_ = sampled(boundary.surface.points);
   std::erase_if(there_, [&](const Vec3& p) { return !boundary.shows(p); });
   if (!boundary.cut.empty())
-    std::erase_if(there_, [&](const Vec3& p) { return !boundary.is_own(on_boundary_.nearest(p).at.face); });
-  diagonal_mm_ = bounds_of(boundary.surface.points).diagonal().norm();
+    std::erase_if(there_, [&](const Vec3& p) { return !boundary.is_own(on_boundary_->nearest(p).at.face); });
+  weigh(boundary.surface.points);
+}
+
+ClosestPoints::ClosestPoints(const Template& the_template, const Points& places)
+    : on_template_({the_template.topology, the_template.points}), there_(sampled(places)) {
+  weigh(places);
+}
+
+void ClosestPoints::weigh(const Points& there) {
+  diagonal_mm_ = bounds_of(there).diagonal().norm();
   const double deviation_mm = surface_deviation_share * diagonal_mm_;
   sample_weight_ =
       independent_places / (static_cast<double>(own_.size() + there_.size()) * deviation_mm * deviation_mm);
@@ -91,17 +104,17 @@ ClosestPoints::State ClosestPoints::look(const Similarity& placement, const Plac
   for (const Vec3& p : own_) {
     const Vec3 placed = placement.apply(p);
     std::int32_t& likely = *face++;
-    if (!boundary_.shows(placed)) continue;
-    const auto nearest = on_boundary_.nearest(placed, likely);
+    if (!boundary_->shows(placed)) continue;
+    const auto nearest = on_boundary_->nearest(placed, likely);
     likely = nearest.at.face;
-    if (!boundary_.shows(nearest.position)) continue;
-    if (partial_ && (!boundary_.is_own(nearest.at.face) || on_rim(*boundary_.surface.topology, nearest.at))) {
+    if (!boundary_->shows(nearest.position)) continue;
+    if (partial_ && (!boundary_->is_own(nearest.at.face) || on_rim(*boundary_->surface.topology, nearest.at))) {
       state.squares_mm2 += missing_counts * missing_mm * missing_mm;
       continue;
     }
     add(
         placed, placed - nearest.position,
-        [&] { return area_normal(on_boundary_.mesh(), nearest.at.face).stableNormalized(); },
+        [&] { return area_normal(on_boundary_->mesh(), nearest.at.face).stableNormalized(); },
         partial_ ? missing_counts : 1);
   }
   const Similarity back = placement.inverse();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/adapt/boundary/boundary.h"
@@ -29,6 +30,8 @@ class ClosestPoints {
   /// Both outlive this. `partial`: either surface may lack what the other has, so no distance counts for more than a
   /// missing place does, and those that are missing in the boundary count less.
   ClosestPoints(const Template& the_template, const Boundary& boundary, bool partial = false);
+  /// Of an organ of which only some places on its surface are known (k×3, LPS mm): how far they lie from the template.
+  ClosestPoints(const Template& the_template, const Points& places);
 
   /// The likeliest placement near `start`, by Gauss-Newton steps until one is shorter than `rest` times the organ's
   /// size; it ends before one that would turn it away from the prior's rotation by more than `most_turn` (radians). A
@@ -46,12 +49,14 @@ class ClosestPoints {
              const std::vector<std::int32_t>& likely_faces) const;
   System system_at(const State& state, const PlacementPrior& prior, const KnownPlaces& places) const;
   Similarity moved(const Similarity& placement, const Step& way) const;
+  void weigh(const Points& there);
 
-  const Boundary& boundary_;
-  SurfaceSearch on_boundary_, on_template_;
+  const Boundary* boundary_ = nullptr;        ///< null: some places alone are known
+  std::optional<SurfaceSearch> on_boundary_;  ///< of the boundary
+  SurfaceSearch on_template_;
   std::vector<Vec3> own_, there_;
   double diagonal_mm_, sample_weight_;
-  bool partial_;
+  bool partial_ = false;
 };
 
 }  // namespace homolog

@@ -60,6 +60,19 @@ Moments moments_of(const Mesh& mesh) {
   return moments_of(mesh, [](const Vec3&) { return true; });
 }
 
+/// Moments of points that count alike.
+Moments moments_of(const Points& points) {
+  Moments moments;
+  moments.centre = points.colwise().mean().transpose();
+  const Points from = points.rowwise() - moments.centre.transpose();
+  const Mat3 spread = from.transpose() * from / static_cast<double>(points.rows());
+  moments.size_mm = std::sqrt(spread.trace());
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(spread);
+  moments.axes = solver.eigenvectors().rowwise().reverse();
+  if (moments.axes.determinant() < 0) moments.axes.col(2) *= -1;
+  return moments;
+}
+
 /// The moments of what may be left of a template: the whole, and without its ends along axes and diagonals.
 std::vector<Moments> moments_of_parts(const Mesh& mesh, const Moments& whole) {
   std::vector<Moments> parts{whole};
@@ -132,19 +145,18 @@ void keep_promising(const ClosestPoints& closest, const PlacementPrior& prior, c
   starts = std::move(promising);
 }
 
-/// find_placement; `rest`: the last step, as a share of the organ's size.
-Placed placed(const Template& the_template, const Boundary& boundary, const PlacementHints& hints, double rest) {
-  const bool partial = hints.partial || hints.cut_template;
-  const ClosestPoints closest(the_template, boundary, partial);
-  const Mesh reference{the_template.topology, the_template.points};
-  const Moments from = moments_of(reference), to = moments_of(boundary.surface);
-  const auto onto = [](const Moments& part, const Moments& there, const Eigen::Quaterniond& rotation) {
-    const double scale = there.size_mm / part.size_mm;
-    return Similarity{rotation, scale, there.centre - scale * (rotation * part.centre)};
-  };
-  const auto at = [&](const Eigen::Quaterniond& rotation) { return onto(from, to, rotation); };
+/// The similarity that carries moments to others, with this rotation.
+Similarity onto(const Moments& part, const Moments& there, const Eigen::Quaterniond& rotation) {
+  const double scale = there.size_mm / part.size_mm;
+  return Similarity{rotation, scale, there.centre - scale * (rotation * part.centre)};
+}
+
+/// The likeliest placement that is found from one of some moments of the template (`from`, the whole first) and of the
+/// organ (`to`). `rest`: the last step, as a share of the organ's size.
+Placed likeliest(const Template& the_template, const ClosestPoints& closest, const std::vector<Moments>& from,
+                 const std::vector<Moments>& to, const PlacementHints& hints, double rest) {
   const bool any = hints.orientation == Orientation::any && !hints.start;
-  const PlacementPrior prior{hints.start.value_or(at(Eigen::Quaterniond::Identity())),
+  const PlacementPrior prior{hints.start.value_or(onto(from.front(), to.front(), Eigen::Quaterniond::Identity())),
                              any ? any_turn : PlacementPrior{}.turn_rad, hints.size_deviation};
   // Without landmarks the best overlap alone is anatomically wrong too often.
   const double farthest = any ? everywhere : most_tilt;
@@ -152,8 +164,8 @@ Placed placed(const Template& the_template, const Boundary& boundary, const Plac
   if (hints.start) {
     starts.push_back({*hints.start, farthest});
   } else {
-    for (const Moments& part : hints.partial ? moments_of_parts(reference, from) : std::vector{from})
-      for (const Moments& there : hints.cut_template ? moments_of_parts(boundary.surface, to) : std::vector{to})
+    for (const Moments& part : from)
+      for (const Moments& there : to)
         for (const Eigen::Quaterniond& start : starts_of(part, there, hints.orientation))
           starts.push_back({onto(part, there, start), farthest});
   }
@@ -164,7 +176,7 @@ Placed placed(const Template& the_template, const Boundary& boundary, const Plac
         likely_similarity(places.own, places.there, prior, bounds_of(the_template.points).diagonal().norm());
     if (likely.scale > 0) starts.push_back({likely, everywhere});
   }
-  if (partial) keep_promising(closest, prior, places, starts);
+  if (hints.partial || hints.cut_template) keep_promising(closest, prior, places, starts);
   Placed best;
   best.cost = std::numeric_limits<double>::infinity();
   double farthest_of_best = 0;
@@ -176,6 +188,15 @@ Placed placed(const Template& the_template, const Boundary& boundary, const Plac
     }
   }
   return closest.refined(best.placement, farthest_of_best, prior, places, rest);
+}
+
+/// find_placement; `rest`: the last step, as a share of the organ's size.
+Placed placed(const Template& the_template, const Boundary& boundary, const PlacementHints& hints, double rest) {
+  const ClosestPoints closest(the_template, boundary, hints.partial || hints.cut_template);
+  const Mesh reference{the_template.topology, the_template.points};
+  const Moments from = moments_of(reference), to = moments_of(boundary.surface);
+  return likeliest(the_template, closest, hints.partial ? moments_of_parts(reference, from) : std::vector{from},
+                   hints.cut_template ? moments_of_parts(boundary.surface, to) : std::vector{to}, hints, rest);
 }
 
 /// Root mean square distance of about 1,500 points from a surface.
@@ -194,6 +215,14 @@ double one_way_distance_mm(const Points& points, const Mesh& surface) {
 
 Placed find_placement(const Template& the_template, const Boundary& boundary, const PlacementHints& hints) {
   return placed(the_template, boundary, hints, at_rest);
+}
+
+Placed find_placement(const Template& the_template, const Points& places, const PlacementHints& hints) {
+  PlacementHints whole = hints;
+  whole.partial = whole.cut_template = false;
+  return likeliest(the_template, ClosestPoints(the_template, places),
+                   {moments_of(Mesh{the_template.topology, the_template.points})}, {moments_of(places)}, whole,
+                   at_rest);
 }
 
 std::optional<OtherLie> other_lie(const Template& the_template, const Boundary& boundary, Orientation orientation,

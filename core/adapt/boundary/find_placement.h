@@ -35,6 +35,10 @@ struct PlacementHints {
 /// decide the rest. A landmark that contradicts the surface and the others is not trusted. Never a reflection.
 Placed find_placement(const Template& the_template, const Boundary& boundary, const PlacementHints& hints = {});
 
+/// The same where only some places on the organ's surface are known (k×3, LPS mm), as on contours in a few slices. They
+/// are weighed in one direction: how far each lies from the template. `partial` and `cut_template` are left out.
+Placed find_placement(const Template& the_template, const Points& places, const PlacementHints& hints = {});
+
 /// How else an organ may lie against its template, and where the template's vertices lie then (n×3, LPS mm).
 struct OtherLie {
   bool half_turned = false;  ///< turned by half a turn about the z axis, as RAS is against LPS; else its mirror image

@@ -5,6 +5,7 @@
 #include <pugixml.hpp>
 
 #include "core/base/file_record.h"
+#include "core/base/limits.h"
 #include "core/base/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
@@ -12,6 +13,7 @@
 #include "core/mesh/formats/space.h"
 #include "core/mesh/formats/text.h"
 #include "core/mesh/formats/vertex_arrays.h"
+#include "core/mesh/formats/vtp_lines.h"
 
 namespace homolog::formats {
 namespace {
@@ -87,27 +89,77 @@ class VtpReader {
     encoded_left_ = bytes.size();
     decoded_left_ = most_decoded(bytes.size());
     if (auto parsed = parse(bytes); !parsed) return fail(parsed.error());
-    const auto poly_data = document_.child("VTKFile").child("PolyData");
-    for (const auto piece : poly_data.children("Piece"))
+    for (const auto piece : document_.child("VTKFile").child("PolyData").children("Piece"))
       if (auto read = read_piece(piece); !read) return fail(read.error());
     MeshFile mesh;
     if (auto filled = std::move(faces_).fill(mesh, std::move(coordinates_)); !filled) return fail(filled.error());
     for (auto& [name, values] : arrays_)
       if (std::ssize(values) == mesh.points.rows())
         keep_vertex_array(name, Eigen::Map<const VertexScalars>(values.data(), std::ssize(values)), mesh);
+    if (auto placed = take_space(mesh); !placed) return fail(placed.error());
+    return mesh;
+  }
+
+  Result<VtpLines> lines(std::string_view bytes) {
+    encoded_left_ = bytes.size();
+    decoded_left_ = most_decoded(bytes.size());
+    if (auto parsed = parse(bytes); !parsed) return fail(parsed.error());
+    VtpLines lines;
+    for (const auto piece : document_.child("VTKFile").child("PolyData").children("Piece")) {
+      const auto first_vertex = static_cast<std::int64_t>(coordinates_.size() / 3);
+      if (auto read = read_points(piece); !read) return fail(read.error());
+      if (auto read = read_lines(piece, first_vertex, lines.lines); !read) return fail(read.error());
+    }
+    MeshFile mesh;
+    mesh.points = to_points(std::move(coordinates_));
+    if (!all_in_reach(mesh.points)) return fail("", "has a point that is no place in mm; export it again");
+    if (auto placed = take_space(mesh); !placed) return fail(placed.error());
+    lines.points = std::move(mesh.points);
+    lines.warnings = std::move(mesh.warnings);
+    return lines;
+  }
+
+ private:
+  /// Turns the points as the file's space says.
+  Result<void> take_space(MeshFile& mesh) {
     SpaceNames space;
     // VTK writes strings as <Array>; others as <DataArray>.
-    for (const auto field : poly_data.child("FieldData").children()) {
+    for (const auto field : document_.child("VTKFile").child("PolyData").child("FieldData").children()) {
       if (field.attribute("Name").value() != std::string_view("SPACE")) continue;
       const auto name = text_of(field);
       if (!name) return fail(name.error());
       space.add(*name);
     }
     space.apply_to(mesh);
-    return mesh;
+    return {};
   }
 
- private:
+  Result<void> read_lines(pugi::xml_node piece, std::int64_t first_vertex,
+                          std::vector<std::vector<std::int64_t>>& lines) {
+    const auto count = piece.attribute("NumberOfLines").as_ullong();
+    if (count == 0) return {};
+    const auto cells = piece.child("Lines");
+    const auto connectivity = array<std::int64_t>(cells.find_child_by_attribute("DataArray", "Name", "connectivity"));
+    if (!connectivity) return fail(connectivity.error());
+    const auto ends = array<std::int64_t>(cells.find_child_by_attribute("DataArray", "Name", "offsets"));
+    if (!ends) return fail(ends.error());
+    const auto all = static_cast<std::int64_t>(connectivity->size());
+    const auto vertices = static_cast<std::int64_t>(coordinates_.size() / 3);
+    if (ends->size() != count) return fail("", "announces another number of lines than it holds; export it again");
+    std::int64_t from = 0;
+    for (const std::int64_t end : *ends) {
+      if (end < from || end > all) return fail(damaged_vtp());
+      auto& line = lines.emplace_back();
+      for (; from < end; ++from) {
+        const std::int64_t v = (*connectivity)[static_cast<std::size_t>(from)];
+        if (v < 0 || v >= vertices - first_vertex)
+          return fail("", "has a line through a point that it does not hold; export it again");
+        line.push_back(v + first_vertex);
+      }
+    }
+    return {};
+  }
+
   /// No mesh packs into a hundredth of its size: more is a bomb.
   static std::size_t most_decoded(std::size_t file_bytes) { return (std::size_t{16} << 20) + 100 * file_bytes; }
 
@@ -138,8 +190,7 @@ class VtpReader {
     return {};
   }
 
-  Result<void> read_piece(pugi::xml_node piece) {
-    const auto first_vertex = static_cast<std::int64_t>(coordinates_.size() / 3);
+  Result<void> read_points(pugi::xml_node piece) {
     auto points = array<double>(piece.child("Points").child("DataArray"));
     if (!points) return fail(points.error());
     if (points->size() != 3 * piece.attribute("NumberOfPoints").as_ullong())
@@ -148,6 +199,12 @@ class VtpReader {
       coordinates_ = std::move(*points);
     else
       coordinates_.insert(coordinates_.end(), points->begin(), points->end());
+    return {};
+  }
+
+  Result<void> read_piece(pugi::xml_node piece) {
+    const auto first_vertex = static_cast<std::int64_t>(coordinates_.size() / 3);
+    if (auto read = read_points(piece); !read) return read;
     // Of several pieces an array counts where each of them has it.
     for (const auto node : piece.child("PointData").children("DataArray")) {
       const auto components = node.attribute("NumberOfComponents").as_ullong(1);
@@ -327,6 +384,10 @@ void write_vtp(const MeshFile& mesh, std::ostream& out) {
 }
 
 }  // namespace
+
+Result<VtpLines> vtp_lines(std::string_view bytes) {
+  return VtpReader().lines(bytes);
+}
 
 const MeshFormat vtp{.name = "VTP", .extension = ".vtp", .keeps_record = true, .read = read_vtp, .write = write_vtp};
 

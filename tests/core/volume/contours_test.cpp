@@ -16,7 +16,7 @@ using namespace homolog;
 
 namespace {
 
-struct DrawnContour {
+struct ContourItem {
   int roi = 1;
   std::string kind, points;
 };
@@ -25,7 +25,7 @@ struct DrawnContour {
 struct RtFile {
   std::string space = "1.2.9";
   std::vector<std::string> names{"spleen"};
-  std::vector<DrawnContour> drawn;
+  std::vector<ContourItem> drawn;
 
   std::string bytes() const {
     std::string rois, contours;
@@ -34,7 +34,7 @@ struct RtFile {
       rois += item(element(0x30060022, "IS", number) + (space.empty() ? "" : element(0x30060024, "UI", space)) +
                    element(0x30060026, "LO", names[r]));
     }
-    for (const DrawnContour& one : drawn)
+    for (const ContourItem& one : drawn)
       contours +=
           item(element(0x3006002a, "IS", "255\\128\\0") +
                sequence(0x30060040, item(element(0x30060042, "CS", one.kind) + element(0x30060050, "DS", one.points))) +
@@ -120,7 +120,7 @@ TEST_CASE("a hole in contours stays a hole whether it is a keyhole or cut out by
   read = labels_of_contours("rt.dcm", *contours, "image", image);
   CHECK(count_of(read, 1) == 40);
   CHECK(read->warnings.empty());
-  for (DrawnContour& one : file.drawn) one.kind = "CLOSED_PLANAR";
+  for (ContourItem& one : file.drawn) one.kind = "CLOSED_PLANAR";
   contours = read_rt(file);
   REQUIRE(contours);
   read = labels_of_contours("rt.dcm", *contours, "image", image);

@@ -1,0 +1,141 @@
+#include "core/adapt/contours/contour_samples.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "core/measure/plane_section.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double flat_share = 0.01;  ///< of a curve's extent: how far its points may lie from its plane
+constexpr double same_plane_share = 1e-3;
+constexpr double loose_area = 1.5;  ///< of a stroke that lies outside, over the organ's
+constexpr std::size_t fewest_pieces = 8;
+
+/// The plane of a curve; none where it is straight or lies in none.
+std::optional<ContourPlane> plane_through(const Contour& curve) {
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& p : curve.points) centre += p / static_cast<double>(curve.points.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : curve.points) spread += (p - centre) * (p - centre).transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(spread);
+  const Vec3 along = solver.eigenvalues().cwiseMax(0).cwiseSqrt();  // ascending
+  if (!(along[1] > flat_share * along[2]) || along[0] > flat_share * along[2]) return std::nullopt;
+  return ContourPlane{centre, curve.closed ? plane_of(curve).second : Vec3(solver.eigenvectors().col(0))};
+}
+
+int index_of(const ContourPlane& plane, double extent_mm, std::vector<ContourPlane>& planes) {
+  for (std::size_t k = 0; k < planes.size(); ++k)
+    if (planes[k].normal.cross(plane.normal).norm() < same_plane_share &&
+        std::abs((plane.at - planes[k].at).dot(planes[k].normal)) < same_plane_share * extent_mm)
+      return static_cast<int>(k);
+  planes.push_back(plane);
+  return static_cast<int>(planes.size()) - 1;
+}
+
+/// Whether a point of a plane lies inside a closed curve there: by the angle that it turns around it.
+bool is_inside(const Vec3& p, const Contour& curve, const Vec3& normal) {
+  double turned = 0;
+  const auto& points = curve.points;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vec3 a = points[k] - p, b = points[(k + 1) % points.size()] - p;
+    turned += std::atan2(a.cross(b).dot(normal), a.dot(b));
+  }
+  return std::abs(turned) > 1;
+}
+
+double signed_area_mm2(const Contour& curve, const Vec3& normal) {
+  Vec3 twice = Vec3::Zero();
+  const auto& p = curve.points;
+  for (std::size_t k = 0; k < p.size(); ++k) twice += (p[k] - p[0]).cross(p[(k + 1) % p.size()] - p[0]);
+  return twice.dot(normal) / 2;
+}
+
+double length_of(const Contour& curve) {
+  return length_mm(SectionLine{curve.points, curve.closed});
+}
+
+/// The curve's pieces, without what they mean.
+std::vector<ContourSample> pieces_of(const Contour& curve, std::size_t count) {
+  std::vector<ContourSample> pieces;
+  const double step_mm = length_of(curve) / static_cast<double>(count);
+  double next_mm = step_mm / 2, passed_mm = 0;
+  const std::size_t edges = curve.points.size() - (curve.closed ? 0 : 1);
+  for (std::size_t k = 0; k < edges && pieces.size() < count; ++k) {
+    const Vec3 &a = curve.points[k], &b = curve.points[(k + 1) % curve.points.size()];
+    const double edge_mm = (b - a).norm();
+    for (; next_mm <= passed_mm + edge_mm && pieces.size() < count && edge_mm > 0; next_mm += step_mm) {
+      ContourSample piece;
+      piece.at = piece.likely = a + (next_mm - passed_mm) / edge_mm * (b - a);
+      piece.outward = (b - a) / edge_mm;  // along, for now
+      piece.length_mm = step_mm;
+      pieces.push_back(piece);
+    }
+    passed_mm += edge_mm;
+  }
+  return pieces;
+}
+
+}  // namespace
+
+Points ContourSamples::likely() const {
+  Points places(std::ssize(samples), 3);
+  for (Eigen::Index k = 0; k < places.rows(); ++k)
+    places.row(k) = samples[static_cast<std::size_t>(k)].likely.transpose();
+  return places;
+}
+
+double ContourSamples::diagonal_mm() const {
+  Box box;
+  for (const ContourSample& one : samples) box.extend(one.at);
+  return samples.empty() ? 0 : box.diagonal().norm();
+}
+
+ContourSamples sampled_contours(const std::vector<DrawnContour>& contours, std::size_t count) {
+  ContourSamples all;
+  double length_mm = 0;
+  std::vector<int> plane_of_curve;
+  for (const DrawnContour& one : contours) {
+    length_mm += length_of(one.curve);
+    Box box;
+    for (const Vec3& p : one.curve.points) box.extend(p);
+    const auto plane = plane_through(one.curve);
+    plane_of_curve.push_back(plane ? index_of(*plane, box.diagonal().norm(), all.planes) : -1);
+  }
+  for (std::size_t c = 0; c < contours.size(); ++c) {
+    const DrawnContour& one = contours[c];
+    const int plane = plane_of_curve[c];
+    const Vec3 normal = plane >= 0 ? all.planes[static_cast<std::size_t>(plane)].normal : Vec3(Vec3::Zero());
+    const bool closed = one.curve.closed && plane >= 0;
+    const double area_mm2 = closed ? signed_area_mm2(one.curve, normal) : 0;
+    bool hole = one.curve.cuts_out;
+    for (std::size_t o = 0; o < contours.size() && closed && !one.curve.cuts_out; ++o)
+      if (o != c && plane_of_curve[o] == plane && contours[o].curve.closed && contours[o].outside == one.outside &&
+          is_inside(one.curve.points.front(), contours[o].curve, normal))
+        hole = !hole;
+    const double sense = (area_mm2 < 0) != hole ? -1 : 1;
+    // A round organ's boundary lies by this much within a loose stroke.
+    const double margin_mm =
+        one.outside ? (1 - 1 / std::sqrt(loose_area)) * std::sqrt(std::abs(area_mm2) / std::numbers::pi) : 0;
+    const auto pieces =
+        std::max(fewest_pieces,
+                 static_cast<std::size_t>(std::lround(static_cast<double>(count) * length_of(one.curve) / length_mm)));
+    for (ContourSample piece : pieces_of(one.curve, pieces)) {
+      piece.plane = plane;
+      piece.outside = one.outside;
+      piece.hole = hole;
+      piece.outward = closed ? Vec3(sense * piece.outward.cross(normal)) : Vec3(Vec3::Zero());
+      piece.likely = piece.at - margin_mm * piece.outward;
+      piece.off_mm = std::hypot(one.off_mm, margin_mm / 2);
+      all.samples.push_back(piece);
+    }
+  }
+  return all;
+}
+
+}  // namespace homolog

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "core/base/geometry.h"
+#include "core/base/result.h"
+
+namespace homolog {
+
+/// A curve of 3D Slicer.
+struct SlicerCurve {
+  std::vector<Vec3> points;  ///< that were placed, LPS mm
+  bool closed = true;
+};
+
+/// Reads the curves of a `.mrk.json`: markups "Curve" and "ClosedCurve"; RAS is turned to LPS. Errors: as of
+/// read_landmarks [landmark_io.h]; a file with points alone.
+Result<std::vector<SlicerCurve>> read_slicer_curves(const std::filesystem::path& path);
+
+}  // namespace homolog

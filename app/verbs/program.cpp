@@ -67,20 +67,25 @@ bool shown() {
   return false;
 }
 
+/// What the verb gives; what it throws becomes its sentence.
+Result<Report> report_of(const VerbRun& run, Progress& progress) {
+  try {
+    return run(progress);
+  } catch (const std::bad_alloc&) {
+    return fail("", "memory ran out; close other programs, or use a machine with more memory");
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(error.path1().string(), error.code().message());
+  } catch (...) {
+    return fail(error_of_exception(""));
+  }
+}
+
 int run_verb(const VerbRun& run, bool json, bool quiet) {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
   Result<Report> report = [&]() -> Result<Report> {
     const ProgressLine line(verb_progress, quiet);
-    try {
-      return run(verb_progress);
-    } catch (const std::bad_alloc&) {
-      return fail("", "memory ran out; close other programs, or use a machine with more memory");
-    } catch (const std::filesystem::filesystem_error& error) {
-      return fail(error.path1().string(), error.code().message());
-    } catch (...) {
-      return fail(error_of_exception(""));
-    }
+    return report_of(run, verb_progress);
   }();
   if (!report) {
     std::cerr << "homolog: " << report.error().sentence() << '\n';
@@ -260,6 +265,26 @@ int run_program(int argc, char** argv, const Program& program) {
     return flag != nullptr && flag->count() > 0;
   };
   return run_verb(asked.run, given("--json"), given("--quiet"));
+}
+
+Result<Report> run_verb_here(const std::vector<std::string>& arguments, Progress& progress, bool& wrong_command_line) {
+  CLI::App app("Homolog", "homolog");
+  app.require_subcommand(1, 1);
+  app.fallthrough(false);
+  CommandLine asked;
+  for (AddVerb* const add : all_verbs) add(app, asked);
+  check_values(app);
+  wrong_command_line = true;
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::Success&) {
+    return Report{{{"help", verb_given(app)->help()}}, {}};
+  } catch (const CLI::Error& error) {
+    return fail("", std::string(error.what()) + "; see " + help_for(app));
+  }
+  if (!asked.run) return fail("", full_name(*verb_given(app)) + " is a program of its own; run it by homolog");
+  wrong_command_line = false;
+  return report_of(asked.run, progress);
 }
 
 }  // namespace homolog

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <mutex>
+#include <utility>
 
 #include "core/base/listed.h"
 #include "core/base/text.h"
@@ -11,10 +14,38 @@
 
 namespace homolog {
 
+namespace {
+
+/// Those that are lent now; a name that is lent twice counts twice.
+struct ImagesInMemory {
+  std::mutex mutex;
+  std::multimap<std::filesystem::path, std::shared_ptr<const VolumeRead>> by_name;
+} images_in_memory;
+
+std::shared_ptr<const VolumeRead> image_in_memory(const std::filesystem::path& name) {
+  const std::lock_guard lock(images_in_memory.mutex);
+  const auto found = images_in_memory.by_name.find(name);
+  return found == images_in_memory.by_name.end() ? nullptr : found->second;
+}
+
+}  // namespace
+
+ImageInMemory::ImageInMemory(std::filesystem::path name, std::shared_ptr<const VolumeRead> image)
+    : name_(std::move(name)) {
+  const std::lock_guard lock(images_in_memory.mutex);
+  images_in_memory.by_name.emplace(name_, std::move(image));
+}
+
+ImageInMemory::~ImageInMemory() {
+  const std::lock_guard lock(images_in_memory.mutex);
+  images_in_memory.by_name.erase(images_in_memory.by_name.find(name_));
+}
+
 Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress) {
   VolumeReadOptions reading;
   reading.progress = &progress;
-  auto read = read_volume(path, reading);
+  const auto lent = image_in_memory(path);
+  auto read = lent ? Result<VolumeRead>(*lent) : read_volume(path, reading);
   if (read && frame >= read->volume.frames)
     return fail(path.string(),
                 "has " + std::to_string(read->volume.frames) + " frames, counted from 0; choose --frame among them");
@@ -181,33 +212,38 @@ Result<MaskRead> read_mask(const std::filesystem::path& path, const std::string&
                            Progress& progress) {
   auto read = read_image(path, asked.frame.value_or(0), progress);
   if (!read) return fail(read.error());
-  const auto segments = choose_segments(path, label, *read);
+  return chosen_mask(std::move(*read), path, label, asked);
+}
+
+Result<MaskRead> chosen_mask(VolumeRead read, const std::filesystem::path& path, const std::string& label,
+                             const MaskAsked& asked) {
+  const auto segments = choose_segments(path, label, read);
   if (!segments) return fail(segments.error());
   std::vector<int> labels;
   for (const Segment& segment : *segments)
     if (std::find(labels.begin(), labels.end(), segment.value) == labels.end()) labels.push_back(segment.value);
-  const int frames = read->volume.frames;
+  const int frames = read.volume.frames;
   const int frame = asked.frame ? *asked.frame : frames > 1 ? asked.of_mesh.value_or(0) : 0;
   if (frame >= frames)
     return fail(path.string(), "has " + std::to_string(frames) +
                                    " frames, counted from 0, and the mesh belongs to frame " + std::to_string(frame) +
                                    "; choose --frame among them");
-  const auto level = soft_level(path, *read, frame, asked);
+  const auto level = soft_level(path, read, frame, asked);
   if (!level) return fail(level.error());
-  if (auto held = check_frame(read->volume, labels, frame); !held) return fail(path.string(), held.error().what);
-  if (auto there = check_labels(*read, labels, frame); !there) return fail(path.string(), there.error().what);
+  if (auto held = check_frame(read.volume, labels, frame); !held) return fail(path.string(), held.error().what);
+  if (auto there = check_labels(read, labels, frame); !there) return fail(path.string(), there.error().what);
   if (frames > 1 && !asked.frame && !asked.of_mesh)
-    read->warnings.push_back(path.string() + ": has " + std::to_string(frames) +
-                             " frames, of which frame 0 was taken; choose another by --frame");
-  if (!*level) warn_of_soft_labels(path, read->volume, frame, read->warnings);
+    read.warnings.push_back(path.string() + ": has " + std::to_string(frames) +
+                            " frames, of which frame 0 was taken; choose another by --frame");
+  if (!*level) warn_of_soft_labels(path, read.volume, frame, read.warnings);
   if (labels.size() > 1 && !*level) {  // one that does not occur adds nothing: most kidneys have no tumour
-    const int united = unite_segments(read->volume, *segments, frame);
-    return MaskRead{std::move(*read), united, frame, labels};
+    const int united = unite_segments(read.volume, *segments, frame);
+    return MaskRead{std::move(read), united, frame, labels};
   }
-  if (*level) return MaskRead{std::move(*read), 1, frame, {1}, *level};
-  const auto chosen = !labels.empty() ? Result<int>(labels.front()) : label_alone(*read, frame);
+  if (*level) return MaskRead{std::move(read), 1, frame, {1}, *level};
+  const auto chosen = !labels.empty() ? Result<int>(labels.front()) : label_alone(read, frame);
   if (!chosen) return fail(path.string(), chosen.error().what);
-  return MaskRead{std::move(*read), *chosen, frame, {*chosen}};
+  return MaskRead{std::move(read), *chosen, frame, {*chosen}};
 }
 
 }  // namespace homolog

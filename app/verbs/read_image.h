@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 #include "app/verbs/verb.h"
@@ -9,6 +10,19 @@
 namespace homolog {
 
 // Volumes as verbs take them: a file, and which frame and label of it. Errors name the file and the option.
+
+/// While it lives, whoever reads the image or label map `name` gets this one: for a program that has it in memory and
+/// does a verb in its own process [python/]. Any thread may make one.
+class ImageInMemory {
+ public:
+  ImageInMemory(std::filesystem::path name, std::shared_ptr<const VolumeRead> image);
+  ~ImageInMemory();
+  ImageInMemory(const ImageInMemory&) = delete;
+  ImageInMemory& operator=(const ImageInMemory&) = delete;
+
+ private:
+  std::filesystem::path name_;
+};
 
 /// The image, of which `frame` must exist.
 Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress);
@@ -53,5 +67,8 @@ struct MaskRead : VolumeRead {
 /// Errors: a frame without them names those that hold some.
 Result<MaskRead> read_mask(const std::filesystem::path& path, const std::string& label, const MaskAsked& asked,
                            Progress& progress);
+/// The same of a label map that was read from there.
+Result<MaskRead> chosen_mask(VolumeRead read, const std::filesystem::path& path, const std::string& label,
+                             const MaskAsked& asked);
 
 }  // namespace homolog

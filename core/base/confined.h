@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,10 @@ class ConfinedChild {
   int process_;  ///< the system's number
   std::FILE* output_;
 };
+
+/// The program that is started as a child, where this one is not one that knows the arguments: Python, which has core
+/// as a module. Before the first child.
+void use_program_for_children(const std::filesystem::path& program);
 
 /// Called by the child before its work: from now on it may take `memory_bytes` more than it has and `seconds` of the
 /// processor's time; beyond that, memory is refused and the process is killed. It leaves no core file and ignores

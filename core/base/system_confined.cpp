@@ -16,12 +16,14 @@ namespace homolog {
 
 namespace {
 
+std::string program_for_children = "/proc/self/exe";
+
 tl::unexpected<Error> cannot_start(int error) {
   return fail("", std::string("cannot be read, because no process for it can be started (") + std::strerror(error) +
                       "); close other programs and try again");
 }
 
-/// This program with `arguments`, writing into `output`; everything else that is open here is closed there.
+/// The program with `arguments`, writing into `output`; everything else that is open here is closed there.
 int spawn(const std::vector<std::string>& arguments, int output, pid_t& process) {
   std::vector<char*> argv{const_cast<char*>("homolog")};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
@@ -32,7 +34,7 @@ int spawn(const std::vector<std::string>& arguments, int output, pid_t& process)
   ::posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
   ::posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   ::posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
-  const int error = ::posix_spawn(&process, "/proc/self/exe", &files, nullptr, argv.data(), environ);
+  const int error = ::posix_spawn(&process, program_for_children.c_str(), &files, nullptr, argv.data(), environ);
   ::posix_spawn_file_actions_destroy(&files);
   return error;
 }
@@ -47,6 +49,10 @@ int spawn(const std::vector<std::string>& arguments, int output, pid_t& process)
 }
 
 }  // namespace
+
+void use_program_for_children(const std::filesystem::path& program) {
+  program_for_children = program.string();
+}
 
 Result<ConfinedChild> ConfinedChild::start(const std::vector<std::string>& arguments) {
   int ends[2];

@@ -1,0 +1,226 @@
+#include "python/homolog/binding.h"
+
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "app/verbs/case_pool.h"
+#include "core/base/limits.h"
+#include "core/base/parallel.h"
+
+namespace homolog::python {
+
+namespace {
+
+/// While it lives, at most so many threads are used.
+class FewerThreads {
+ public:
+  explicit FewerThreads(std::optional<int> jobs) : before_(thread_limit()), is_set_(jobs.has_value()) {
+    if (!jobs) return;
+    if (*jobs < 1 || *jobs > 1024) refuse("jobs", "is " + std::to_string(*jobs) + "; give a number from 1 to 1024");
+    set_thread_limit(*jobs);
+  }
+  ~FewerThreads() {
+    if (is_set_) set_thread_limit(before_);
+  }
+  FewerThreads(const FewerThreads&) = delete;
+  FewerThreads& operator=(const FewerThreads&) = delete;
+
+ private:
+  int before_;
+  bool is_set_;
+};
+
+/// Work on a thread, and whether it has ended.
+class Running {
+ public:
+  Running(const std::function<void(Progress&)>& work, Progress& progress)
+      : thread_([this, &work, &progress] {
+          try {
+            work(progress);
+          } catch (...) {
+            thrown_ = std::current_exception();
+          }
+          const std::lock_guard lock(mutex_);
+          ended_ = true;
+          changed_.notify_one();
+        }) {}
+  bool ends_within(std::chrono::milliseconds time) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, time, [this] { return ended_; });
+  }
+  /// Once it has ended.
+  void rethrow() {
+    thread_.join();
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool ended_ = false;
+  std::exception_ptr thrown_;
+  std::thread thread_;  // the last, since it uses the others
+};
+
+/// What a value is, for a sentence: "an array of the shape (3, 642)".
+std::string shape_in_words(const py::array& array) {
+  return "has the shape " + std::string(py::str(array.attr("shape")));
+}
+
+py::array numbers_from(const py::handle& value, const std::string& name) {
+  const py::array array = py::array::ensure(py::reinterpret_borrow<py::object>(value));
+  if (!array) {
+    PyErr_Clear();
+    refuse(name, "is no array of numbers; give a numpy array");
+  }
+  const char kind = array.dtype().kind();
+  if (kind != 'f' && kind != 'i' && kind != 'u')
+    refuse(name, "has the dtype " + std::string(py::str(array.dtype())) + "; give real numbers, as float64");
+  return array;
+}
+
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+void check_finite(const double* values, std::size_t count, std::size_t columns, const std::string& name) {
+  for (std::size_t k = 0; k < count; ++k) {
+    if (std::isfinite(values[k]) && is_in_reach(values[k])) continue;
+    const std::string where =
+        "[" + std::to_string(k / columns) + (columns > 1 ? ", " + std::to_string(k % columns) : "") + "]";
+    refuse(name, std::isfinite(values[k]) ? "at " + where + " " + beyond_farthest + "; give mm"
+                                          : "at " + where + " is no finite number; take it out or replace it");
+  }
+}
+
+}  // namespace
+
+py::object to_python(const Json& json) {
+  switch (json.type()) {
+    case Json::value_t::object: {
+      py::dict dict;
+      for (const auto& [key, value] : json.items()) dict[py::str(key)] = to_python(value);
+      return dict;
+    }
+    case Json::value_t::array: {
+      py::list list(json.size());
+      for (std::size_t k = 0; k < json.size(); ++k) list[k] = to_python(json[k]);
+      return list;
+    }
+    case Json::value_t::string: {
+      const auto& text = json.get_ref<const std::string&>();
+      return py::reinterpret_steal<py::object>(
+          PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
+    }
+    case Json::value_t::boolean:
+      return py::bool_(json.get<bool>());
+    case Json::value_t::number_integer:
+      return py::int_(json.get<std::int64_t>());
+    case Json::value_t::number_unsigned:
+      return py::int_(json.get<std::uint64_t>());
+    case Json::value_t::number_float:
+      if (const double number = json.get<double>(); std::isfinite(number)) return py::float_(number);
+      return py::none();
+    default:
+      return py::none();
+  }
+}
+
+Json to_json(const py::handle& value) {
+  if (value.is_none()) return nullptr;
+  if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
+  if (py::isinstance<py::int_>(value)) return value.cast<std::int64_t>();
+  if (py::isinstance<py::float_>(value)) return value.cast<double>();
+  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (py::isinstance<py::dict>(value)) {
+    Json object = Json::object();
+    for (const auto& [key, one] : value.cast<py::dict>()) object[std::string(py::str(key))] = to_json(one);
+    return object;
+  }
+  if (py::hasattr(value, "tolist")) return to_json(value.attr("tolist")());
+  if (py::hasattr(value, "__fspath__")) return std::string(py::str(value.attr("__fspath__")()));
+  if (py::isinstance<py::sequence>(value)) {
+    Json list = Json::array();
+    for (const auto& one : value.cast<py::sequence>()) list.push_back(to_json(one));
+    return list;
+  }
+  refuse(std::string(py::str(py::type::of(value))), "has no place in JSON; give numbers, text, lists and dicts");
+}
+
+void warn(const std::vector<std::string>& sentences) {
+  if (sentences.empty()) return;
+  const py::object category = py::module_::import("homolog._core").attr("HomologWarning");
+  const py::object say = py::module_::import("warnings").attr("warn");
+  for (const std::string& sentence : sentences) say(sentence, category, py::arg("stacklevel") = 3);
+}
+
+void do_watched(const Watched& watched, const std::function<void(Progress&)>& work) {
+  const FewerThreads fewer(watched.jobs);
+  constexpr std::chrono::milliseconds look_every{100};
+  Progress progress;
+  std::optional<py::error_already_set> raised;
+  const auto look = [&] {
+    const py::gil_scoped_acquire locked;
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (!watched.progress.is_none()) watched.progress(progress.fraction(), case_in_work());
+    } catch (py::error_already_set& error) {
+      raised.emplace(std::move(error));
+      progress.cancel();
+    }
+  };
+  std::exception_ptr thrown;
+  {
+    const py::gil_scoped_release unlocked;
+    Running running(work, progress);
+    while (!running.ends_within(look_every))
+      if (!raised) look();
+    try {
+      running.rethrow();
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+  }
+  if (raised) throw py::error_already_set(std::move(*raised));
+  if (thrown) std::rethrow_exception(thrown);
+  if (!watched.progress.is_none()) watched.progress(1.0, std::string());
+}
+
+py::array read_only(const py::dtype& type, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
+                    const void* data, const py::handle& owner) {
+  py::array view(type, std::move(shape), std::move(strides), data, owner);
+  py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return view;
+}
+
+Points points_from(const py::handle& value, const char* name) {
+  const py::array array = numbers_from(value, name);
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    refuse(name, shape_in_words(array) + "; give n×3, a row x, y, z in mm for each vertex" +
+                     (array.ndim() == 2 && array.shape(0) == 3 ? " (transpose it)" : ""));
+  if (array.shape(0) == 0) refuse(name, "is empty; give a row for each vertex");
+  const Doubles doubles = array;
+  check_finite(doubles.data(), static_cast<std::size_t>(doubles.size()), 3, name);
+  return Eigen::Map<const Points>(doubles.data(), doubles.shape(0), 3);
+}
+
+VertexScalars scalars_from(const py::handle& value, Eigen::Index count, const char* name) {
+  const py::array array = numbers_from(value, name);
+  if (array.ndim() != 1 || array.shape(0) != count)
+    refuse(name, shape_in_words(array) + "; give " + std::to_string(count) + " numbers, one for each vertex");
+  const Doubles doubles = array;
+  check_finite(doubles.data(), static_cast<std::size_t>(doubles.size()), 1, name);
+  return Eigen::Map<const VertexScalars>(doubles.data(), doubles.shape(0));
+}
+
+Vec3 vector_from(const py::handle& value, const char* name) {
+  const py::array array = numbers_from(value, name);
+  if (array.ndim() != 1 || array.shape(0) != 3) refuse(name, shape_in_words(array) + "; give three numbers x, y, z");
+  const Doubles doubles = array;
+  check_finite(doubles.data(), 3, 1, name);
+  return Eigen::Map<const Vec3>(doubles.data());
+}
+
+}  // namespace homolog::python

@@ -1,0 +1,329 @@
+#include <atomic>
+
+#include "app/verbs/read_image.h"
+#include "app/verbs/snap_arguments.h"
+#include "core/adapt/boundary/boundary.h"
+#include "core/assist/assist.h"
+#include "core/assist/cine.h"
+#include "core/case/action_json.h"
+#include "core/case/action_line.h"
+#include "core/catalogue/catalogue.h"
+#include "core/session/case_file.h"
+#include "core/structures/set_in_case.h"
+#include "python/homolog/binding.h"
+#include "python/homolog/held_case.h"
+
+namespace homolog::python {
+
+namespace {
+
+/// Holds a case for one call, which may run without the interpreter's lock.
+class InUse {
+ public:
+  explicit InUse(HeldCase& of) : of_(of) {
+    if (of.in_use.exchange(true)) refuse("case", "is at work in another thread; wait until that ends");
+  }
+  ~InUse() { of_.in_use = false; }
+  InUse(const InUse&) = delete;
+  InUse& operator=(const InUse&) = delete;
+
+ private:
+  HeldCase& of_;
+};
+
+std::shared_ptr<HeldCase> held(EditSession session, const std::filesystem::path& path,
+                               const std::vector<std::string>& warnings) {
+  warn(warnings);
+  return std::make_shared<HeldCase>(std::move(session), path.string());
+}
+
+std::shared_ptr<HeldCase> open_held(const std::filesystem::path& path, bool read_only, const py::object& progress) {
+  auto read = watched_value<CaseRead>({progress, {}}, [&](Progress& own) {
+    ReplayOptions options;
+    options.progress = &own;
+    return read_only ? read_case(path, options) : open_case(path, &own);
+  });
+  return held(std::move(read.session), path, read.warnings);
+}
+
+std::shared_ptr<const Template> template_from(const py::object& value) {
+  if (py::isinstance<HeldMesh>(value)) {
+    const auto& mesh = value.cast<const HeldMesh&>();
+    if (mesh.source.empty()) return value_of(make_template(*mesh.file, ""));
+    return value_of(load_template(mesh.source));
+  }
+  return value_of(load_template(py::str(value)));
+}
+
+std::shared_ptr<HeldCase> create_held(const py::object& the_template, const py::object& image, const py::object& path,
+                                      const py::object& placement) {
+  auto reference = template_from(the_template);
+  std::optional<Similarity> place;
+  if (!placement.is_none()) place = value_of(similarity_from_json(to_json(placement)));
+  std::string source;
+  std::shared_ptr<const Volume> volume;
+  if (py::isinstance<HeldVolume>(image)) {
+    const auto& given = image.cast<const HeldVolume&>();
+    source = given.source;
+    volume = std::shared_ptr<const Volume>(given.read, &given.read->volume);
+  } else if (!image.is_none()) {
+    source = py::str(image);
+    volume = std::make_shared<const Volume>(value_of(load_volume(source)).volume);
+  }
+  if (path.is_none()) return held(EditSession(new_document(source, volume, reference, place)), {}, {});
+  if (reference->source.empty())
+    refuse("template", "is in memory alone, and a case names its file; write it to one and read that");
+  if (volume && source.empty())
+    refuse("image", "is in memory alone, and a case names its file; write it to one and read that");
+  const auto file = path.cast<std::filesystem::path>();
+  return held(value_of(create_case(new_document(source, volume, reference, place), file)), file, {});
+}
+
+py::dict report_of(const EditReport& report) {
+  py::dict row;
+  row["moved_mm"] = report.moved_mm;
+  row["stopped_by_guard"] = report.stopped_by_guard;
+  row["on"] = report.on ? py::object(py::make_tuple(report.on->x(), report.on->y(), report.on->z())) : py::none();
+  row["message"] = report.message;
+  return row;
+}
+
+py::dict apply(HeldCase& self, EditStep step) {
+  const InUse held(self);
+  std::optional<Result<EditReport>> done;
+  {
+    const py::gil_scoped_release unlocked;
+    done.emplace(self.session.apply(std::move(step)));
+  }
+  return report_of(value_of(std::move(*done)));
+}
+
+py::dict do_action(HeldCase& self, const py::dict& action, const std::string& of) {
+  auto step = parse_action(dumped(to_json(action)));
+  if (!step) refuse("action", step.error().what);
+  if (!of.empty()) step->of = of;
+  return apply(self, std::move(*step));
+}
+
+ShapeView shown(const HeldCase& self, const std::string& of) {
+  const auto view = self.session.document().view(of);
+  if (!view)
+    refuse(of.empty() ? "case" : of, "has no mesh in the frame that it shows; name another structure or frame");
+  return *view;
+}
+
+/// A view of points that stay as they are when the case goes on.
+py::array points_view(const HeldCase& self, const std::string& of) {
+  auto* kept = new std::shared_ptr<const Points>(shown(self, of).shape.points);
+  const py::capsule owner(kept, [](void* points) { delete static_cast<std::shared_ptr<const Points>*>(points); });
+  return read_only<double>({(*kept)->rows(), 3}, (*kept)->data(), owner);
+}
+
+std::shared_ptr<HeldMesh> mesh_of(const HeldCase& self, const std::string& of) {
+  const MeshFile file = to_mesh_file(shown(self, of), self.session.document().scan.frames() > 1);
+  return std::make_shared<HeldMesh>(HeldMesh{std::make_shared<const MeshFile>(file)});
+}
+
+py::list structures_of(const HeldCase& self) {
+  py::list rows;
+  for (const auto& one : self.session.document().structures) {
+    py::dict row;
+    row["id"] = one->id;
+    row["name"] = one->name;
+    row["label"] = one->label;
+    row["vertices"] = one->the_template->points.rows();
+    py::list frames;
+    for (const auto& [frame, shape] : one->shapes) frames.append(frame);
+    row["frames"] = frames;
+    row["confidence"] = one->confidence < 0 ? py::none() : py::object(py::float_(one->confidence));
+    row["doubt"] = one->doubt;
+    rows.append(row);
+  }
+  return rows;
+}
+
+py::object image_of(const HeldCase& self) {
+  const Scan& scan = self.session.document().scan;
+  if (!scan.image) return py::none();
+  auto read = std::make_shared<VolumeRead>();
+  read->volume = *scan.image;
+  return py::cast(std::make_shared<HeldVolume>(HeldVolume{std::move(read), scan.source}));
+}
+
+// --- Automatic steps, each an edit of the case.
+
+template <class Edit>
+Edit computed(HeldCase& self, const py::object& progress, const std::function<Result<Edit>(Progress&)>& work) {
+  const InUse held(self);
+  return watched_value<Edit>({progress, {}}, work);
+}
+
+py::dict fit_into(HeldCase& self, const HeldLabels& labels, const std::string& label, const std::string& of,
+                  const std::optional<double>& closing_mm, const std::optional<int>& frame, bool as_placed,
+                  const py::object& progress) {
+  const ShapeView view = shown(self, of);
+  auto edit = computed<FitEdit>(self, progress, [&](Progress& own) -> Result<FitEdit> {
+    auto mask = chosen_mask(*labels.read, labels.source.empty() ? "labels" : labels.source, label, {frame, {}, {}});
+    if (!mask) return fail(mask.error());
+    const auto boundary = label_boundary(mask->volume, mask->label, mask->frame, closing_mm, view.shape.points->rows(),
+                                         parts_for(*view.the_template().topology));
+    if (!boundary) return fail("labels", boundary.error().what);
+    FitOptions options;
+    options.progress = &own;
+    return fit_shape(view, *boundary, as_placed, options);
+  });
+  warn(edit.result.warnings);
+  return apply(self, {std::move(edit.action), of});
+}
+
+py::dict snap_into(HeldCase& self, const py::object& at, double sigma_mm, double reach_mm, double strength,
+                   const std::string& polarity, const std::string& of, const py::object& progress) {
+  const ShapeView view = shown(self, of);
+  const Scan scan = self.session.document().scan;
+  if (!scan.image) refuse("case", "has no image to snap to; give a case that has one");
+  std::optional<SnapArea> area;
+  if (!at.is_none()) area = SnapArea{vector_from(at, "at"), sigma_mm};
+  SnapArguments arguments;
+  arguments.reach_mm = reach_mm;
+  arguments.strength = strength;
+  arguments.polarity = polarity;
+  auto edit = computed<SnapEdit>(self, progress, [&](Progress& own) -> Result<SnapEdit> {
+    auto options = snap_options(arguments, view.shape.points->rows(), own);
+    if (!options) return fail(options.error());
+    options->progress = &own;
+    return snap_shape(scan, view, area, *options);
+  });
+  warn(edit.result.warnings);
+  return apply(self, {std::move(edit.action), of});
+}
+
+py::dict refine_into(HeldCase& self, const std::string& of, const py::object& progress) {
+  const ShapeView view = shown(self, of);
+  auto edit = computed<RefineEdit>(self, progress, [&](Progress& own) { return refine_shape(view, &own); });
+  warn(edit.warnings);
+  return apply(self, {std::move(edit.action), of});
+}
+
+py::list propagate_into(HeldCase& self, double reach_mm, const std::string& of, const py::object& progress) {
+  const ShapeView view = shown(self, of);
+  const Scan scan = self.session.document().scan;
+  if (!scan.image) refuse("case", "has no image to go through; give a case that has one");
+  auto edit = computed<CineEdit>(self, progress, [&](Progress& own) {
+    PropagateOptions options;
+    options.reach_mm = reach_mm;
+    options.progress = &own;
+    return propagate_shape(scan, view, options);
+  });
+  bool joined = false;
+  for (SetPoints& action : edit.actions) {
+    apply(self, {std::move(action), of, joined});
+    joined = true;
+  }
+  py::list frames;
+  for (const PropagatedFrame& frame : edit.result.frames) {
+    py::dict row;
+    row["volume_ml"] = frame.volume_ml;
+    row["confidence"] = frame.confidence;
+    row["disagreement_mm"] = frame.disagreement_mm ? py::object(py::float_(*frame.disagreement_mm)) : py::none();
+    row["doubt"] = frame.doubt;
+    frames.append(row);
+  }
+  return frames;
+}
+
+/// [(key, example line, meaning)] of all actions, in their order.
+py::list action_kinds() {
+  py::list kinds;
+  for_each_action_kind([&](const auto& kind) { kinds.append(py::make_tuple(kind.key, kind.example, kind.meaning)); });
+  return kinds;
+}
+
+void add_automatic(py::class_<HeldCase, std::shared_ptr<HeldCase>>& type) {
+  const auto none = py::none();
+  type.def("fit", &fit_into, py::arg("labels"), py::kw_only(), py::arg("label") = "", py::arg("of") = "",
+           py::arg("closing_mm") = none, py::arg("frame") = none, py::arg("as_placed") = false,
+           py::arg("progress") = none,
+           "Fits the structure's template to a label, as one edit. as_placed: from where it lies.")
+      .def("snap", &snap_into, py::arg("at") = none, py::kw_only(), py::arg("sigma_mm") = 10.0,
+           py::arg("reach_mm") = 10.0, py::arg("strength") = 1.0, py::arg("polarity") = "automatic", py::arg("of") = "",
+           py::arg("progress") = none,
+           "Draws the mesh, or its part around `at` (LPS mm), to the boundary in the image, as one edit.")
+      .def("refine", &refine_into, py::kw_only(), py::arg("of") = "", py::arg("progress") = none,
+           "Moves vertices along the surface to where the template has them, as one edit.")
+      .def("propagate", &propagate_into, py::kw_only(), py::arg("reach_mm") = 6.0, py::arg("of") = "",
+           py::arg("progress") = none,
+           "Carries the known frames' meshes through a cine, as one edit. Gives a dict for each frame.")
+      .def(
+          "keep_apart",
+          [](HeldCase& self, const std::string& of) -> py::object {
+            auto edit = apart_from_others(self.session.document(), of);
+            return edit ? py::object(apply(self, {std::move(*edit), of})) : py::none();
+          },
+          py::arg("of"), "Moves a structure out of its neighbours, as one edit; None where nothing meets.");
+}
+
+}  // namespace
+
+void add_cases(py::module_& module) {
+  using Held = HeldCase;
+  const auto none = py::none();
+  py::class_<HeldCase, std::shared_ptr<HeldCase>> type(
+      module, "Case",
+      "A scan, its structures and all edits. With a file, each edit is on the disk before the call returns.");
+  type.def_static("open", &open_held, py::arg("path"), py::kw_only(), py::arg("read_only") = false,
+                  py::arg("progress") = none, "Opens a case file; further edits are appended to it, unless read_only.")
+      .def_static("create", &create_held, py::arg("template"), py::arg("image") = none, py::arg("path") = none,
+                  py::kw_only(), py::arg("placement") = none,
+                  R"(A new case; without `path` it is in memory alone.
+
+template: a Mesh, a file or a built-in name. image: a Volume, a file or a phantom's name. placement: {"rotation":
+[w, x, y, z], "scale": s, "translation": [x, y, z]}, LPS mm; without it the middle of the image.)")
+      .def_property_readonly(
+          "source", [](const Held& self) { return self.source; }, "Its file; empty: it has none.")
+      .def(
+          "do", &do_action, py::arg("action"), py::arg("of") = "",
+          R"(Does one action, a dict as a line of the case file (docs/case-file.md): {"tool": "pull", "at": [x, y, z], "to":
+[x, y, z], "sigma_mm": 10}. of: the structure's id. Gives moved_mm, stopped_by_guard, on, message.)")
+      .def(
+          "undo", [](Held& self) { return apply(self, {Undo{}}); }, "Takes the last step back.")
+      .def(
+          "redo", [](Held& self) { return apply(self, {Redo{}}); }, "Does the step again that was taken back last.")
+      .def_property_readonly(
+          "can_undo", [](const Held& self) { return self.session.can_undo(); }, "Whether there is a step to take back.")
+      .def_property_readonly(
+          "can_redo", [](const Held& self) { return self.session.can_redo(); }, "Whether there is one to do again.")
+      .def(
+          "undo_names", [](Held& self, std::size_t most) { return self.session.undo_names(most); },
+          py::arg("most") = 100, "What undo would take back, the nearest first.")
+      .def(
+          "redo_names", [](Held& self, std::size_t most) { return self.session.redo_names(most); },
+          py::arg("most") = 100, "What redo would do again, the nearest first.")
+      .def("points", &points_view, py::arg("of") = "",
+           "n×3, LPS mm, of a structure at the shown frame; a view that cannot be written to and that later edits "
+           "leave as it is.")
+      .def("mesh", &mesh_of, py::arg("of") = "", "The same as a Mesh, with stiffness and landmarks.")
+      .def_property_readonly("structures", &structures_of, "[{id, name, label, vertices, frames, confidence, doubt}].")
+      .def_property_readonly(
+          "shown_frame", [](const Held& self) { return self.session.document().frame; }, "From 0.")
+      .def_property_readonly(
+          "frames", [](const Held& self) { return self.session.document().scan.frames(); }, "Of the image.")
+      .def_property_readonly(
+          "strokes", [](const Held& self) { return self.session.strokes(); }, "Those left after undo.")
+      .def_property_readonly("image", &image_of, "The scan as a Volume, or None.")
+      .def(
+          "save_as",
+          [](Held& self, const std::filesystem::path& path) {
+            const InUse held(self);
+            value_of(save_case_as(self.session, path));
+            self.source = path.string();
+          },
+          py::arg("path"), "Writes the case to another file and goes on there.")
+      .def(
+          "close", [](Held& self) { self.session.close_journal(); }, "Ends the work on its file.")
+      .def("__enter__", [](const py::object& self) { return self; })
+      .def("__exit__", [](Held& self, const py::args&) { self.session.close_journal(); });
+  add_automatic(type);
+  module.def("action_kinds", &action_kinds, "[(key, example, meaning)] of all actions of a case.");
+}
+
+}  // namespace homolog::python

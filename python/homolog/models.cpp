@@ -1,0 +1,199 @@
+#include "core/model/score.h"
+#include "core/model/shape_model.h"
+#include "core/model/statismo.h"
+#include "core/model/study.h"
+#include "python/homolog/binding.h"
+#include "python/homolog/held_model.h"
+
+namespace homolog::python {
+
+namespace {
+
+Eigen::VectorXd coefficients_from(const ShapeModel& model, const py::handle& value) {
+  const auto array =
+      py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(py::reinterpret_borrow<py::object>(value));
+  if (!array) PyErr_Clear();
+  if (!array || array.ndim() != 1 || array.shape(0) > model.modes())
+    refuse("coefficients", "are no list of at most " + std::to_string(model.modes()) +
+                               " numbers, one for each mode, in standard deviations");
+  const Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(array.data(), array.shape(0));
+  if (!z.allFinite()) refuse("coefficients", "hold a number that is not finite; take it out or replace it");
+  return z;
+}
+
+Eigen::VectorXd deviations_of(const ShapeModel& model, Eigen::Index count) {
+  return model.variances.head(count).cwiseSqrt();
+}
+
+std::shared_ptr<HeldMesh> mesh_of(const HeldModel& self, Points points) {
+  MeshFile file;
+  file.points = std::move(points);
+  if (self.model->topology) file.triangles = self.model->topology->triangles();
+  return std::make_shared<HeldMesh>(HeldMesh{std::make_shared<const MeshFile>(std::move(file))});
+}
+
+Eigen::Index checked_mode(const HeldModel& self, Eigen::Index mode) {
+  if (mode < 0 || mode >= self.model->modes())
+    refuse("mode", "is " + std::to_string(mode) + ", and the model has " + std::to_string(self.model->modes()) +
+                       ", counted from 0");
+  return mode;
+}
+
+Points points_of_shape(const HeldModel& self, const py::object& shape) {
+  Points points =
+      py::isinstance<HeldMesh>(shape) ? shape.cast<const HeldMesh&>().file->points : points_from(shape, "shape");
+  if (3 * points.rows() != self.model->mean.size())
+    refuse("shape", "has " + std::to_string(points.rows()) + " vertices and the model " +
+                        std::to_string(self.model->mean.size() / 3) + "; give a fit of the model's template");
+  return points;
+}
+
+py::dict score_of(const HeldModel& self, const py::object& shape) {
+  const Points points = points_of_shape(self, shape);
+  VertexScalars doubt;
+  if (py::isinstance<HeldMesh>(shape))
+    if (const auto& file = *shape.cast<const HeldMesh&>().file; file.doubt_mm) doubt = *file.doubt_mm;
+  const ShapeScore score =
+      watched_value<ShapeScore>({py::none(), {}}, [&](Progress&) { return score_shape(*self.model, points, doubt); });
+  const auto array = [](const auto& values) {
+    py::array_t<double> copy(values.size());
+    std::copy(values.data(), values.data() + values.size(), copy.mutable_data());
+    return copy;
+  };
+  py::dict row;
+  row["distance"] = score.distance;
+  row["residual_mm"] = score.residual_mm;
+  row["percentile"] = score.percentile ? py::object(py::float_(*score.percentile)) : py::none();
+  row["size_mm"] = score.size_mm;
+  row["z_rms"] = score.all.z_rms;
+  row["modes"] = array(score.modes);
+  row["z"] = array(score.z);
+  row["z_low"] = array(score.z_low);
+  row["z_high"] = array(score.z_high);
+  row["aligned"] = array(score.aligned).reshape({score.aligned.rows(), Eigen::Index(3)});
+  return row;
+}
+
+std::shared_ptr<HeldModel> read_held_model(const std::filesystem::path& path) {
+  auto model = value_of(read_model(path));
+  const auto record = value_of(read_model_record(path));
+  return std::make_shared<HeldModel>(
+      HeldModel{std::make_shared<const ShapeModel>(std::move(model)), path.string(), record.value_or("")});
+}
+
+}  // namespace
+
+void add_models(py::module_& module) {
+  using Held = HeldModel;
+  py::class_<HeldModel, std::shared_ptr<HeldModel>> model(
+      module, "Model", py::dynamic_attr(),
+      "A statistical shape model x = mean + Σ bₘ · modeₘ, LPS mm. It is never changed.");
+  model
+      .def_property_readonly(
+          "source", [](const Held& self) { return self.source; },
+          "The file it was read from; empty where it was made here.")
+      .def_property_readonly(
+          "mean",
+          [](const py::object& self) {
+            const auto& mean = self.cast<const Held&>().model->mean;
+            return read_only<double>({mean.size() / 3, 3}, mean.data(), self);
+          },
+          "n×3, mm; a view that cannot be written to.")
+      .def_property_readonly(
+          "modes",
+          [](const py::object& self) {
+            const auto& basis = self.cast<const Held&>().model->basis;
+            return read_only<double>({basis.cols(), basis.rows() / 3, 3}, basis.data(), self);
+          },
+          "t×n×3: unit directions, the mode with the most variance first; a view.")
+      .def_property_readonly(
+          "variances",
+          [](const py::object& self) {
+            const auto& variances = self.cast<const Held&>().model->variances;
+            return read_only<double>({variances.size()}, variances.data(), self);
+          },
+          "t, mm²; a view.")
+      .def_property_readonly(
+          "scores",
+          [](const py::object& self) {
+            const auto& scores = self.cast<const Held&>().model->scores;
+            return read_only<double>({scores.cols(), scores.rows()}, scores.data(), self);
+          },
+          "M×t coefficients of the training shapes, mm; a view. Without rows where the file has none.")
+      .def_property_readonly(
+          "names", [](const Held& self) { return self.model->names; }, "Of the training shapes.")
+      .def_property_readonly(
+          "noise_variance", [](const Held& self) { return self.model->noise_variance; }, "mm².")
+      .def_property_readonly(
+          "triangles",
+          [](const py::object& self) -> py::object {
+            const auto& topology = self.cast<const Held&>().model->topology;
+            if (!topology) return py::none();
+            return read_only<std::int32_t>({topology->triangles().rows(), 3}, topology->triangles().data(), self);
+          },
+          "m×3, or None for a model of points alone.")
+      .def_property_readonly(
+          "structures",
+          [](const Held& self) {
+            py::list names;
+            for (const StructurePart& part : self.model->parts) names.append(part.name);
+            return names;
+          },
+          "Of a joint model the names of its structures.")
+      .def(
+          "__len__", [](const Held& self) { return self.model->modes(); }, "How many modes there are.")
+      .def(
+          "shape",
+          [](const Held& self, const py::object& z) {
+            const Eigen::VectorXd given = coefficients_from(*self.model, z);
+            return mesh_of(self, shape_of(*self.model, given.cwiseProduct(deviations_of(*self.model, given.size()))));
+          },
+          py::arg("coefficients"),
+          "The Mesh at these coefficients: one a mode, in standard deviations; later modes are 0.")
+      .def(
+          "mode",
+          [](const Held& self, Eigen::Index mode, double deviations) {
+            return mesh_of(self, mode_shape(*self.model, checked_mode(self, mode), deviations));
+          },
+          py::arg("mode"), py::arg("deviations"), "The mean with one mode (from 0) at so many standard deviations.")
+      .def(
+          "sample",
+          [](const Held& self, std::uint64_t seed) { return mesh_of(self, sampled_shape(*self.model, seed)); },
+          py::arg("seed"), "A random shape. The same seed gives the same shape on every machine.")
+      .def(
+          "coefficients",
+          [](const Held& self, const py::object& shape) {
+            const Eigen::VectorXd b = coefficients(*self.model, points_of_shape(self, shape));
+            const Eigen::VectorXd z = b.cwiseQuotient(deviations_of(*self.model, b.size()));
+            py::array_t<double> copy(z.size());
+            std::copy(z.begin(), z.end(), copy.mutable_data());
+            return copy;
+          },
+          py::arg("shape"),
+          "t coefficients, in standard deviations, of a shape (Mesh or n×3) that lies where the model's shapes lie.")
+      .def(
+          "score", &score_of, py::arg("shape"),
+          R"(How a shape (Mesh or n×3, mm) stands against the model, wherever it lies: a dict of distance (σ), residual_mm,
+percentile, size_mm, z_rms, modes (t, σ), and for each vertex z, z_low, z_high (n, σ) and aligned (n×3, mm).)")
+      .def(
+          "write",
+          [](const Held& self, const std::filesystem::path& path) {
+            value_of(write_model(*self.model, path, self.record));
+          },
+          py::arg("path"), "Writes .h5 or .h5.json, statismo's and scalismo's layout, whole or not at all.");
+  module.def("read_model", &read_held_model, py::arg("path"),
+             "Reads a model of Homolog, statismo or scalismo (.h5, .h5.json).");
+  module.def(
+      "loaded_model",
+      [](const std::filesystem::path& path) {
+        const auto read = read_held_model(path);
+        read->source.clear();
+        return read;
+      },
+      py::arg("path"), "read_model of a file that is removed afterwards.");
+  module.def(
+      "check_study", [](const std::filesystem::path& path) { warn(value_of(read_study(path)).warnings); },
+      py::arg("path"), "Errors: the file is no study. Files that are missing are warnings.");
+}
+
+}  // namespace homolog::python

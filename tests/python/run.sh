@@ -1,0 +1,18 @@
+#!/bin/bash
+# Installs the wheel into an environment of its own, without the network, and runs the tests of this folder in it:
+# run.sh WHEEL PROGRAM SOURCE_FOLDER. Exit status 77: skipped.
+set -u
+wheel=$1 program=$2 source=$3
+python=/usr/bin/python3
+for module in venv numpy pytest; do
+  $python -c "import $module" 2>/dev/null || { echo "SKIPPED: python3-$module is not installed"; exit 77; }
+done
+$python -c "import ensurepip" 2>/dev/null || { echo "SKIPPED: python3-venv is not installed"; exit 77; }
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+$python "$source/python/check_wheel.py" "$wheel" || exit 1
+$python -m venv --system-site-packages "$folder/venv" || exit 1
+"$folder/venv/bin/pip" install --quiet --disable-pip-version-check --no-index "$wheel" || exit 1
+cd "$folder" || exit 1
+export HOMOLOG_PROGRAM=$program HOMOLOG_SOURCE=$source HOMOLOG_DATA=${HOMOLOG_DATA:-$source/../shared/data}
+"$folder/venv/bin/python" -m pytest -q -rs -p no:cacheprovider "$source/tests/python"

@@ -1,0 +1,84 @@
+"""Cases: actions, undo, automatic steps, and the file that they leave."""
+
+import json
+
+import numpy
+import pytest
+from conftest import command_line
+
+import homolog
+from homolog import _core
+
+
+def test_every_action_of_the_list_is_a_method():
+    names = {"points": "set_points", "moved": "move_points", "tool": "stroke", "frame": "show_frame"}
+    for key, example, _ in _core.action_kinds():
+        assert example in getattr(homolog.Case, names.get(key, key)).__doc__ or key in ("undo", "redo")
+
+
+def test_strokes_are_on_the_disk_and_undo_takes_them_back(tmp_path):
+    file = tmp_path / "a.homolog"
+    with homolog.Case.create("built-in:kidney", "phantom:kidney:1", file) as case:
+        before = case.points()
+        at = before[0]
+        assert case.grab(at, at + [0, 0, 6], sigma_mm=15)["moved_mm"] == pytest.approx(6, abs=0.5)
+        after = case.points()
+        assert numpy.linalg.norm(after[0] - before[0]) == pytest.approx(6, abs=0.5)
+        assert case.strokes == 1 and case.can_undo and case.undo_names() != []
+        case.undo()
+        assert numpy.array_equal(case.points(), before) and case.can_redo
+        case.redo()
+        assert numpy.array_equal(case.points(), after)
+        case.note("done by a script")
+    assert json.loads(file.read_text().splitlines()[-1]) == {"note": "done by a script"}
+    again = homolog.Case.open(file, read_only=True)
+    assert numpy.array_equal(again.points(), after)
+    command_line("replay", file, "-o", tmp_path / "theirs.ply")
+    assert numpy.array_equal(homolog.read_mesh(tmp_path / "theirs.ply").points, after)
+
+
+def test_a_fit_and_a_snap_are_edits(kidney):
+    case = homolog.Case.create("built-in:kidney", kidney["image"])
+    truth = kidney["truth"][0]
+    start = homolog.compare(case.mesh(), other=truth)["dice"]
+    case.fit(kidney["labels"])
+    fitted = homolog.compare(case.mesh(), other=truth)["dice"]
+    assert start < 0.9 < 0.98 < fitted
+    case.snap(reach_mm=4)
+    assert homolog.compare(case.mesh(), other=truth)["dice"] > 0.97
+    case.undo()
+    case.undo()
+    assert homolog.compare(case.mesh(), other=truth)["dice"] == start
+
+
+def test_regions_stiffness_and_landmarks_are_set():
+    case = homolog.Case.create("built-in:kidney")
+    at = case.points()[10]
+    case.stiffness(at=at, radius_mm=10, value=50, soft=0)
+    assert case.mesh().stiffness[10] > 10 * case.mesh().stiffness.min()
+    case.confirm(at=at, radius_mm=5, hold=True)
+    held = case.points()[10].copy()
+    case.grab(case.points()[200], case.points()[200] + [0, 0, 3], sigma_mm=10)
+    assert numpy.array_equal(case.points()[10], held)
+    case.stiffness_base(5)
+    case.scheme("raw")
+    case.spacing(0.5)
+
+
+@pytest.mark.parametrize("action, sentence", [
+    ({"tool": "push"}, "action: \"push\" is not one of pull"), ({"no_such": 1}, "action: is of no known kind"),
+    ({}, "action: is of no known kind"),
+    ({"frame": 3}, "frame"), ({"stiffness_base": float("nan")}, ""),
+])
+def test_a_wrong_action_is_refused_and_changes_nothing(action, sentence):
+    case = homolog.Case.create("built-in:kidney")
+    before = case.points()
+    with pytest.raises(homolog.Error, match=sentence):
+        case.do(action)
+    assert numpy.array_equal(case.points(), before) and not case.can_undo
+
+
+def test_an_array_alone_cannot_be_named_by_a_case_file(kidney, tmp_path):
+    image = homolog.Volume(kidney["image"].array)
+    with pytest.raises(homolog.Error, match="image: is in memory alone"):
+        homolog.Case.create("built-in:kidney", image, tmp_path / "a.homolog")

@@ -1,0 +1,71 @@
+"""Sets, studies, tests, repairs and cines."""
+
+import numpy
+import pytest
+from conftest import command_line
+
+import homolog
+
+
+def test_groups_that_differ_in_size_are_found():
+    base = homolog.phantom("kidney", 0)["truth"][0]
+    rng = numpy.random.default_rng(1)
+    shapes, rows = {}, []
+    for k in range(12):
+        large = k % 2
+        noise = rng.normal(0, 0.3, base.points.shape)
+        shapes[f"case_{k}"] = base.with_points(base.points * [1, 1, 1 + 0.2 * large] + noise)
+        rows.append({"name": f"case_{k}", "group": "long" if large else "short"})
+    report = homolog.test(shapes, "shape ~ group", covariates=rows, permutations=199)
+    group = next(term for term in report["terms"] if term["name"] == "group")
+    assert group["p"] < 0.02 and group["r2"] > 0.5
+
+
+def test_a_model_scores_its_own_shapes_as_near_and_others_as_far(folder):
+    model = homolog.model([folder / f"fit-{k}.ply" for k in (1, 2, 3)])
+    mesh = homolog.read_mesh(folder / "fit-1.ply")
+    near, far = model.score(mesh), model.score(mesh.points * [1, 1, 1.5])
+    assert near["residual_mm"] < 0.2 < 1 < far["residual_mm"]
+    assert numpy.allclose(model.shape([0, 0]).points, model.mean)
+    assert numpy.allclose(model.coefficients(model.mode(0, 2)), [2, 0], atol=1e-4)
+    assert model.modes.shape == (len(model), len(mesh), 3)
+    assert numpy.allclose(model.mean + 2 * numpy.sqrt(model.variances[0]) * model.modes[0], model.mode(0, 2).points)
+
+
+def test_a_cohort_is_fitted_into_a_study(folder, tmp_path):
+    report = homolog.fit_all("built-in:kidney", [folder / f"kidney-{k}-labels.nii.gz" for k in (1, 2)], tmp_path / "fits")
+    assert report["fitted"] == 2 and report["failed"] == 0
+    study = homolog.read_study(report["study"])
+    assert [case["name"] for case in study.cases] == ["kidney-1-labels", "kidney-2-labels"]
+    assert homolog.model(study).report["shapes"] == 2
+
+
+def test_a_mesh_goes_through_a_cine():
+    heart = homolog.phantom("ventricle", 1)
+    report = homolog.propagate(heart["truth"][0], heart["image"], 0)
+    assert len(report["meshes"]) == heart["image"].frames == 20
+    for k in (5, 10):
+        assert homolog.compare(report["meshes"][k], other=heart["truth"][k])["assd_mm"] < 1.5
+    assert report["end_systolic_volume_ml"] < 0.8 * report["end_diastolic_volume_ml"]
+
+
+def test_a_template_is_made_of_an_array(kidney, tmp_path):
+    labels = homolog.LabelMap(kidney["labels"].array, affine=kidney["labels"].affine)
+    template = homolog.make_template(labels, tmp_path / "t.ply", vertices=800)
+    assert abs(len(template) - 800) < 100
+    assert homolog.compare(template, labels=labels)["dice"] > 0.97
+
+
+def test_the_built_in_set_says_its_structures():
+    assert "vertebrae_L3" in [one["name"] for one in homolog.read_set("built-in:spine")["structures"]]
+
+
+def test_real_kidneys_give_what_the_command_line_gives(data, tmp_path):
+    masks = sorted((data / "kidney_masks").rglob("*.nii.gz"))[:1]
+    if not masks:
+        pytest.skip("no kidney masks there")
+    label = homolog.read_label_map(masks[0]).labels[0]["value"]
+    theirs = command_line("fit", "built-in:kidney", "--mask", masks[0], "--label", label, "-o", tmp_path / "theirs.ply")
+    fit = homolog.fit("built-in:kidney", masks[0], label=label, output=tmp_path / "ours.ply")
+    assert (tmp_path / "ours.ply").read_bytes() == (tmp_path / "theirs.ply").read_bytes()
+    assert fit.report["dice_raw"] == theirs["dice_raw"]

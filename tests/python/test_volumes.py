@@ -1,0 +1,96 @@
+"""Volumes and label maps: arrays in and out, and what is refused."""
+
+import numpy
+import pytest
+
+import homolog
+
+
+def ball(shape=(20, 24, 28)):
+    i, j, k = numpy.indices(shape)
+    return ((i - 10) ** 2 + (j - 12) ** 2 + (k - 14) ** 2 < 64).astype(numpy.uint8)
+
+
+def test_an_array_is_a_view_of_what_was_read_and_cannot_be_written(folder):
+    labels = homolog.read_label_map(folder / "kidney-1-labels.nii.gz")
+    assert labels.array.shape == labels.shape
+    assert numpy.shares_memory(labels.array, labels.array)
+    with pytest.raises(ValueError):
+        labels.array[0, 0, 0] = 1
+    array = labels.array
+    del labels
+    assert array.max() == 1  # the view keeps its volume
+
+
+@pytest.mark.parametrize("dtype", ["bool", "uint8", "int8", "uint16", "int16", "uint32", "int32", "int64", ">i2", "float32", "float64"])
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_voxels_keep_their_values_and_places(dtype, order):
+    source = numpy.array(ball() * numpy.arange(28), dtype=dtype, order=order)
+    volume = homolog.Volume(source, spacing_mm=(1, 2, 3), origin_mm=(4, 5, 6))
+    assert numpy.array_equal(volume.array, source)
+    assert numpy.array_equal(volume.affine, [[1, 0, 0, 4], [0, 2, 0, 5], [0, 0, 3, 6], [0, 0, 0, 1]])
+
+
+def test_a_left_handed_grid_is_kept_as_it_is():
+    affine = numpy.array([[-2, 0, 0, 10], [0, 0, 3, -5], [0, 1.5, 0, 7], [0, 0, 0, 1.0]])
+    assert numpy.allclose(homolog.Volume(ball(), affine=affine).affine, affine, atol=1e-12)
+
+
+def test_a_file_gives_back_the_array_and_the_place(tmp_path):
+    volume = homolog.Volume(ball() * numpy.float32(0.25), spacing_mm=(0.7, 0.8, 2.5), origin_mm=(-31, 4, 500))
+    for ending in ("nii.gz", "nrrd", "mha"):
+        volume.write(tmp_path / f"a.{ending}")
+        again = homolog.read_volume(tmp_path / f"a.{ending}")
+        assert numpy.array_equal(again.array, volume.array)
+        assert numpy.allclose(again.affine, volume.affine, atol=1e-4)
+
+
+def test_a_cine_has_frames_as_its_last_axis():
+    cine = numpy.stack([ball() * k for k in range(1, 4)], axis=-1)
+    volume = homolog.Volume(cine, frame_seconds=0.04)
+    assert volume.shape == (20, 24, 28, 3) and volume.frames == 3
+    assert numpy.array_equal(volume.array, cine)
+
+
+def test_names_of_labels_are_kept(tmp_path):
+    labels = homolog.LabelMap(ball() * 3, names={3: "left kidney"}, spacing_mm=(2, 2, 2))
+    assert labels.labels == [{"value": 3, "name": "left kidney", "voxels": int(ball().sum()),
+                              "volume_ml": pytest.approx(ball().sum() * 8 / 1000), "layer": 0}]
+    labels.write(tmp_path / "a.seg.nrrd")
+    assert homolog.read_label_map(tmp_path / "a.seg.nrrd").names == {3: "left kidney"}
+
+
+@pytest.mark.parametrize("make, sentence", [
+    (lambda: homolog.Volume(ball()[0]), r"voxels: have the shape \(24, 28\); give three axes"),
+    (lambda: homolog.Volume(ball()[:0]), "voxels: are none"),
+    (lambda: homolog.Volume(ball().astype(complex)), "voxels: have the dtype complex128"),
+    (lambda: homolog.Volume(numpy.where(ball(), numpy.nan, 0)), r"voxels: at \[.*\] are no finite number"),
+    (lambda: homolog.LabelMap(ball().astype(float)), "labels are whole numbers"),
+    (lambda: homolog.LabelMap(ball().astype(numpy.int32) * -1), "have values from -1 to 0"),
+    (lambda: homolog.LabelMap(ball(), names={1: "a", 70000: "b"}), "names the label 70000"),
+    (lambda: homolog.Volume(ball(), spacing_mm=(1, 1)), r"spacing_mm: has the shape \(2,\)"),
+    (lambda: homolog.Volume(ball(), spacing_mm=(1, 0, 1)), "spacing_mm: is not above 0"),
+    (lambda: homolog.Volume(ball(), affine=numpy.eye(3)), "affine: is no 4×4 matrix"),
+    (lambda: homolog.Volume(ball(), affine=[[1, 0.2, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]), "sheared axes"),
+    (lambda: homolog.Volume(ball(), affine=numpy.eye(4), spacing_mm=(1, 1, 1)), "affine: says the grid already"),
+])
+def test_what_is_no_volume_is_refused_with_a_sentence(make, sentence):
+    with pytest.raises(homolog.Error, match=sentence):
+        make()
+
+
+def test_a_missing_file_is_refused_with_the_sentence_of_the_command_line(tmp_path):
+    from conftest import refusal_of_command_line
+
+    with pytest.raises(homolog.Error) as raised:
+        homolog.read_volume(tmp_path / "none.nii.gz")
+    assert str(raised.value) == refusal_of_command_line("info", tmp_path / "none.nii.gz")
+
+
+def test_an_image_of_nibabel_lies_where_its_file_lies(folder):
+    nibabel = pytest.importorskip("nibabel")
+    file = folder / "kidney-2-labels.nii.gz"
+    ours, theirs = homolog.read_label_map(file), homolog.from_nibabel(nibabel.load(file), labels=True)
+    assert numpy.array_equal(ours.array, theirs.array)
+    assert numpy.allclose(ours.affine, theirs.affine, atol=1e-5)
+    assert numpy.allclose(homolog.to_nibabel(ours).affine, nibabel.load(file).affine, atol=1e-5)

@@ -39,9 +39,9 @@ def _shown(draw):
     return _repr_png_
 
 
-Mesh._repr_png_ = _shown(lambda mesh: picture_of_meshes([mesh], size=(640, 480)))
-Model._repr_png_ = _shown(lambda model: picture_of_modes(model, modes=min(2, len(model)), size=(960, 640)))
-Case._repr_png_ = _shown(lambda case: picture_of_case(case, size=(960, 720)))
+setattr(Mesh, "_repr_png_", _shown(lambda mesh: picture_of_meshes([mesh], size=(640, 480))))
+setattr(Model, "_repr_png_", _shown(lambda model: picture_of_modes(model, modes=min(2, len(model)), size=(960, 640))))
+setattr(Case, "_repr_png_", _shown(lambda case: picture_of_case(case, size=(960, 720))))
 
 __all__ = [
     "Case", "Error", "Fit", "HomologWarning", "LabelMap", "Mesh", "Model", "Picture", "Study", "UsageError", "Volume",

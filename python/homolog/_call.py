@@ -22,7 +22,7 @@ class Call:
     def __init__(self, *verb: str):
         self.arguments: List[str] = list(verb)
         self.lent: List[Any] = []
-        self._folder = None
+        self._folder: Optional[tempfile.TemporaryDirectory] = None
         self._files = 0
 
     def __enter__(self):
@@ -42,7 +42,10 @@ class Call:
         return os.path.join(self.folder(), f"{self._files}{ending}")
 
     def name_of(self, value: Any, lend: Any = False) -> str:
-        """The name by which the verb gets a value. lend: the verb takes volumes that are in memory."""
+        """The name by which the verb gets a value.
+
+        lend: the verb takes volumes that are in memory; "labels": as label maps; "template": it takes built-in names.
+        """
         if isinstance(value, str):
             return value
         if hasattr(value, "__fspath__"):
@@ -53,11 +56,12 @@ class Call:
             value = value.mesh
         if isinstance(value, _core.Volume):
             if lend:
-                name = value.source or _name_of_array(value)
+                # As it was read, whatever became of the file; a record names the file while it is the same.
+                name = value._file or _name_of_array(value)
                 self.lent.append((name, value))
                 return name
-            if value.source:
-                return value.source
+            if value._file:
+                return value._file
             file = self.new_file(".seg.nrrd" if isinstance(value, _core.LabelMap) else ".nrrd")
             value.write(file)
             return file
@@ -65,13 +69,14 @@ class Call:
             if not value.source:
                 raise _core.Error("case: is in memory alone; save it by save_as first")
             return value.source
-        for kind, ending in ((_core.Mesh, ".ply"), (_core.Model, ".h5")):
-            if isinstance(value, kind):
-                if value.source:
-                    return value.source
-                file = self.new_file(ending)
-                value.write(file)
-                return file
+        if isinstance(value, (_core.Mesh, _core.Model)):
+            if value._file:
+                return value._file
+            if lend == "template" and isinstance(value, _core.Mesh) and value._built_in:
+                return value._built_in
+            file = self.new_file(".ply" if isinstance(value, _core.Mesh) else ".h5")
+            value.write(file)
+            return file
         if isinstance(value, Study):
             return value.source
         raise _core.Error(f"{type(value).__name__}: is nothing that can be given here; give a file or an object of homolog")
@@ -136,9 +141,9 @@ class Call:
 
 def _name_of_array(volume: _core.Volume) -> str:
     """The same name for the same voxels at the same place, since files say what they were made of."""
-    digest = hashlib.blake2b(volume.array.ravel(order="F").view(numpy.uint8), digest_size=6)
+    digest = hashlib.blake2b(volume.array.ravel(order="F").data, digest_size=6)
     digest.update(repr((volume.shape, volume.origin_mm, volume.spacing_mm, volume.direction.tolist())).encode())
-    return f"array-{digest.hexdigest()}"
+    return f"array-{digest.hexdigest()}.nrrd"
 
 
 def text_of(value: Any) -> str:

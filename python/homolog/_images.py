@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Optional
+from typing import Any, Optional
 
 import numpy
 
@@ -47,6 +47,6 @@ def from_nibabel(image: Any, *, labels: bool = False, names: Optional[dict] = No
 
 def to_nibabel(volume: _core.Volume) -> Any:
     """An image of nibabel with the same voxels and place. Needs nibabel."""
-    import nibabel
+    import nibabel  # type: ignore[import]
 
     return nibabel.Nifti1Image(numpy.array(volume.array), volume.affine_ras)

@@ -48,7 +48,7 @@ def fit(template: Any, labels: Any = None, *, label: Any = None, mesh: Any = Non
     model: a Model or a file.
     """
     with Call("fit") as call:
-        call.add(template)
+        call.add(template, lend="template")
         call.option("mask", labels, lend="labels").option("mesh", mesh).option("image", image, lend=True)
         if isinstance(landmarks, dict):
             file = call.new_file(".mrk.json")
@@ -56,8 +56,8 @@ def fit(template: Any, labels: Any = None, *, label: Any = None, mesh: Any = Non
             landmarks = file
         if isinstance(placement, dict):
             file = call.new_file(".json")
-            with open(file, "w", encoding="utf-8") as out:
-                json.dump(placement, out)
+            with open(file, "w", encoding="utf-8") as text:
+                json.dump(placement, text)
             placement = file
         out = os.fspath(output) if output is not None else call.new_file(".ply")
         call.options(label=label, level=level, closing_mm=closing_mm, parts=parts, placement=placement,
@@ -76,7 +76,7 @@ def fit_all(template: Any, labels: Any = None, output: PathOrText = "", *, mesh:
     It gets for each case its mesh and a case, and a study of all. options: those of ``homolog fit``. Gives its report.
     """
     with Call("fit") as call:
-        call.add(template)
+        call.add(template, lend="template")
         for name, values in (("--mask", labels), ("--mesh", mesh)):
             if values is not None:
                 call.arguments.append(name)
@@ -93,7 +93,7 @@ def snap(mesh: Any, image: Any = None, *, output: Optional[PathOrText] = None, a
     """Draws a mesh to the boundary that an image shows; see docs/assistance.md. at: LPS mm, only the part around it."""
     with Call("snap") as call:
         out = os.fspath(output) if output is not None else call.new_file(".ply")
-        call.add(mesh).option("image", image, lend=True)
+        call.add(mesh, lend="template").option("image", image, lend=True)
         call.options(at=at, sigma_mm=sigma_mm, frame=frame, reach_mm=reach_mm, strength=strength, polarity=polarity)
         call.arguments += ["-o", out]
         report = call.run(progress, jobs)
@@ -110,7 +110,7 @@ def propagate(mesh: Any, image: Any, frame: int, *, output: Optional[PathOrText]
     """
     with Call("propagate") as call:
         out = os.fspath(output) if output is not None else call.folder()
-        call.add(mesh).option("image", image, lend=True).options(frame=frame, reach_mm=reach_mm)
+        call.add(mesh, lend="template").option("image", image, lend=True).options(frame=frame, reach_mm=reach_mm)
         call.arguments += ["-o", out]
         report = call.run(progress, jobs)
         report["meshes"] = [_mesh_written(one["mesh"], output is not None) for one in report["frames"]]

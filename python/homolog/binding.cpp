@@ -1,5 +1,6 @@
 #include "python/homolog/binding.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -97,6 +98,19 @@ void check_finite(const double* values, std::size_t count, std::size_t columns, 
 
 }  // namespace
 
+FileStamp::FileStamp(const std::filesystem::path& file) : file_(file) {
+  std::error_code error;
+  written_ = std::filesystem::last_write_time(file, error);
+  if (error) file_.clear();
+  bytes_ = std::filesystem::file_size(file, error);  // of a folder it is none, the same each time
+}
+
+bool FileStamp::holds() const {
+  std::error_code error;
+  if (file_.empty() || std::filesystem::last_write_time(file_, error) != written_ || error) return false;
+  return std::filesystem::file_size(file_, error) == bytes_;
+}
+
 py::object to_python(const Json& json) {
   switch (json.type()) {
     case Json::value_t::object: {
@@ -161,11 +175,13 @@ void do_watched(const Watched& watched, const std::function<void(Progress&)>& wo
   constexpr std::chrono::milliseconds look_every{100};
   Progress progress;
   std::optional<py::error_already_set> raised;
+  double farthest = 0;  // a work that has to begin anew stands still for a while
   const auto look = [&] {
     const py::gil_scoped_acquire locked;
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (!watched.progress.is_none()) watched.progress(progress.fraction(), case_in_work());
+      farthest = std::max(farthest, std::min(progress.fraction(), 1.0));
+      if (!watched.progress.is_none()) watched.progress(farthest, case_in_work());
     } catch (py::error_already_set& error) {
       raised.emplace(std::move(error));
       progress.cancel();

@@ -5,6 +5,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -75,17 +77,34 @@ T watched_value(const Watched& watched, const std::function<Result<T>(Progress&)
   return value_of(std::move(*result));
 }
 
+/// What a file was like when it was read: whoever holds what it held then takes the file for it no longer once it
+/// differs.
+class FileStamp {
+ public:
+  FileStamp() = default;
+  explicit FileStamp(const std::filesystem::path& file);
+  /// Whether the file is there and as it was; never of no file.
+  bool holds() const;
+
+ private:
+  std::filesystem::path file_;
+  std::filesystem::file_time_type written_{};
+  std::uintmax_t bytes_ = 0;
+};
+
 /// A mesh that Python holds. It is never changed: its arrays are views of what it holds.
 struct HeldMesh {
   std::shared_ptr<const MeshFile> file;
   std::string source{};  ///< the file it was read from, or a built-in name; empty: it was made here
   std::string record{};  ///< how it was made [app/verbs/record.h]; empty: nobody knows
+  FileStamp stamp{};     ///< of `source`
 };
 
 /// A volume that Python holds, likewise.
 struct HeldVolume {
   std::shared_ptr<const VolumeRead> read;
   std::string source{};
+  FileStamp stamp{};
 };
 /// One that is a label map.
 struct HeldLabels : HeldVolume {};

@@ -66,9 +66,13 @@ std::shared_ptr<HeldCase> create_held(const py::object& the_template, const py::
     const auto& given = image.cast<const HeldVolume&>();
     source = given.source;
     volume = std::shared_ptr<const Volume>(given.read, &given.read->volume);
+  } else if (py::hasattr(image, "dataobj")) {
+    refuse("image", "is one of nibabel; give homolog.from_nibabel(image)");
   } else if (!image.is_none()) {
     source = py::str(image);
-    volume = std::make_shared<const Volume>(value_of(load_volume(source)).volume);
+    auto read = value_of(load_volume(source));
+    warn(read.warnings);
+    volume = std::make_shared<const Volume>(std::move(read.volume));
   }
   if (path.is_none()) return held(EditSession(new_document(source, volume, reference, place)), {}, {});
   if (reference->source.empty())
@@ -158,16 +162,27 @@ Edit computed(HeldCase& self, const py::object& progress, const std::function<Re
   return watched_value<Edit>({progress, {}}, work);
 }
 
-py::dict fit_into(HeldCase& self, const HeldLabels& labels, const std::string& label, const std::string& of,
+/// A label map as it is given: one that is held, an image of nibabel, or a file.
+std::shared_ptr<HeldLabels> labels_from(const py::object& value) {
+  if (py::isinstance<HeldLabels>(value)) return value.cast<std::shared_ptr<HeldLabels>>();
+  const py::module_ images = py::module_::import("homolog._images");
+  const bool nibabel = images.attr("is_nibabel")(value).cast<bool>();
+  const py::object read =
+      nibabel ? images.attr("from_nibabel")(value, py::arg("labels") = true) : images.attr("read_label_map")(value);
+  return read.cast<std::shared_ptr<HeldLabels>>();
+}
+
+py::dict fit_into(HeldCase& self, const py::object& given, const std::string& label, const std::string& of,
                   const std::optional<double>& closing_mm, const std::optional<int>& frame, bool as_placed,
                   const py::object& progress) {
   const ShapeView view = shown(self, of);
+  const auto labels = labels_from(given);
   auto edit = computed<FitEdit>(self, progress, [&](Progress& own) -> Result<FitEdit> {
-    auto mask = chosen_mask(*labels.read, labels.source.empty() ? "labels" : labels.source, label, {frame, {}, {}});
+    auto mask = chosen_mask(*labels->read, labels->source.empty() ? "labels" : labels->source, label, {frame, {}, {}});
     if (!mask) return fail(mask.error());
     const auto boundary = label_boundary(mask->volume, mask->label, mask->frame, closing_mm, view.shape.points->rows(),
                                          parts_for(*view.the_template().topology));
-    if (!boundary) return fail("labels", boundary.error().what);
+    if (!boundary) return fail(labels->source.empty() ? "labels" : labels->source, boundary.error().what);
     FitOptions options;
     options.progress = &own;
     return fit_shape(view, *boundary, as_placed, options);

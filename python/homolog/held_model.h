@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/model/shape_model.h"
+#include "python/homolog/binding.h"
 
 namespace homolog::python {
 
@@ -12,6 +13,7 @@ struct HeldModel {
   std::shared_ptr<const ShapeModel> model;
   std::string source{};  ///< the file it was read from; empty: it was made here
   std::string record{};  ///< how it was made; empty: nobody knows
+  FileStamp stamp{};     ///< of `source`
 };
 
 }  // namespace homolog::python

@@ -85,16 +85,20 @@ py::object scalars_view(const std::optional<VertexScalars>& values, const py::ob
 
 std::shared_ptr<HeldMesh> read_held_mesh(const std::string& source) {
   if (!names_file(source)) return held(to_mesh_file(*value_of(load_template(source))), source);
+  const FileStamp stamp(source);
   auto file = value_of(read_mesh_file(source));
   warn(file.warnings);
   const auto record = value_of(read_record(source));
-  return held(std::move(file), source, record.value_or(""));
+  const auto mesh = held(std::move(file), source, record.value_or(""));
+  mesh->stamp = stamp;
+  return mesh;
 }
 
 /// Of a file that will not stay.
 std::shared_ptr<HeldMesh> loaded(const std::string& file) {
   const auto mesh = read_held_mesh(file);
   mesh->source.clear();
+  mesh->stamp = {};
   return mesh;
 }
 
@@ -168,6 +172,14 @@ Errors: shape, dtype, numbers that are not finite, numbers of no vertex.)")
       .def_property_readonly(
           "source", [](const Held& self) { return self.source; },
           "The file it was read from, or a built-in name; empty where it was made here.")
+      .def_property_readonly("_file", [](const Held& self) { return self.stamp.holds() ? self.source : std::string(); })
+      .def_property_readonly("_built_in",
+                             [](const Held& self) { return names_file(self.source) ? std::string() : self.source; })
+      .def("__repr__",
+           [](const Held& self) {
+             return "<homolog.Mesh of " + std::to_string(self.file->points.rows()) + " vertices and " +
+                    std::to_string(self.file->triangles.rows()) + " faces>";
+           })
       .def_property_readonly(
           "points",
           [](const py::object& self) {

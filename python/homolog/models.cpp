@@ -75,10 +75,11 @@ py::dict score_of(const HeldModel& self, const py::object& shape) {
 }
 
 std::shared_ptr<HeldModel> read_held_model(const std::filesystem::path& path) {
+  const FileStamp stamp(path);
   auto model = value_of(read_model(path));
   const auto record = value_of(read_model_record(path));
   return std::make_shared<HeldModel>(
-      HeldModel{std::make_shared<const ShapeModel>(std::move(model)), path.string(), record.value_or("")});
+      HeldModel{std::make_shared<const ShapeModel>(std::move(model)), path.string(), record.value_or(""), stamp});
 }
 
 }  // namespace
@@ -92,6 +93,12 @@ void add_models(py::module_& module) {
       .def_property_readonly(
           "source", [](const Held& self) { return self.source; },
           "The file it was read from; empty where it was made here.")
+      .def_property_readonly("_file", [](const Held& self) { return self.stamp.holds() ? self.source : std::string(); })
+      .def("__repr__",
+           [](const Held& self) {
+             return "<homolog.Model of " + std::to_string(self.model->modes()) + " modes and " +
+                    std::to_string(self.model->mean.size() / 3) + " vertices>";
+           })
       .def_property_readonly(
           "mean",
           [](const py::object& self) {
@@ -188,6 +195,7 @@ percentile, size_mm, z_rms, modes (t, σ), and for each vertex z, z_low, z_high 
       [](const std::filesystem::path& path) {
         const auto read = read_held_model(path);
         read->source.clear();
+        read->stamp = {};
         return read;
       },
       py::arg("path"), "read_model of a file that is removed afterwards.");

@@ -210,6 +210,13 @@ void add_members(py::class_<HeldVolume, std::shared_ptr<HeldVolume>>& type) {
             return v.frames > 1 ? py::tuple(shape + py::make_tuple(v.frames)) : shape;
           },
           "Voxels along i, j and k; of a cine also the frames.")
+      .def_property_readonly("_file", [](const Held& self) { return self.stamp.holds() ? self.source : std::string(); })
+      .def("__repr__",
+           [](const py::object& self) {
+             return py::str("<homolog.{} {} {} of {} mm>")
+                 .format(self.attr("__class__").attr("__name__"), self.attr("shape"),
+                         voxel_type_name(self.cast<const Held&>().read->volume.data), self.attr("spacing_mm"));
+           })
       .def_property_readonly(
           "frames", [](const Held& self) { return self.read->volume.frames; },
           "How many frames there are; 1 where it is no cine.")
@@ -259,12 +266,14 @@ std::shared_ptr<Held> read_held(const std::filesystem::path& path, const std::st
   VolumeReadOptions options;
   options.series_uid = series;
   if (!spacing_mm.is_none()) options.stack_spacing_mm = vector_from(spacing_mm, "spacing_mm");
+  const FileStamp stamp(path);
   auto read = watched_value<VolumeRead>({progress, {}}, [&](Progress& own) {
     options.progress = &own;
     return labels ? read_labels(path, options) : read_volume(path, options);
   });
   auto held = std::make_shared<Held>();
   held->source = path.string();
+  held->stamp = stamp;
   held->read = std::make_shared<const VolumeRead>(std::move(read));
   warn(held->read->warnings);
   return held;

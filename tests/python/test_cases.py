@@ -51,6 +51,15 @@ def test_a_fit_and_a_snap_are_edits(kidney):
     assert homolog.compare(case.mesh(), other=truth)["dice"] == start
 
 
+def test_a_label_map_is_taken_as_a_file_too(folder):
+    case = homolog.Case.create("built-in:kidney", "phantom:kidney:1")
+    case.fit(folder / "kidney-1-labels.nii.gz")
+    apart = numpy.abs(case.points() - homolog.read_mesh(folder / "fit-1.ply").points).max()
+    assert apart < 0.01  # a case keeps points in steps of 15 nm; the verb may close the label otherwise
+    with pytest.raises(homolog.Error, match="kidney-1-labels.nii.gz: label 9 does not occur"):
+        case.fit(folder / "kidney-1-labels.nii.gz", label="9")
+
+
 def test_regions_stiffness_and_landmarks_are_set():
     case = homolog.Case.create("built-in:kidney")
     at = case.points()[10]

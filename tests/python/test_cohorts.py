@@ -56,6 +56,33 @@ def test_a_template_is_made_of_an_array(kidney, tmp_path):
     assert homolog.compare(template, labels=labels)["dice"] > 0.97
 
 
+def test_a_label_map_in_memory_is_scored(kidney, folder):
+    model = homolog.model([folder / f"fit-{k}.ply" for k in (1, 2, 3)])
+    subject = homolog.score(kidney["labels"], model)["subjects"][0]
+    assert subject["distance"] < 3 and len(subject["modes"]) == len(model)
+
+
+def test_a_map_is_repaired_in_memory_as_on_the_command_line(tmp_path):
+    command_line("phantom", "spine", "--subject", 4, "-o", tmp_path)
+    labels = homolog.read_label_map(tmp_path / "spine-4-labels.nii.gz")
+    two = [one["name"] for one in labels.labels[:2]]
+    made = homolog.make_set(labels, tmp_path / "two.set.json", labels=two)
+    assert [one["name"] for one in made["structures"]] == two
+    damaged = labels.array.copy()
+    damaged[damaged > 2] = 0
+    damaged[1:4, 1:4, 1:4] = 1  # an island
+    island = homolog.LabelMap(damaged, affine=labels.affine, names=labels.names)
+    report = homolog.repair(island, tmp_path / "two.set.json", tmp_path / "mended")
+    first = report["cases"][0]["structures"][0]
+    assert "island" in [defect["kind"] for defect in first["defects"]] and first["changed_voxels"] >= 27
+    mended = homolog.read_label_map(report["cases"][0]["file"])
+    assert mended.array[1:4, 1:4, 1:4].max() == 0 and mended.names[1] == two[0]
+    damaged_file = tmp_path / "damaged.seg.nrrd"
+    island.write(damaged_file)
+    theirs = command_line("repair", damaged_file, "--templates", tmp_path / "two.set.json", "-o", tmp_path / "theirs")
+    assert theirs["cases"][0]["structures"] == report["cases"][0]["structures"]
+
+
 def test_the_built_in_set_says_its_structures():
     assert "vertebrae_L3" in [one["name"] for one in homolog.read_set("built-in:spine")["structures"]]
 

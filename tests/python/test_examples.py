@@ -16,5 +16,12 @@ def test_an_example_runs(script, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+def test_the_page_shows_the_script():
+    page = (scripts[0].parents[2] / "python.md").read_text()
+    script = next(one for one in scripts if one.stem == "labels_to_model").read_text()
+    code = script.split('"""')[-1].strip()  # what stands behind its first words
+    assert f"```python\n{code}\n```" in page
+
+
 def test_there_are_four():
     assert len(scripts) == 4

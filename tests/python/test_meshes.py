@@ -55,3 +55,12 @@ def test_landmarks_go_to_a_file_and_back(tmp_path):
     landmarks = {"hilum": (1.0, 2.0, 3.5), "pole": (-4.0, 0.25, 9.0)}
     homolog.write_landmarks(landmarks, tmp_path / "a.mrk.json")
     assert homolog.read_landmarks(tmp_path / "a.mrk.json") == landmarks
+
+
+def test_a_mesh_stays_what_was_read_when_its_file_changes(tmp_path):
+    truth = homolog.phantom("kidney", 1)["truth"][0]
+    truth.write(tmp_path / "a.ply")
+    mesh = homolog.read_mesh(tmp_path / "a.ply")
+    truth.with_points(truth.points * 2).write(tmp_path / "a.ply")
+    assert homolog.measure(mesh)["cases"][0]["volume_ml"] == homolog.measure(truth)["cases"][0]["volume_ml"]
+    assert homolog.measure(homolog.load_template("built-in:kidney"))["cases"][0]["volume_ml"] > 50

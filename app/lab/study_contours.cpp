@@ -85,7 +85,7 @@ std::vector<DrawnContour> outlines_of_strokes(const Volume& strokes, int value) 
   std::vector<DrawnContour> contours;
   for (int slice = 0; slice < dims[axis]; ++slice) {
     if (voxels_of[axis][static_cast<std::size_t>(slice)] == 0) continue;
-    // What cannot be reached from outside.
+    // Inside is what cannot be reached from outside.
     const int nu = dims[u] + 2, nv = dims[v] + 2;
     std::vector<std::uint8_t> inside(static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv), 1);
     std::vector<std::array<int, 2>> stack{{0, 0}};

@@ -304,13 +304,13 @@ Result<std::vector<Picture>> montage_frames(const std::vector<MontageCell>& fram
                      plan.mm_per_px(),
                      plan.strip_px,
                      plan.text_px};
-    if (!options.captions) {
+    if (options.captions) {
+      auto picture = page_as_picture(captioned(std::move(made), plan.options));
+      if (!picture) return fail(picture.error());
+      pictures.push_back(std::move(*picture));
+    } else {
       pictures.push_back(std::move(made.picture));
-      continue;
     }
-    auto picture = page_as_picture(captioned(std::move(made), plan.options));
-    if (!picture) return fail(picture.error());
-    pictures.push_back(std::move(*picture));
     progress.report(static_cast<double>(pictures.size()) / static_cast<double>(frames.size()));
   }
   return pictures;

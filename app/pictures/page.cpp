@@ -38,12 +38,16 @@ std::string svg_colour(const Rgb& colour) {
 /// Text inside of an element. What no XML may hold becomes a blank.
 std::string as_xml(const std::string& text) {
   std::string xml;
-  for (const char c : text)
-    xml += c == '&'                               ? "&amp;"
-           : c == '<'                             ? "&lt;"
-           : c == '>'                             ? "&gt;"
-           : static_cast<unsigned char>(c) < 0x20 ? " "
-                                                  : std::string(1, c);
+  const bool is_whole = is_utf8(text);
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    xml += c == '&'                    ? "&amp;"
+           : c == '<'                  ? "&lt;"
+           : c == '>'                  ? "&gt;"
+           : code < 0x20               ? " "
+           : !is_whole && code >= 0x80 ? "\xEF\xBF\xBD"  // the replacement character
+                                       : std::string(1, c);
+  }
   return xml;
 }
 

@@ -54,7 +54,7 @@ Result<Page> plate(const std::vector<MontageCell>& cells, int columns, const Col
 }
 
 double spread_of(const ShapeModel& model, Eigen::Index mode) {
-  return std::sqrt(model.variances[mode]);
+  return model.variances[mode] > 0 ? std::sqrt(model.variances[mode]) : 1;
 }
 
 /// The subject's coordinates, those of the training shapes behind them.
@@ -123,7 +123,7 @@ Result<Page> groups_page(const std::vector<GroupMean>& groups, const std::shared
 Result<Page> score_page(const ShapeModel& model, const ShapeScore& score, const std::string& name,
                         const std::vector<double>& range, const MontageOptions& options) {
   if (!model.topology) return fail("", "is a model of points without faces, which cannot be drawn");
-  if (model.scores.cols() == 0)
+  if (model.scores.cols() == 0 || model.modes() == 0)
     return fail("",
                 "has no coordinates of its training shapes, so a subject cannot be shown among them; make it anew "
                 "with model");
@@ -138,7 +138,7 @@ Result<Page> score_page(const ShapeModel& model, const ShapeScore& score, const 
 }
 
 Result<Page> model_plots(const ShapeModel& model, double width_mm) {
-  if (model.scores.cols() == 0)
+  if (model.scores.cols() == 0 || model.modes() == 0)
     return fail("", "has no coordinates of its training shapes, so these cannot be plotted; make it anew with model");
   const bool narrow = width_mm < narrow_mm;
   Page page;
@@ -193,6 +193,7 @@ Result<Page> measure_plots(const TextTable& table, double width_mm) {
     }
     return values;
   };
+  if (table.rows.empty()) return fail("", "holds no rows; give a table that evaluate --csv wrote");
   for (std::size_t k = 0; k < measures.size(); ++k) {
     const auto values = numbers(measures[k].column), errors = numbers(std::string(measures[k].column) + "_se");
     if (!values) return fail(values.error());

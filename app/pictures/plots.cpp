@@ -75,7 +75,7 @@ Plot::Plot(Page& page, const PageBox& box, const PlotAxis& x, const PlotAxis& y)
 
 Eigen::Vector2d Plot::at(double x, double y) const {
   const auto share = [](double value, const PlotAxis& axis) {
-    return std::clamp((value - axis.low) / (axis.high - axis.low), 0.0, 1.0);
+    return axis.high > axis.low ? std::clamp((value - axis.low) / (axis.high - axis.low), 0.0, 1.0) : 0;
   };
   return {area_.x + share(x, x_) * area_.width, area_.y + (1 - share(y, y_)) * area_.height};
 }

@@ -254,6 +254,8 @@ void check_effect(const FitJob& options, const CLI::App& verb) {
     for (const char* name : {"--partial", "--model", "--by-others", "--parts"})
       refuse_without_effect(verb, name, "a fit without --contours");
     if (options.masks.empty() && !image) refuse_without_effect(verb, "--frame", "images and label maps");
+    if (options.masks.empty())
+      for (const char* name : {"--label", "--closing-mm"}) refuse_without_effect(verb, name, "label maps");
     if (!image)
       for (const char* name : {"--reach-mm", "--strength", "--polarity", "--done"})
         refuse_without_effect(verb, name, "an --image");

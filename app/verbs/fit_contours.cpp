@@ -9,6 +9,7 @@
 #include "core/base/listed.h"
 #include "core/base/text.h"
 #include "core/case/action_json.h"
+#include "core/deform/fold_guard.h"
 #include "core/mesh/curve_io.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/placement/similarity_fit.h"
@@ -63,6 +64,10 @@ Result<DrawnOrgan> read_organ(const FitJob& options, const fs::path& scan_path, 
       return fail(path.string(), "has no contours in its structure " + std::to_string((*roi)->number) + " (" +
                                      excerpt((*roi)->name) + "); draw it, or name another by --structure");
     organ.structures.push_back((*roi)->name);
+    // Doubts about the structures that are not meant are left out.
+    const auto of_all = doubts_about(path, read->rois);
+    for (const std::string& warning : read->warnings)
+      if (std::find(of_all.begin(), of_all.end(), warning) == of_all.end()) organ.warnings.push_back(warning);
     for (const std::string& doubt : doubts_about(path, {**roi})) organ.warnings.push_back(doubt);
     for (const Contour& curve : (*roi)->contours)
       organ.contours.push_back({.curve = curve, .off_mm = options.off_mm, .outside = options.outside});
@@ -89,6 +94,8 @@ Result<void> snap_between(const FitJob& options, const Volume& image, const Temp
   if (!snapped) return fail(options.image.string(), snapped.error().what);
   fit.mesh.points = snapped->points;
   fit.unseen = snapped->unseen;
+  fit.turned_triangles =
+      turned_triangles(*the_template.topology, fit.placement.apply(the_template.points), fit.mesh.points).size();
   report = snap_report(*snapped, fit.mesh, start.placed, options.image);
   return {};
 }

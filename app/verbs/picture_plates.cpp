@@ -53,6 +53,7 @@ Result<VertexScalars> values_in(const TextTable& table, const PlateVerb& verb, E
   for (const auto& [at, name] : {std::pair(vertex, std::string("vertex")), std::pair(value, verb.property)})
     if (at == table.columns.size())
       return fail(file, "has no column " + name + "; it has " + listed(table.columns, ", "));
+  if (!verb.term.empty() && term == table.columns.size()) return fail(file, "has no column term; leave out --term");
   std::set<std::string> terms;
   VertexScalars values = VertexScalars::Constant(vertices, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
@@ -238,7 +239,7 @@ void add_plate_options(CLI::App& verb, PictureVerb& options) {
 /// What the callbacks check; a plate is always for print.
 void check_plate(PlateVerb& plate) {
   if (plate.picture->width_mm == 0) plate.picture->width_mm = usual_page_mm;
-  if (!plate.range.empty() && plate.range[0] >= plate.range[1])
+  if (!plate.range.empty() && !(plate.range[0] < plate.range[1] && std::isfinite(plate.range[1] - plate.range[0])))
     throw CLI::ValidationError("--range", "needs LOW,HIGH with the lower number first");
 }
 

@@ -70,7 +70,7 @@ class Mending {
   }
   const std::string& name(std::size_t k) const { return set_.set.structures[k].name; }
 
-  /// Of a set of voxels, the share that has a structure's label outside of the shape that is expected of it.
+  /// Gives the share of a set of voxels that has a structure's label outside of the shape that is expected of it.
   double share_beyond(std::size_t k, const Neighbourhood& there, const std::vector<std::uint8_t>& of) const;
   /// Names what has been filled in, where the map gives names.
   void name_new();

@@ -30,7 +30,7 @@ class ClosestPoints {
   /// Both outlive this. `partial`: either surface may lack what the other has, so no distance counts for more than a
   /// missing place does, and those that are missing in the boundary count less.
   ClosestPoints(const Template& the_template, const Boundary& boundary, bool partial = false);
-  /// Of an organ of which only some places on its surface are known (k×3, LPS mm): how far they lie from the template.
+  /// Only some places on the organ's surface are known (k×3, LPS mm). It weighs how far they lie from the template.
   ClosestPoints(const Template& the_template, const Points& places);
 
   /// The likeliest placement near `start`, by Gauss-Newton steps until one is shorter than `rest` times the organ's

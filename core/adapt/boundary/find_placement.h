@@ -24,7 +24,7 @@ struct PlacementHints {
   std::optional<Similarity> start;  ///< near which to look, instead of the patient's axes; turned by at most 60°
   bool partial = false;             ///< the boundary may lack parts of the organ, or have what is not the organ's
   bool cut_template = false;        ///< the template lacks parts of the organ; it counts as partial
-  /// Of the start's scale, as a standard deviation of its logarithm.
+  /// How far the start's scale may be off: a standard deviation of its logarithm.
   double size_deviation = PlacementPrior{}.size_deviation;
 };
 

@@ -111,10 +111,12 @@ class ContourFitting {
     return std::move(shape.mesh);
   }
 
-  /// The less the curves say of a vertex, the more the other target counts there.
+  /// The less the curves say of a vertex, the more the other target counts there; where they say much, it is silent.
   static void add_where_free(const TargetPull& other, TargetPull& pull) {
+    const double much = 0.25 * pull.weights.maxCoeff();
     for (Eigen::Index i = 0; i < pull.weights.size(); ++i) {
-      const double own = pull.weights[i], free = (1 - own) * other.weights[i];
+      const double own = pull.weights[i], said = much > 0 ? std::min(1.0, own / much) : 0;
+      const double free = (1 - said) * other.weights[i];
       if (!(own + free > 0)) continue;
       pull.targets.row(i) = (own * pull.targets.row(i) + free * other.targets.row(i)) / (own + free);
       pull.weights[i] = own + free;

@@ -11,7 +11,7 @@ namespace homolog {
 namespace {
 
 constexpr double facing_alike = -0.5;  ///< cosine between directions of places that may belong together
-/// Of the curves' diagonal: such a distance counts as much as a right angle between directions.
+/// A distance of this share of the curves' diagonal counts as much as a right angle between directions.
 constexpr double turned_share = 0.05;
 constexpr double little = 0.05;  ///< what a curve that lies outside pulls to where the boundary is likeliest
 

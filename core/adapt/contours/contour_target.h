@@ -32,7 +32,7 @@ class ContourTarget : public Target {
   explicit ContourTarget(ContourSamples contours);
 
   TargetPull pull(const Mesh& mesh, double share) override;
-  /// Of the vertices that a curve pulls at: where to.
+  /// Gives where a curve pulls vertices to.
   TargetPull nearest(const Mesh& mesh) override { return pull(mesh, 1); }
   double size_mm() const override { return contours_.diagonal_mm(); }
 

@@ -15,7 +15,7 @@ namespace {
 /// the organ.
 constexpr double outlying = 4;
 constexpr int warp_rounds = 10;
-/// Of the diagonal: how far the boundary may be off at first, and in the end.
+/// The boundary may be off by these shares of the diagonal, at first and in the end.
 constexpr double first_noise = 0.02, last_noise = 0.004;
 
 /// How an organ differs from its template under a similarity, as shares of its diagonal: the covariance of each

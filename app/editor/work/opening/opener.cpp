@@ -34,7 +34,10 @@ bool is_label_map_on(const Volume& volume, const Volume& image) {
 
 /// Whether an image that is opened by itself is a label map, to which templates can be fitted.
 bool is_label_map_alone(const VolumeRead& read, const OpenRequest& request) {
-  if (!request.labels.empty() || is_built_in(request.volume_source)) return false;
+  // A label map is read once more, by its name alone.
+  const VolumeReadOptions& how = request.volume_options;
+  if (!request.labels.empty() || !names_file(request.volume_source) || how.stack_spacing_mm || !how.series_uid.empty())
+    return false;
   return std::ranges::any_of(read.segmentation.segments, [](const Segment& one) { return !one.name.empty(); }) ||
          label_likeness(read.volume) == LabelLikeness::few_small_values;
 }

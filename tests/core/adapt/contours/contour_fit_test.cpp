@@ -106,7 +106,7 @@ TEST_CASE("contours correct a label where both say something") {
   const auto fit = fit_to_contours_and_boundary(*ball_template(20), contours, mesh_boundary(organ));
   REQUIRE(fit);
   // The label alone would be off by 2 mm there.
-  CHECK(contour_distance(contours, fit->mesh).mean_mm < 0.8);
+  CHECK(contour_distance(contours, fit->mesh).mean_mm < 0.4);
   // Half of the organ's height away from the contour, the label counts.
   double top = 0;
   for (Eigen::Index i = 0; i < fit->mesh.points.rows(); ++i) top = std::max(top, fit->mesh.points(i, 2));

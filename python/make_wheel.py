@@ -88,10 +88,11 @@ def main(source, build, module, reader, wheel):
             shutil.copyfile(f"/usr/share/doc/{package}/copyright", licences / f"{package}.txt")
         (info / "WHEEL").write_text(
             "Wheel-Version: 1.0\nGenerator: homolog\nRoot-Is-Purelib: false\nTag: cp311-cp311-manylinux_2_36_x86_64\n")
+        # pybind11 2.10 reads the structures of NumPy 1.
         (info / "METADATA").write_text(
             f"Metadata-Version: 2.1\nName: homolog\nVersion: {version}\n"
             "Summary: statistical shape models of organs\nLicense: MIT\nRequires-Python: >=3.11,<3.12\n"
-            "Requires-Dist: numpy\nDescription-Content-Type: text/markdown\n\n" +
+            "Requires-Dist: numpy (>=1.21,<2)\nDescription-Content-Type: text/markdown\n\n" +
             (source / "docs" / "python.md").read_text())
         rows = []
         for file in sorted(path for path in stage.rglob("*") if path.is_file()):

@@ -89,9 +89,21 @@ class Call:
             mesh = shape.mesh if isinstance(shape, Fit) else shape
             if not isinstance(mesh, _core.Mesh):
                 raise _core.Error(f"{name}: is no mesh; give {{name: Mesh}}")
+            name = str(name)
+            if not name or name.startswith(".") or "/" in name or "\0" in name:
+                raise _core.Error(f"{name!r}: cannot name a shape; give a name without / that does not begin with a dot")
             file = os.path.join(self.folder(), f"{name}.ply")
             mesh.write(file)
             self.arguments.append(file)
+        return self
+
+    def add_files(self, *values: Any, lend: Any = False) -> "Call":
+        """What a study will name. Errors: a value that has no file."""
+        for value in values:
+            self.add(value, lend=lend)
+            if self._folder is not None:
+                raise _core.Error(f"{type(value).__name__}: a study names its files, and this is in memory alone; write it "
+                                  "to a file and read that")
         return self
 
     def add(self, *values: Any, lend: Any = False) -> "Call":

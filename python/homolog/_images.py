@@ -46,7 +46,11 @@ def from_nibabel(image: Any, *, labels: bool = False, names: Optional[dict] = No
 
 
 def to_nibabel(volume: _core.Volume) -> Any:
-    """An image of nibabel with the same voxels and place. Needs nibabel."""
+    """An image of nibabel with the same voxels, place and time between frames. Needs nibabel."""
     import nibabel  # type: ignore[import]
 
-    return nibabel.Nifti1Image(numpy.array(volume.array), volume.affine_ras)
+    image = nibabel.Nifti1Image(numpy.array(volume.array), volume.affine_ras)
+    image.header.set_xyzt_units("mm", "sec")
+    if volume.frames > 1:
+        image.header.set_zooms((*image.header.get_zooms()[:3], volume.frame_seconds))
+    return image

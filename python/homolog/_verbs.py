@@ -35,21 +35,26 @@ def _mesh_written(file: str, kept: bool) -> _core.Mesh:
 
 
 def fit(template: Any, labels: Any = None, *, label: Any = None, mesh: Any = None, image: Any = None,
+        contours: Any = None, structure: Any = None, off_mm: Optional[float] = None, outside: bool = False,
         output: Optional[PathOrText] = None, closing_mm: Optional[float] = None, level: Optional[float] = None,
         frame: Optional[int] = None, parts: Optional[str] = None, placement: Any = None, landmarks: Any = None,
         orientation: Optional[str] = None, model: Any = None, beyond: Optional[float] = None, partial: bool = False,
         mirror: bool = False, reach_mm: Optional[float] = None, strength: Optional[float] = None,
         polarity: Optional[str] = None, progress: Progress = None, jobs: Optional[int] = None) -> Fit:
-    """Fits a template to a label map, a surface (``mesh``) or an image (``image``); see docs/fit.md.
+    """Fits a template to a label map, a surface (``mesh``), an image (``image``) or contours; see docs/fit.md.
 
     template: a Mesh, a file or a built-in name. labels: a LabelMap, a file or an image of nibabel. label: a number, a name,
     or a list of them for their union. output: also written there, as ``homolog fit -o`` writes it. landmarks: a file, or
     {name: (x, y, z)} in LPS mm. placement: a file, or {"rotation": [w, x, y, z], "scale": s, "translation": [x, y, z]}.
-    model: a Model or a file.
+    model: a Model or a file. contours: a file, or several; alone, or with labels or an image. structure: which of theirs,
+    by number or name. off_mm: how far they may lie off the boundary. outside: the organ lies inside of them.
     """
     with Call("fit") as call:
         call.add(template, lend="template")
         call.option("mask", labels, lend="labels").option("mesh", mesh).option("image", image, lend=True)
+        if contours is not None:
+            call.arguments.append("--contours")
+            call.add(*several(contours))
         if isinstance(landmarks, dict):
             file = call.new_file(".mrk.json")
             _core.write_landmarks(landmarks, file)
@@ -62,7 +67,8 @@ def fit(template: Any, labels: Any = None, *, label: Any = None, mesh: Any = Non
         out = os.fspath(output) if output is not None else call.new_file(".ply")
         call.options(label=label, level=level, closing_mm=closing_mm, parts=parts, placement=placement,
                      landmarks=landmarks, orientation=orientation, model=model, beyond=beyond, frame=frame,
-                     reach_mm=reach_mm, strength=strength, polarity=polarity, partial=partial, mirror=mirror)
+                     reach_mm=reach_mm, strength=strength, polarity=polarity, partial=partial, mirror=mirror,
+                     structure=structure, off_mm=off_mm, outside=outside)
         call.arguments += ["-o", out]
         report = call.run(progress, jobs)
         return Fit(_mesh_written(out, output is not None), report)
@@ -74,13 +80,16 @@ def fit_all(template: Any, labels: Any = None, output: PathOrText = "", *, mesh:
     """Fits a template to many label maps, or surfaces (``mesh``), or a folder of them, into the folder ``output``.
 
     It gets for each case its mesh and a case, and a study of all. options: those of ``homolog fit``. Gives its report.
+    Errors: a template, label map or surface that is in memory alone, since the study names its file.
     """
+    if not os.fspath(output):
+        raise _core.UsageError("output: is missing; give the folder for the meshes")
     with Call("fit") as call:
-        call.add(template, lend="template")
+        call.add_files(template, lend="template")
         for name, values in (("--mask", labels), ("--mesh", mesh)):
             if values is not None:
                 call.arguments.append(name)
-                call.add(*several(values))
+                call.add_files(*several(values))
         call.options(label=label, by_others=by_others, **options)
         call.arguments += ["-o", os.path.join(os.fspath(output), "")]
         return call.run(progress, jobs)
@@ -309,9 +318,16 @@ def read_study(path: PathOrText) -> Study:
 
 def make_study(maps: Any, output: PathOrText, *, template: Any = None, progress: Progress = None,
                **options: Any) -> Study:
-    """A study of label maps, or of a table of cases, with its scans, groups and covariates; see docs/models.md."""
+    """A study of label maps, or of a table of cases, with its scans, groups and covariates; see docs/models.md.
+
+    Errors: a template or label map that is in memory alone, since the study names its file.
+    """
     with Call("study", "make") as call:
-        call.add(*several(maps)).option("template", template).options(**options)
+        call.add_files(*several(maps))
+        if template is not None:
+            call.arguments.append("--template")
+            call.add_files(template, lend="template")
+        call.options(**options)
         call.arguments += ["-o", os.fspath(output)]
         call.run(progress)
         return read_study(output)

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "app/verbs/case_pool.h"
@@ -16,23 +17,31 @@ namespace homolog::python {
 
 namespace {
 
-/// While it lives, at most so many threads are used.
+/// While it lives, at most so many threads are used. Of several that live at a time the lowest number holds.
 class FewerThreads {
  public:
-  explicit FewerThreads(std::optional<int> jobs) : before_(thread_limit()), is_set_(jobs.has_value()) {
+  explicit FewerThreads(std::optional<int> jobs) : jobs_(jobs) {
     if (!jobs) return;
     if (*jobs < 1 || *jobs > 1024) refuse("jobs", "is " + std::to_string(*jobs) + "; give a number from 1 to 1024");
-    set_thread_limit(*jobs);
+    const std::lock_guard lock(mutex_);
+    if (asked_.empty()) before_ = thread_limit();
+    asked_.insert(*jobs);
+    set_thread_limit(*asked_.begin());
   }
   ~FewerThreads() {
-    if (is_set_) set_thread_limit(before_);
+    if (!jobs_) return;
+    const std::lock_guard lock(mutex_);
+    asked_.erase(asked_.find(*jobs_));
+    set_thread_limit(asked_.empty() ? before_ : *asked_.begin());
   }
   FewerThreads(const FewerThreads&) = delete;
   FewerThreads& operator=(const FewerThreads&) = delete;
 
  private:
-  int before_;
-  bool is_set_;
+  inline static std::mutex mutex_;
+  inline static std::multiset<int> asked_;  ///< by the calls that run
+  inline static int before_ = 0;            ///< the limit before the first of them
+  std::optional<int> jobs_;
 };
 
 /// Work on a thread, and whether it has ended.
@@ -67,7 +76,7 @@ class Running {
   std::thread thread_;  // the last, since it uses the others
 };
 
-/// What a value is, for a sentence: "an array of the shape (3, 642)".
+/// Says an array's shape for a sentence.
 std::string shape_in_words(const py::array& array) {
   return "has the shape " + std::string(py::str(array.attr("shape")));
 }

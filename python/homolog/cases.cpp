@@ -1,5 +1,3 @@
-#include <atomic>
-
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
 #include "core/adapt/boundary/boundary.h"
@@ -16,20 +14,6 @@
 namespace homolog::python {
 
 namespace {
-
-/// Holds a case for one call, which may run without the interpreter's lock.
-class InUse {
- public:
-  explicit InUse(HeldCase& of) : of_(of) {
-    if (of.in_use.exchange(true)) refuse("case", "is at work in another thread; wait until that ends");
-  }
-  ~InUse() { of_.in_use = false; }
-  InUse(const InUse&) = delete;
-  InUse& operator=(const InUse&) = delete;
-
- private:
-  HeldCase& of_;
-};
 
 std::shared_ptr<HeldCase> held(EditSession session, const std::filesystem::path& path,
                                const std::vector<std::string>& warnings) {
@@ -49,7 +33,8 @@ std::shared_ptr<HeldCase> open_held(const std::filesystem::path& path, bool read
 std::shared_ptr<const Template> template_from(const py::object& value) {
   if (py::isinstance<HeldMesh>(value)) {
     const auto& mesh = value.cast<const HeldMesh&>();
-    if (mesh.source.empty()) return value_of(make_template(*mesh.file, ""));
+    const bool has_changed = names_file(mesh.source) && !mesh.stamp.holds();
+    if (mesh.source.empty() || has_changed) return value_of(make_template(*mesh.file, ""));
     return value_of(load_template(mesh.source));
   }
   return value_of(load_template(py::str(value)));
@@ -64,7 +49,8 @@ std::shared_ptr<HeldCase> create_held(const py::object& the_template, const py::
   std::shared_ptr<const Volume> volume;
   if (py::isinstance<HeldVolume>(image)) {
     const auto& given = image.cast<const HeldVolume&>();
-    source = given.source;
+    // A case must not name a file that holds something else by now.
+    if (!names_file(given.source) || given.stamp.holds()) source = given.source;
     volume = std::shared_ptr<const Volume>(given.read, &given.read->volume);
   } else if (py::hasattr(image, "dataobj")) {
     refuse("image", "is one of nibabel; give homolog.from_nibabel(image)");
@@ -102,6 +88,11 @@ py::dict apply(HeldCase& self, EditStep step) {
   return report_of(value_of(std::move(*done)));
 }
 
+void close(HeldCase& self) {
+  const InUse held(self);
+  self.session.close_journal();
+}
+
 py::dict do_action(HeldCase& self, const py::dict& action, const std::string& of) {
   auto step = parse_action(dumped(to_json(action)));
   if (!step) refuse("action", step.error().what);
@@ -109,8 +100,8 @@ py::dict do_action(HeldCase& self, const py::dict& action, const std::string& of
   return apply(self, std::move(*step));
 }
 
-ShapeView shown(const HeldCase& self, const std::string& of) {
-  const auto view = self.session.document().view(of);
+ShapeView shown(const Document& document, const std::string& of) {
+  const auto view = document.view(of);
   if (!view)
     refuse(of.empty() ? "case" : of, "has no mesh in the frame that it shows; name another structure or frame");
   return *view;
@@ -118,19 +109,22 @@ ShapeView shown(const HeldCase& self, const std::string& of) {
 
 /// A view of points that stay as they are when the case goes on.
 py::array points_view(const HeldCase& self, const std::string& of) {
-  auto* kept = new std::shared_ptr<const Points>(shown(self, of).shape.points);
+  const auto document = document_of(self);
+  auto* kept = new std::shared_ptr<const Points>(shown(*document, of).shape.points);
   const py::capsule owner(kept, [](void* points) { delete static_cast<std::shared_ptr<const Points>*>(points); });
   return read_only<double>({(*kept)->rows(), 3}, (*kept)->data(), owner);
 }
 
 std::shared_ptr<HeldMesh> mesh_of(const HeldCase& self, const std::string& of) {
-  const MeshFile file = to_mesh_file(shown(self, of), self.session.document().scan.frames() > 1);
+  const auto document = document_of(self);
+  const MeshFile file = to_mesh_file(shown(*document, of), document->scan.frames() > 1);
   return std::make_shared<HeldMesh>(HeldMesh{std::make_shared<const MeshFile>(file)});
 }
 
 py::list structures_of(const HeldCase& self) {
   py::list rows;
-  for (const auto& one : self.session.document().structures) {
+  const auto document = document_of(self);
+  for (const auto& one : document->structures) {
     py::dict row;
     row["id"] = one->id;
     row["name"] = one->name;
@@ -147,11 +141,12 @@ py::list structures_of(const HeldCase& self) {
 }
 
 py::object image_of(const HeldCase& self) {
-  const Scan& scan = self.session.document().scan;
+  const auto document = document_of(self);
+  const Scan& scan = document->scan;
   if (!scan.image) return py::none();
   auto read = std::make_shared<VolumeRead>();
   read->volume = *scan.image;
-  return py::cast(std::make_shared<HeldVolume>(HeldVolume{std::move(read), scan.source}));
+  return py::cast(std::make_shared<HeldVolume>(HeldVolume{std::move(read), scan.source, self.image_stamp}));
 }
 
 // --- Automatic steps, each an edit of the case.
@@ -175,8 +170,9 @@ std::shared_ptr<HeldLabels> labels_from(const py::object& value) {
 py::dict fit_into(HeldCase& self, const py::object& given, const std::string& label, const std::string& of,
                   const std::optional<double>& closing_mm, const std::optional<int>& frame, bool as_placed,
                   const py::object& progress) {
-  const ShapeView view = shown(self, of);
   const auto labels = labels_from(given);
+  const auto kept = document_of(self);
+  const ShapeView view = shown(*kept, of);
   auto edit = computed<FitEdit>(self, progress, [&](Progress& own) -> Result<FitEdit> {
     auto mask = chosen_mask(*labels->read, labels->source.empty() ? "labels" : labels->source, label, {frame, {}, {}});
     if (!mask) return fail(mask.error());
@@ -193,8 +189,9 @@ py::dict fit_into(HeldCase& self, const py::object& given, const std::string& la
 
 py::dict snap_into(HeldCase& self, const py::object& at, double sigma_mm, double reach_mm, double strength,
                    const std::string& polarity, const std::string& of, const py::object& progress) {
-  const ShapeView view = shown(self, of);
-  const Scan scan = self.session.document().scan;
+  const auto kept = document_of(self);
+  const ShapeView view = shown(*kept, of);
+  const Scan& scan = kept->scan;
   if (!scan.image) refuse("case", "has no image to snap to; give a case that has one");
   std::optional<SnapArea> area;
   if (!at.is_none()) area = SnapArea{vector_from(at, "at"), sigma_mm};
@@ -213,15 +210,17 @@ py::dict snap_into(HeldCase& self, const py::object& at, double sigma_mm, double
 }
 
 py::dict refine_into(HeldCase& self, const std::string& of, const py::object& progress) {
-  const ShapeView view = shown(self, of);
+  const auto kept = document_of(self);
+  const ShapeView view = shown(*kept, of);
   auto edit = computed<RefineEdit>(self, progress, [&](Progress& own) { return refine_shape(view, &own); });
   warn(edit.warnings);
   return apply(self, {std::move(edit.action), of});
 }
 
 py::list propagate_into(HeldCase& self, double reach_mm, const std::string& of, const py::object& progress) {
-  const ShapeView view = shown(self, of);
-  const Scan scan = self.session.document().scan;
+  const auto kept = document_of(self);
+  const ShapeView view = shown(*kept, of);
+  const Scan& scan = kept->scan;
   if (!scan.image) refuse("case", "has no image to go through; give a case that has one");
   auto edit = computed<CineEdit>(self, progress, [&](Progress& own) {
     PropagateOptions options;
@@ -271,7 +270,8 @@ void add_automatic(py::class_<HeldCase, std::shared_ptr<HeldCase>>& type) {
       .def(
           "keep_apart",
           [](HeldCase& self, const std::string& of) -> py::object {
-            auto edit = apart_from_others(self.session.document(), of);
+            const auto document = document_of(self);
+            auto edit = apart_from_others(*document, of);
             return edit ? py::object(apply(self, {std::move(*edit), of})) : py::none();
           },
           py::arg("of"), "Moves a structure out of its neighbours, as one edit; None where nothing meets.");
@@ -304,14 +304,16 @@ template: a Mesh, a file or a built-in name. image: a Volume, a file or a phanto
       .def(
           "redo", [](Held& self) { return apply(self, {Redo{}}); }, "Does the step again that was taken back last.")
       .def_property_readonly(
-          "can_undo", [](const Held& self) { return self.session.can_undo(); }, "Whether there is a step to take back.")
+          "can_undo", [](const Held& self) { return InUse(self), self.session.can_undo(); },
+          "Whether there is a step to take back.")
       .def_property_readonly(
-          "can_redo", [](const Held& self) { return self.session.can_redo(); }, "Whether there is one to do again.")
+          "can_redo", [](const Held& self) { return InUse(self), self.session.can_redo(); },
+          "Whether there is one to do again.")
       .def(
-          "undo_names", [](Held& self, std::size_t most) { return self.session.undo_names(most); },
+          "undo_names", [](Held& self, std::size_t most) { return InUse(self), self.session.undo_names(most); },
           py::arg("most") = 100, "What undo would take back, the nearest first.")
       .def(
-          "redo_names", [](Held& self, std::size_t most) { return self.session.redo_names(most); },
+          "redo_names", [](Held& self, std::size_t most) { return InUse(self), self.session.redo_names(most); },
           py::arg("most") = 100, "What redo would do again, the nearest first.")
       .def("points", &points_view, py::arg("of") = "",
            "n×3, LPS mm, of a structure at the shown frame; a view that cannot be written to and that later edits "
@@ -319,11 +321,11 @@ template: a Mesh, a file or a built-in name. image: a Volume, a file or a phanto
       .def("mesh", &mesh_of, py::arg("of") = "", "The same as a Mesh, with stiffness and landmarks.")
       .def_property_readonly("structures", &structures_of, "[{id, name, label, vertices, frames, confidence, doubt}].")
       .def_property_readonly(
-          "shown_frame", [](const Held& self) { return self.session.document().frame; }, "From 0.")
+          "shown_frame", [](const Held& self) { return document_of(self)->frame; }, "From 0.")
       .def_property_readonly(
-          "frames", [](const Held& self) { return self.session.document().scan.frames(); }, "Of the image.")
+          "frames", [](const Held& self) { return document_of(self)->scan.frames(); }, "Of the image.")
       .def_property_readonly(
-          "strokes", [](const Held& self) { return self.session.strokes(); }, "Those left after undo.")
+          "strokes", [](const Held& self) { return InUse(self), self.session.strokes(); }, "Those left after undo.")
       .def_property_readonly("image", &image_of, "The scan as a Volume, or None.")
       .def(
           "save_as",
@@ -333,10 +335,9 @@ template: a Mesh, a file or a built-in name. image: a Volume, a file or a phanto
             self.source = path.string();
           },
           py::arg("path"), "Writes the case to another file and goes on there.")
-      .def(
-          "close", [](Held& self) { self.session.close_journal(); }, "Ends the work on its file.")
+      .def("close", &close, "Ends the work on its file.")
       .def("__enter__", [](const py::object& self) { return self; })
-      .def("__exit__", [](Held& self, const py::args&) { self.session.close_journal(); });
+      .def("__exit__", [](Held& self, const py::args&) { close(self); });
   add_automatic(type);
   module.def("action_kinds", &action_kinds, "[(key, example, meaning)] of all actions of a case.");
 }

@@ -5,16 +5,39 @@
 #include <utility>
 
 #include "core/session/session.h"
+#include "python/homolog/binding.h"
 
 namespace homolog::python {
 
 /// A case that Python holds.
 struct HeldCase {
-  HeldCase(EditSession held_session, std::string file) : session(std::move(held_session)), source(std::move(file)) {}
+  HeldCase(EditSession held_session, std::string file)
+      : session(std::move(held_session)), source(std::move(file)), image_stamp(session.document().scan.source) {}
 
   EditSession session;
-  std::string source;               ///< its file; empty: it has none
-  std::atomic<bool> in_use{false};  ///< a call is at work on it, which may run without the interpreter's lock
+  std::string source;                       ///< its file; empty: it has none
+  FileStamp image_stamp;                    ///< of the image's file
+  mutable std::atomic<bool> in_use{false};  ///< a call is at work on it, which may run without the interpreter's lock
 };
+
+/// Holds a case for one call, which may run without the interpreter's lock. Errors: another call holds it.
+class InUse {
+ public:
+  explicit InUse(const HeldCase& of) : of_(of) {
+    if (of.in_use.exchange(true)) refuse("case", "is at work in another call; wait until that ends");
+  }
+  ~InUse() { of_.in_use = false; }
+  InUse(const InUse&) = delete;
+  InUse& operator=(const InUse&) = delete;
+
+ private:
+  const HeldCase& of_;
+};
+
+/// The case as it is now. It stays so, whatever other calls do to the case.
+inline std::shared_ptr<const Document> document_of(const HeldCase& of) {
+  const InUse held(of);
+  return of.session.shared_document();
+}
 
 }  // namespace homolog::python

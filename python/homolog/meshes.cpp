@@ -94,7 +94,7 @@ std::shared_ptr<HeldMesh> read_held_mesh(const std::string& source) {
   return mesh;
 }
 
-/// Of a file that will not stay.
+/// Reads a file that will not stay.
 std::shared_ptr<HeldMesh> loaded(const std::string& file) {
   const auto mesh = read_held_mesh(file);
   mesh->source.clear();

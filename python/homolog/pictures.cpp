@@ -98,7 +98,7 @@ void add_pictures(py::module_& module) {
       "picture_of_case",
       [](const HeldCase& of, const std::pair<int, int>& asked, const std::string& view, const std::string& ground) {
         const MontageOptions options = options_from(asked, view, ground);
-        const auto document = of.session.shared_document();
+        const auto document = document_of(of);
         return drawn([&] { return case_picture(*document, options); });
       },
       py::arg("case"), py::kw_only(), py::arg("size") = size, py::arg("view") = "anterior", py::arg("ground") = "dark",

@@ -1,4 +1,6 @@
+#include <cmath>
 #include <cstring>
+#include <new>
 
 #include "core/mesh/label_map.h"
 #include "core/volume/read_labels.h"
@@ -17,6 +19,10 @@ template <class T>
 StoredVoxels copied(const py::array& array) {
   // Homolog keeps voxels i fastest, which is Fortran's order; numpy turns whatever order the array has.
   const auto ordered = py::array_t<T, py::array::f_style | py::array::forcecast>::ensure(array);
+  if (!ordered) {
+    PyErr_Clear();
+    throw std::bad_alloc();
+  }
   std::vector<T> voxels(static_cast<std::size_t>(ordered.size()));
   std::memcpy(voxels.data(), ordered.data(), voxels.size() * sizeof(T));
   return voxels;
@@ -128,6 +134,9 @@ std::shared_ptr<const VolumeRead> volume_from(const py::array& array, const Grid
     refuse("voxels", "have the shape " + std::string(py::str(array.attr("shape"))) +
                          "; give three axes [i, j, k], or four with frames as the last");
   if (array.size() == 0) refuse("voxels", "are none; every axis needs at least one");
+  if (!std::isfinite(frame_seconds) || frame_seconds < 0)
+    refuse("frame_seconds", "is " + std::string(py::str(py::float_(frame_seconds))) +
+                                "; give the seconds between frames, or 0 where nobody says");
   StoredVoxels stored = voxels_from(array);
   check_voxels(array, labels);
   VolumeRead read;
@@ -266,7 +275,8 @@ std::shared_ptr<Held> read_held(const std::filesystem::path& path, const std::st
   VolumeReadOptions options;
   options.series_uid = series;
   if (!spacing_mm.is_none()) options.stack_spacing_mm = vector_from(spacing_mm, "spacing_mm");
-  const FileStamp stamp(path);
+  // With options, a verb that reads the file would get something else.
+  const FileStamp stamp = series.empty() && spacing_mm.is_none() ? FileStamp(path) : FileStamp();
   auto read = watched_value<VolumeRead>({progress, {}}, [&](Progress& own) {
     options.progress = &own;
     return labels ? read_labels(path, options) : read_volume(path, options);

@@ -61,6 +61,35 @@ def test_jobs_hold_for_one_call_and_wrong_ones_are_refused(kidney):
         homolog.fit("built-in:kidney", kidney["labels"], jobs=0)
 
 
+def test_the_limit_is_as_before_once_two_calls_with_jobs_have_ended(kidney):
+    before = homolog.thread_limit()
+    first_began, second_began, first_ended = (threading.Event() for _ in range(3))
+    limits = []
+
+    def first_told(share, text):
+        first_began.set()
+        second_began.wait(60)
+
+    def second_told(share, text):
+        second_began.set()
+        first_ended.wait(60)
+
+    def work(jobs, told):
+        homolog.fit("built-in:kidney", kidney["labels"], jobs=jobs, progress=told)
+
+    first = threading.Thread(target=work, args=(1, first_told))
+    second = threading.Thread(target=work, args=(before + 1, second_told))
+    first.start()
+    first_began.wait(60)
+    second.start()
+    second_began.wait(60)
+    first.join()
+    limits.append(homolog.thread_limit())
+    first_ended.set()
+    second.join()
+    assert limits == [before + 1] and homolog.thread_limit() == before
+
+
 def test_two_calls_at_a_time_give_what_one_gives(kidney):
     alone = homolog.fit("built-in:kidney", kidney["labels"]).mesh.points
     found = [None, None]

@@ -87,6 +87,44 @@ def test_a_wrong_action_is_refused_and_changes_nothing(action, sentence):
     assert numpy.array_equal(case.points(), before) and not case.can_undo
 
 
+def test_a_case_at_work_is_not_touched_by_other_calls(kidney):
+    case = homolog.Case.create("built-in:kidney", kidney["image"])
+    calls = [case.points, case.mesh, case.close, case.undo_names, case.undo, lambda: case.structures,
+             lambda: case.image, lambda: case.can_undo, lambda: case.frames, lambda: homolog.picture_of_case(case)]
+    refusals = []
+
+    def progress(share, text):
+        if share == 1:
+            return  # the work has ended
+        for call in calls:
+            with pytest.raises(homolog.Error, match="case: is at work in another call"):
+                call()
+            refusals.append(call)
+
+    before = case.points()
+    case.fit(kidney["labels"], progress=progress)
+    assert len(refusals) >= len(calls)
+    assert not numpy.array_equal(case.points(), before) and case.can_undo
+
+
+def test_a_case_is_of_what_was_read_when_the_file_has_changed_since(kidney, tmp_path):
+    one, other = kidney["truth"][0], kidney["truth"][0].with_points(kidney["truth"][0].points * 2)
+    one.write(tmp_path / "t.ply")
+    read = homolog.read_mesh(tmp_path / "t.ply")
+    kidney["image"].write(tmp_path / "scan.nii.gz")
+    image = homolog.read_volume(tmp_path / "scan.nii.gz")
+    expected = homolog.Case.create(homolog.Mesh(read.points, read.triangles)).points()
+    assert homolog.Case.create(read, image).image._file == str(tmp_path / "scan.nii.gz")
+    other.write(tmp_path / "t.ply")
+    homolog.Volume(image.array[:-1], affine=image.affine).write(tmp_path / "scan.nii.gz")
+    assert numpy.array_equal(homolog.Case.create(read).points(), expected)
+    assert homolog.Case.create(read, image).image.shape == image.shape
+    with pytest.raises(homolog.Error, match="template: is in memory alone"):
+        homolog.Case.create(read, path=tmp_path / "a.homolog")
+    with pytest.raises(homolog.Error, match="image: is in memory alone"):
+        homolog.Case.create("built-in:kidney", image, tmp_path / "a.homolog")
+
+
 def test_an_array_alone_cannot_be_named_by_a_case_file(kidney, tmp_path):
     image = homolog.Volume(kidney["image"].array)
     with pytest.raises(homolog.Error, match="image: is in memory alone"):

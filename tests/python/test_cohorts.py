@@ -40,6 +40,30 @@ def test_a_cohort_is_fitted_into_a_study(folder, tmp_path):
     assert homolog.model(study).report["shapes"] == 2
 
 
+def test_a_study_is_not_made_of_what_has_no_file(folder, kidney, tmp_path):
+    file = folder / "kidney-1-labels.nii.gz"
+    alone = homolog.Mesh(kidney["truth"][0].points, kidney["truth"][0].triangles)
+    calls = [lambda: homolog.fit_all(alone, file, tmp_path / "a"),
+             lambda: homolog.fit_all("built-in:kidney", [file, kidney["labels"]], tmp_path / "a"),
+             lambda: homolog.make_study([kidney["labels"]], tmp_path / "a.study.json", template="built-in:kidney"),
+             lambda: homolog.make_study([file], tmp_path / "a.study.json", template=alone)]
+    for call in calls:
+        with pytest.raises(homolog.Error, match="a study names its files, and this is in memory alone; write it to a file"):
+            call()
+    with pytest.raises(homolog.UsageError, match="output: is missing; give the folder for the meshes"):
+        homolog.fit_all("built-in:kidney", file)
+    assert list(tmp_path.iterdir()) == []
+    template = homolog.load_template("built-in:kidney")
+    study = homolog.make_study([homolog.read_label_map(file)], tmp_path / "a.study.json", template=template)
+    assert len(study.cases) == 1
+
+
+@pytest.mark.parametrize("name", ["../out", "a/b", "/out", ".hidden", ""])
+def test_a_name_that_leads_out_of_the_folder_is_refused(kidney, name):
+    with pytest.raises(homolog.Error, match="cannot name a shape; give a name without / that does not begin with a dot"):
+        homolog.measure({name: kidney["truth"][0]})
+
+
 def test_a_mesh_goes_through_a_cine():
     heart = homolog.phantom("ventricle", 1)
     report = homolog.propagate(heart["truth"][0], heart["image"], 0)

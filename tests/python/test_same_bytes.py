@@ -1,5 +1,7 @@
 """What Python gives is what the command line gives, to the last bit."""
 
+import json
+
 import numpy
 import pytest
 from conftest import command_line, refusal_of_command_line
@@ -68,16 +70,42 @@ def test_a_snap_gives_the_same_bytes(folder, tmp_path):
 
 @pytest.mark.parametrize("call, line", [
     (lambda f: homolog.fit("built-in:kidney", f / "kidney-1-labels.nii.gz", label=7),
-     lambda f: ("fit", "built-in:kidney", "--mask", f / "kidney-1-labels.nii.gz", "--label", 7, "-o", "/tmp/none.ply")),
+     lambda f: ("fit", "built-in:kidney", "--mask", f / "kidney-1-labels.nii.gz", "--label", 7, "-o", f / "none.ply")),
     (lambda f: homolog.fit("built-in:kidny", f / "kidney-1-labels.nii.gz"),
-     lambda f: ("fit", "built-in:kidny", "--mask", f / "kidney-1-labels.nii.gz", "-o", "/tmp/none.ply")),
-    (lambda f: homolog.model([f / "fit-1.ply"]), lambda f: ("model", f / "fit-1.ply", "-o", "/tmp/none.h5")),
+     lambda f: ("fit", "built-in:kidny", "--mask", f / "kidney-1-labels.nii.gz", "-o", f / "none.ply")),
+    (lambda f: homolog.model([f / "fit-1.ply"]), lambda f: ("model", f / "fit-1.ply", "-o", f / "none.h5")),
     (lambda f: homolog.run("compare", f / "fit-1.ply"), lambda f: ("compare", f / "fit-1.ply")),
 ])
 def test_errors_have_the_sentence_of_the_command_line(folder, call, line):
     with pytest.raises(homolog.Error) as raised:
         call(folder)
     assert str(raised.value) == refusal_of_command_line(*line(folder))
+
+
+def closed_curve(mesh, z):
+    """Where a mesh meets the plane at z, round its middle, as 3D Slicer has curves."""
+    edges = mesh.points[numpy.vstack([mesh.triangles[:, [k, (k + 1) % 3]] for k in range(3)])]
+    edges = edges[(edges[:, 0, 2] < z) & (edges[:, 1, 2] >= z)]
+    share = (z - edges[:, 0, 2]) / (edges[:, 1, 2] - edges[:, 0, 2])
+    points = edges[:, 0] + share[:, None] * (edges[:, 1] - edges[:, 0])
+    aside = points - points.mean(axis=0)
+    points = points[numpy.argsort(numpy.arctan2(aside[:, 1], aside[:, 0]))]
+    return {"type": "ClosedCurve", "coordinateSystem": "LPS",
+            "controlPoints": [{"label": str(k), "position": list(p)} for k, p in enumerate(points.tolist())]}
+
+
+def test_a_fit_to_contours_gives_the_same_bytes(folder, kidney, tmp_path):
+    truth = kidney["truth"][0]
+    planes = numpy.linspace(truth.points[:, 2].min(), truth.points[:, 2].max(), 10)[1:-1]
+    drawn = tmp_path / "drawn.mrk.json"
+    drawn.write_text(json.dumps({"markups": [closed_curve(truth, z) for z in planes]}))
+    theirs = command_line("fit", "built-in:kidney", "--contours", drawn, "--off-mm", 1, "-o", tmp_path / "theirs.ply")
+    fit = homolog.fit("built-in:kidney", contours=drawn, off_mm=1, output=tmp_path / "ours.ply")
+    assert (tmp_path / "ours.ply").read_bytes() == (tmp_path / "theirs.ply").read_bytes()
+    assert same(fit.report, {**theirs, "mesh": fit.report.get("mesh")} if "mesh" in theirs else theirs)
+    assert homolog.compare(fit.mesh, other=truth)["assd_mm"] < 2
+    with pytest.raises(homolog.UsageError, match="--outside"):
+        homolog.fit("built-in:kidney", kidney["labels"], outside=True)
 
 
 def test_a_wrong_command_is_a_usage_error():

@@ -1,5 +1,8 @@
 """Volumes and label maps: arrays in and out, and what is refused."""
 
+import struct
+import zlib
+
 import numpy
 import pytest
 
@@ -73,6 +76,8 @@ def test_names_of_labels_are_kept(tmp_path):
     (lambda: homolog.Volume(ball(), affine=numpy.eye(3)), "affine: is no 4×4 matrix"),
     (lambda: homolog.Volume(ball(), affine=[[1, 0.2, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]), "sheared axes"),
     (lambda: homolog.Volume(ball(), affine=numpy.eye(4), spacing_mm=(1, 1, 1)), "affine: says the grid already"),
+    (lambda: homolog.Volume(ball(), frame_seconds=float("nan")), "frame_seconds: is nan"),
+    (lambda: homolog.Volume(ball(), frame_seconds=-1), "frame_seconds: is -1.0"),
 ])
 def test_what_is_no_volume_is_refused_with_a_sentence(make, sentence):
     with pytest.raises(homolog.Error, match=sentence):
@@ -94,3 +99,30 @@ def test_an_image_of_nibabel_lies_where_its_file_lies(folder):
     assert numpy.array_equal(ours.array, theirs.array)
     assert numpy.allclose(ours.affine, theirs.affine, atol=1e-5)
     assert numpy.allclose(homolog.to_nibabel(ours).affine, nibabel.load(file).affine, atol=1e-5)
+
+
+def test_a_cine_keeps_the_time_between_its_frames_in_nibabel():
+    pytest.importorskip("nibabel")
+    cine = homolog.Volume(numpy.stack([ball(), ball()], axis=3), spacing_mm=(1, 2, 3), frame_seconds=0.04)
+    image = homolog.to_nibabel(cine)
+    assert image.header.get_xyzt_units() == ("mm", "sec")
+    assert homolog.from_nibabel(image).frame_seconds == pytest.approx(0.04)
+    assert homolog.to_nibabel(homolog.Volume(ball(), spacing_mm=(1, 2, 3))).header.get_zooms() == (1, 2, 3)
+
+
+def picture(pixels):
+    """A grey .png of 8 bits."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    height, width = pixels.shape
+    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def test_a_verb_gets_a_volume_as_it_was_read_with_its_options(tmp_path):
+    for k in range(4):
+        (tmp_path / f"slice_{k}.png").write_bytes(picture(ball()[..., 12 + k] * numpy.uint8(100)))
+    scan = homolog.read_volume(tmp_path, spacing_mm=(2, 2, 3))
+    assert homolog.info(scan)["spacing_mm"] == [2, 2, 3]

@@ -114,6 +114,19 @@ TEST_CASE("what is planted is found, by its name, and the map comes nearer to th
   }
 }
 
+TEST_CASE("narrow tunnels and thin bars are found wherever they are, and nothing in the other stones") {
+  int planted = 0, found = 0;
+  for (const DefectKind kind : {DefectKind::hole, DefectKind::bridge})
+    for (const std::uint64_t seed : {11, 12, 13, 14}) {
+      const Mended mended(kind, seed);
+      ++planted;
+      found += has_kind(mended.found.structures[2], kind) ? 1 : 0;
+      for (std::size_t k = 0; k < mended.found.structures.size(); ++k)
+        if (k != 2) CHECK(mended.found.structures[k].defects.empty());
+    }
+  CHECK(found >= planted - 1);
+}
+
 TEST_CASE("a neighbour that took a part is named, and gives it back") {
   const VolumeRead truth = stone_map();
   const Mended mended(DefectKind::taken_from_neighbour, 4);

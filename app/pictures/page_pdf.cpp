@@ -231,7 +231,8 @@ Result<std::string> page_as_pdf(const Page& page) {
   file.add("<</Type/Page/Parent" + reference(sheet + 1) + "/MediaBox[0 0 " + width + height + "]/Resources<<" +
            resources + ">>/Contents" + reference(*drawn) + ">>");
   const int pages = file.add("<</Type/Pages/Count 1/Kids[" + reference(sheet) + "]>>");
-  return std::move(file).whole(file.add("<</Type/Catalog/Pages" + reference(pages) + ">>"));
+  const int catalogue = file.add("<</Type/Catalog/Pages" + reference(pages) + ">>");
+  return std::move(file).whole(catalogue);
 }
 
 }  // namespace homolog

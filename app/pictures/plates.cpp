@@ -53,7 +53,7 @@ Result<Page> plate(const std::vector<MontageCell>& cells, int columns, const Col
   return page;
 }
 
-double spread_of(const ShapeModel& model, Eigen::Index mode) {
+double mode_spread(const ShapeModel& model, Eigen::Index mode) {
   return model.variances[mode] > 0 ? std::sqrt(model.variances[mode]) : 1;
 }
 
@@ -66,7 +66,7 @@ void plot_coordinates(Page& page, const PageBox& box, const ShapeModel& model, c
   for (Eigen::Index mode = 0; mode < modes; ++mode) {
     const auto number = static_cast<double>(mode + 1);
     for (Eigen::Index k = 0; k < model.scores.cols(); ++k)
-      training.emplace_back(number, model.scores(mode, k) / spread_of(model, mode));
+      training.emplace_back(number, model.scores(mode, k) / mode_spread(model, mode));
     own.emplace_back(number, score.modes[mode]);
   }
   for (const auto* some : {&training, &own})
@@ -158,8 +158,8 @@ Result<Page> model_plots(const ShapeModel& model, double width_mm) {
   double most = 3;
   const bool one_mode = model.modes() < 2;
   for (Eigen::Index k = 0; k < model.scores.cols(); ++k) {
-    shapes.emplace_back(model.scores(0, k) / spread_of(model, 0),
-                        one_mode ? 0 : model.scores(1, k) / spread_of(model, 1));
+    shapes.emplace_back(model.scores(0, k) / mode_spread(model, 0),
+                        one_mode ? 0 : model.scores(1, k) / mode_spread(model, 1));
     most = std::max(most, std::ceil(shapes.back().cwiseAbs().maxCoeff()));
   }
   Plot modes(page, {narrow ? 0 : half + 2, narrow ? plot_mm : 0, half - 2, plot_mm},

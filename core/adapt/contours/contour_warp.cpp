@@ -13,7 +13,7 @@ namespace {
 
 /// Pieces that lie farther off than this many times the median are believed less: the mesh there may be another part of
 /// the organ.
-constexpr double outlying = 4;
+constexpr double far_off = 4;
 constexpr int warp_rounds = 10;
 /// The boundary may be off by these shares of the diagonal, at first and in the end.
 constexpr double first_noise = 0.02, last_noise = 0.004;
@@ -81,7 +81,7 @@ ContourWarp warp_to_contours(const std::shared_ptr<const Topology>& topology, co
     std::vector<double> away;
     for (const ContourMeeting& met : meetings)
       away.push_back((target.contours().samples[met.sample].likely - met.position).norm());
-    const double outlying_mm = outlying * std::max(quantile(away, 0.5), noise_mm);
+    const double outlying_mm = far_off * std::max(quantile(away, 0.5), noise_mm);
     for (const ContourMeeting& met : meetings) {
       const ContourSample& sample = target.contours().samples[met.sample];
       const Eigen::RowVector3d place = met.on.interpolate(*topology, placed);

@@ -1,120 +1,24 @@
-#include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 
 #include "app/verbs/describe.h"
-#include "app/verbs/model_part.h"
 #include "app/verbs/read_image.h"
-#include "app/verbs/record.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
-#include "core/mesh/label_map.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/mirror.h"
 #include "core/model/observers.h"
 #include "core/model/shape_files.h"
-#include "core/model/statismo.h"
 #include "core/phantom/phantom_files.h"
-#include "core/volume/contour_labels.h"
-#include "core/volume/label_likeness.h"
 #include "core/volume/volume_io.h"
-#include "core/volume/write_dicom_segmentation.h"
-#include "core/volume/write_segmentation.h"
 
-// Verbs that read files and write a file or a report: info, convert, mirror, label-map, compare, phantom.
+// Verbs that look at files, and phantoms: info, compare, phantom.
 
 namespace homolog {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-void add_spacing(CLI::App& verb, std::vector<double>& spacing_mm) {
-  verb.add_option("--spacing", spacing_mm, "X,Y,Z spacing in mm of a stack of PNG or TIFF slices")
-      ->delimiter(',')
-      ->expected(3)
-      ->check(CLI::PositiveNumber);
-}
-
-VolumeReadOptions read_options(const std::string& series, const std::vector<double>& spacing_mm, Progress& progress) {
-  VolumeReadOptions options;
-  options.series_uid = series;
-  options.progress = &progress;
-  if (spacing_mm.size() == 3) options.stack_spacing_mm = Vec3(spacing_mm.data());
-  return options;
-}
-
-/// A mesh has neither series nor spacing, and only a folder holds several series. What a volume's own header says is
-/// not overruled: that is a warning.
-Result<std::vector<std::string>> check_effect(const fs::path& path, const std::string& series, bool spacing) {
-  std::error_code ignored;
-  const bool mesh = is_mesh_name(path);
-  if (mesh && spacing) return fail(path.string(), "is a mesh, on which --spacing has no effect; leave it out");
-  if (!series.empty() && (mesh || (fs::exists(path, ignored) && !fs::is_directory(path, ignored))))
-    return fail(path.string(), "is no folder of DICOM images, so --series has no effect; leave it out");
-  std::vector<std::string> warnings;
-  if (spacing && !is_picture_stack(path))
-    warnings.push_back(path.string() + ": has a spacing of its own, so --spacing has no effect");
-  return warnings;
-}
-
-/// A model's mean or random shape as a mesh.
-Result<Report> convert_model(const fs::path& in, const fs::path& out, const std::string& structure,
-                             std::optional<std::uint64_t> seed, const std::string& record) {
-  if (!is_mesh_name(out)) return fail(out.string(), "is no mesh's name; a model's shape is one, so use .ply or .vtk");
-  auto mesh = mesh_of_model(in, structure, seed);
-  if (!mesh) return fail(mesh.error());
-  if (mesh->triangles.rows() == 0 && out.extension() != ".particles")
-    return fail(out.string(), "needs faces, and " + in.string() + " is a model of points alone; use .particles");
-  auto report = describe(*mesh, in);
-  if (!report) return report;
-  mesh->record = record;
-  if (auto written = write_mesh_file(*mesh, out); !written) return fail(written.error());
-  return report;
-}
-
-bool is_dicom_name(const fs::path& path) {
-  return lower_case(path.extension().string()) == ".dcm";
-}
-
-/// Writes a label map by the ending of its name; one of DICOM refers to a series. Gives warnings.
-Result<std::vector<std::string>> write_labels(const VolumeRead& map, const fs::path& out, const fs::path& series,
-                                              Progress& progress, const std::string& record) {
-  if (is_dicom_name(out) && series.empty())
-    return fail(out.string(), "becomes a DICOM segmentation, which refers to a series of images; name it by --like");
-  if (is_dicom_name(out)) return write_dicom_segmentation(map, out, series, &progress);
-  if (auto written = write_segmentation(map, out, &progress, record); !written) return fail(written.error());
-  return std::vector<std::string>();
-}
-
-/// Contours as a label map on the grid of an image.
-Result<Report> convert_contours(const fs::path& in, const fs::path& out, const fs::path& like,
-                                const std::string& structure, Progress& progress, const std::string& record) {
-  if (like.empty())
-    return fail(in.string(),
-                "holds contours, which become a label map on the grid of an image; name the series that "
-                "they were drawn on by --like");
-  auto contours = read_contours(in);
-  if (!contours) return fail(contours.error());
-  if (!structure.empty()) {
-    const auto roi = roi_of(*contours, structure);
-    if (!roi) return fail(in.string(), roi.error().what);
-    contours->rois = {ContourRoi(**roi)};
-    contours->warnings = doubts_about(in, contours->rois);
-  }
-  const auto image = read_image(like, 0, progress);
-  if (!image) return fail(image.error());
-  auto map = labels_of_contours(in, *contours, like, image->volume, &progress);
-  if (!map) return fail(map.error());
-  const auto written = write_labels(*map, out, like, progress, record);
-  if (!written) return fail(written.error());
-  std::vector<std::string> warnings = image->warnings;
-  warnings.insert(warnings.end(), map->warnings.begin(), map->warnings.end());
-  warnings.insert(warnings.end(), written->begin(), written->end());
-  return Report{describe(map->volume), std::move(warnings)};
-}
 
 /// The 0.5 isosurface of the label that is meant, as it is.
 Result<Mesh> labelled_surface(const fs::path& path, const MaskRead& mask) {
@@ -128,19 +32,6 @@ void warn_of_misfit(const fs::path& path, const Mesh& mesh, const fs::path& othe
                     std::vector<std::string>& warnings) {
   if (const auto misfit = misfit_in_scan(mesh, other))
     warnings.push_back(misfit_sentence(*misfit, meeting_of(path, mesh.points), meeting_of(other_path, other.points)));
-}
-
-/// Reads a mesh, changes it, and writes it once it is known to be one that can be read again.
-Result<Report> describe_and_write(const fs::path& in, const fs::path& out, const std::string& record,
-                                  const std::function<MeshFile(MeshFile)>& change) {
-  auto mesh = read_mesh_file(in);
-  if (!mesh) return fail(mesh.error());
-  MeshFile changed = change(std::move(*mesh));
-  changed.record = record;
-  auto report = describe(changed, in);
-  if (!report) return report;
-  if (auto written = write_mesh_file(changed, out); !written) return fail(written.error());
-  return report;
 }
 
 }  // namespace
@@ -158,14 +49,14 @@ void add_info(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "info", "What a volume, mesh, template, case or model is");
   verb->add_option("FILE", options->file, "A volume (or DICOM folder), mesh, template, case or model")->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
-  add_spacing(*verb, options->spacing_mm);
+  add_spacing_option(*verb, options->spacing_mm);
   auto* mask_option = verb->add_option("--mask", options->mask, "A label map: also measure the mesh's distance to it");
   add_label_option(*verb, options->label, "Which label of the mask, by number or name; 1,2: both together")
       ->needs(mask_option);
   add_mask_frame_option(*verb, options->frame)->needs(mask_option);
   add_level_option(*verb, options->level)->needs(mask_option);
   const auto info = [options](Progress& progress) -> Result<Report> {
-    const auto warnings = check_effect(options->file, options->series, !options->spacing_mm.empty());
+    const auto warnings = check_reading(options->file, options->series, !options->spacing_mm.empty());
     if (!warnings) return fail(warnings.error());
     auto report = describe_file(options->file, read_options(options->series, options->spacing_mm, progress));
     if (report) report->warnings.insert(report->warnings.end(), warnings->begin(), warnings->end());
@@ -187,173 +78,6 @@ void add_info(CLI::App& app, CommandLine& asked) {
     return report;
   };
   verb->callback([info, &asked] { asked.run = info; });
-}
-
-void add_convert(CLI::App& app, CommandLine& asked) {
-  struct Options {
-    fs::path in, out;
-    std::string series;
-    std::vector<double> spacing_mm;
-    double times = 1;
-    bool from_ras = false;
-    std::string structure;
-    fs::path like;
-    std::optional<std::uint64_t> sample;
-    GivenCommand command;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, "convert", "Any readable volume or mesh to any writable format");
-  verb->add_option("IN", options->in,
-                   "A volume or mesh, contours (RTSTRUCT), or a model (.h5, .h5.json), whose mean becomes a mesh")
-      ->required();
-  verb->add_option("OUT", options->out, "The file to write; its extension chooses the format")->required();
-  verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
-  add_spacing(*verb, options->spacing_mm);
-  verb->add_option("--times", options->times,
-                   "Multiply a mesh's coordinates, which are in another unit than mm: 1000 for metres, 10 for cm")
-      ->check(CLI::Range(1e-9, 1e9));
-  verb->add_flag("--from-ras", options->from_ras, "A mesh's coordinates are RAS, though its file does not say so");
-  auto* structure =
-      verb->add_option("--structure", options->structure, "Of a joint model or of contours this structure alone");
-  verb->add_option("--like", options->like,
-                   "Of contours (RTSTRUCT): the image whose grid the label map gets; of a label map that is written as "
-                   "DICOM (.dcm): the series that it refers to");
-  auto* sample =
-      verb->add_option("--sample", options->sample, "Of a model the random shape of this seed, not the mean");
-  const auto convert = [options, structure, sample](Progress& progress) -> Result<Report> {
-    const auto record = record_of(options->command, progress);
-    if (!record) return fail(record.error());
-    if (is_model_name(options->in))
-      return convert_model(options->in, options->out, options->structure, options->sample, *record);
-    if (holds_contours(options->in) && sample->count() == 0)
-      return convert_contours(options->in, options->out, options->like, options->structure, progress, *record);
-    if (structure->count() + sample->count() > 0)
-      return fail(options->in.string(), "is no model, so --structure and --sample have no effect; leave them out");
-    if (!options->like.empty() && !is_dicom_name(options->out))
-      return fail(options->in.string(), "holds no contours, and " + options->out.string() +
-                                            " is no DICOM file, so --like has no effect; leave it out");
-    if (is_mesh_name(options->in) != is_mesh_name(options->out)) {
-      return fail(options->out.string(),
-                  "is not of the same kind as " + options->in.string() +
-                      "; use label-map to make a volume of a mesh, and template to make a mesh of a volume");
-    }
-    auto warnings = check_effect(options->in, options->series, !options->spacing_mm.empty());
-    if (!warnings) return fail(warnings.error());
-    if (is_mesh_name(options->in)) {
-      const Vec3 times = options->times * (options->from_ras ? Vec3(-1, -1, 1) : Vec3(1, 1, 1));
-      return describe_and_write(options->in, options->out, *record, [times](MeshFile mesh) {
-        if (times == Vec3(1, 1, 1)) return mesh;
-        mesh.points *= times.asDiagonal();
-        for (Landmark& landmark : mesh.landmarks) landmark.position = landmark.position.cwiseProduct(times);
-        if (mesh.doubt_mm) *mesh.doubt_mm *= std::abs(times.z());
-        return mesh;
-      });
-    }
-    if (options->times != 1 || options->from_ras)
-      return fail(options->in.string(),
-                  "is a volume, on which --times and --from-ras have no effect; correct the geometry in its header");
-    auto read = read_volume(options->in, read_options(options->series, options->spacing_mm, progress));
-    if (!read) return fail(read.error());
-    if (is_dicom_name(options->out) && read->segmentation.segments.empty() && !holds_labels(read->volume))
-      return fail(options->in.string(),
-                  "is no label map, and DICOM files are written of label maps alone; choose another "
-                  "format");
-    const auto written = write_labels(*read, options->out, options->like, progress, *record);
-    if (!written) return fail(written.error());
-    warnings->insert(warnings->begin(), read->warnings.begin(), read->warnings.end());
-    warnings->insert(warnings->end(), written->begin(), written->end());
-    return Report{describe(read->volume), std::move(*warnings)};
-  };
-  verb->callback([options, verb, convert, &asked] {
-    options->command = given_command(*verb);
-    asked.run = convert;
-  });
-}
-
-void add_mirror(CLI::App& app, CommandLine& asked) {
-  struct Options {
-    fs::path in, out;
-    std::string plane = "sagittal";
-    GivenCommand command;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, "mirror", "The template of the other side, with the same numbering");
-  verb->add_option("TEMPLATE", options->in, "A template or mesh")->required();
-  keeps_correspondence(verb->add_option("-o,--output", options->out, "The file to write")->required());
-  verb->add_option("--plane", options->plane, "Plane to mirror across")
-      ->check(CLI::IsMember({"sagittal", "coronal", "axial"}));
-  const auto mirror = [options](Progress& progress) -> Result<Report> {
-    const auto record = record_of(options->command, progress);
-    if (!record) return fail(record.error());
-    const AnatomicalPlane plane = options->plane == "sagittal"  ? AnatomicalPlane::sagittal
-                                  : options->plane == "coronal" ? AnatomicalPlane::coronal
-                                                                : AnatomicalPlane::axial;
-    return describe_and_write(options->in, options->out, *record,
-                              [plane](const MeshFile& mesh) { return mirrored(mesh, plane); });
-  };
-  verb->callback([options, verb, mirror, &asked] {
-    options->command = given_command(*verb);
-    asked.run = mirror;
-  });
-}
-
-void add_label_map(CLI::App& app, CommandLine& asked) {
-  struct Options {
-    fs::path mesh, like, out;
-    int value = 1;
-    GivenCommand command;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, "label-map", "The segmentation as voxels on a volume's grid");
-  verb->add_option("MESH", options->mesh, "The mesh")->required();
-  verb->add_option("--like", options->like, "The volume whose grid to use")->required();
-  verb->add_option("-o,--output", options->out,
-                   "The label map to write (.nii.gz, .nrrd, .mha; .dcm: a DICOM segmentation of the series)")
-      ->required();
-  verb->add_option("--value", options->value, "Label of the voxels inside")->check(CLI::Range(1, 32767));
-  const auto label = [options](Progress& progress) -> Result<Report> {
-    const auto file = read_mesh_file(options->mesh);
-    if (!file) return fail(file.error());
-    auto mesh = read_mesh(options->mesh);
-    if (!mesh) return fail(mesh.error());
-    auto like = read_volume(options->like, read_options("", {}, progress));
-    if (!like) return fail(like.error());
-    const auto misfit = misfit_in_image(bounds_of(mesh->points), like->volume.geometry);
-    const Volume labels = label_map(*mesh, like->volume.geometry, options->value);
-    const auto record = record_of(options->command, progress);
-    if (!record) return fail(record.error());
-    std::vector<std::string> warnings = like->warnings;
-    if (is_dicom_name(options->out)) {
-      VolumeRead map{.volume = labels, .warnings = {}, .segmentation = {}, .other_layers = {}};
-      map.segmentation.add({.name = options->mesh.stem().string(), .value = options->value});
-      const auto written = write_labels(map, options->out, options->like, progress, *record);
-      if (!written) return fail(written.error());
-      warnings.insert(warnings.end(), written->begin(), written->end());
-    } else if (auto written = write_volume(labels, options->out, &progress, *record); !written) {
-      return fail(written.error());
-    }
-    const auto counted = labels_of(labels);
-    const std::size_t voxels = counted.contains(options->value) ? counted.at(options->value) : 0;
-    Report report;
-    report.warnings = std::move(warnings);
-    for (std::string& warning : mesh_warnings(options->mesh, *file, *mesh))
-      report.warnings.push_back(std::move(warning));
-    if (misfit) {
-      const double image_mm = like->volume.geometry.bounds_mm().diagonal().norm();
-      report.warnings.push_back(
-          misfit_sentence(*misfit, meeting_of(options->mesh, mesh->points), {options->like.string(), image_mm}));
-    } else if (voxels == 0) {
-      report.warnings.push_back(options->mesh.string() + " lies outside " + options->like.string() +
-                                ", so the label map is empty; check that both are in the same space (LPS or RAS)");
-    }
-    report.values = {{"voxels", voxels},
-                     {"volume_ml", static_cast<double>(voxels) * labels.geometry.voxel_volume_mm3() / 1000}};
-    return report;
-  };
-  verb->callback([options, verb, label, &asked] {
-    options->command = given_command(*verb);
-    asked.run = label;
-  });
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include "core/base/listed.h"
 #include "core/base/text.h"
 #include "core/measure/compare.h"
+#include "core/mesh/mesh_io.h"
 #include "core/volume/read_labels.h"
 #include "core/volume/soft_mask.h"
 
@@ -244,6 +245,35 @@ Result<MaskRead> chosen_mask(VolumeRead read, const std::filesystem::path& path,
   const auto chosen = !labels.empty() ? Result<int>(labels.front()) : label_alone(read, frame);
   if (!chosen) return fail(path.string(), chosen.error().what);
   return MaskRead{std::move(read), *chosen, frame, {*chosen}};
+}
+
+void add_spacing_option(CLI::App& verb, std::vector<double>& spacing_mm) {
+  verb.add_option("--spacing", spacing_mm, "X,Y,Z spacing in mm of a stack of PNG or TIFF slices")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::PositiveNumber);
+}
+
+VolumeReadOptions read_options(const std::string& series, const std::vector<double>& spacing_mm, Progress& progress) {
+  VolumeReadOptions options;
+  options.series_uid = series;
+  options.progress = &progress;
+  if (spacing_mm.size() == 3) options.stack_spacing_mm = Vec3(spacing_mm.data());
+  return options;
+}
+
+Result<std::vector<std::string>> check_reading(const std::filesystem::path& path, const std::string& series,
+                                               bool spacing) {
+  std::error_code ignored;
+  const bool mesh = is_mesh_name(path);
+  if (mesh && spacing) return fail(path.string(), "is a mesh, on which --spacing has no effect; leave it out");
+  if (!series.empty() &&
+      (mesh || (std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored))))
+    return fail(path.string(), "is no folder of DICOM images, so --series has no effect; leave it out");
+  std::vector<std::string> warnings;
+  if (spacing && !is_picture_stack(path))
+    warnings.push_back(path.string() + ": has a spacing of its own, so --spacing has no effect");
+  return warnings;
 }
 
 }  // namespace homolog

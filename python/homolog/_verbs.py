@@ -249,11 +249,14 @@ def read_set(source: PathOrText) -> Dict[str, Any]:
 
 def fit_set(templates: PathOrText, maps: Any, output: PathOrText, *, gap_mm: Optional[float] = None,
             progress: Progress = None, jobs: Optional[int] = None) -> Dict[str, Any]:
-    """Fits a template set to label maps, into the folder ``output``: CASE/STRUCTURE.ply, CASE.seg.nrrd. Gives the report."""
+    """Fits a template set to label maps, into the folder ``output``: CASE/STRUCTURE.ply, CASE.seg.nrrd. Gives the report.
+
+    Errors: a label map that is in memory alone, since the study beside the cases names its file.
+    """
     with Call("fit") as call:
         call.add(templates)
         call.arguments.append("--mask")
-        call.add(*several(maps)).options(gap_mm=gap_mm)
+        call.add_files(*several(maps)).options(gap_mm=gap_mm)
         call.arguments += ["-o", os.fspath(output)]
         return call.run(progress, jobs)
 

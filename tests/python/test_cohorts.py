@@ -45,6 +45,7 @@ def test_a_study_is_not_made_of_what_has_no_file(folder, kidney, tmp_path):
     alone = homolog.Mesh(kidney["truth"][0].points, kidney["truth"][0].triangles)
     calls = [lambda: homolog.fit_all(alone, file, tmp_path / "a"),
              lambda: homolog.fit_all("built-in:kidney", [file, kidney["labels"]], tmp_path / "a"),
+             lambda: homolog.fit_set("built-in:spine", [kidney["labels"]], tmp_path / "b"),
              lambda: homolog.make_study([kidney["labels"]], tmp_path / "a.study.json", template="built-in:kidney"),
              lambda: homolog.make_study([file], tmp_path / "a.study.json", template=alone)]
     for call in calls:

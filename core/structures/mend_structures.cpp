@@ -23,9 +23,9 @@ namespace {
 
 /// From which share of the voxels something counts; sound structures stay below [docs/measurements/repair.md].
 constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.0025, some_tunnels = 0.0085,
-                 some_bars = 0.004, much_lost = 0.05, much_lacking = 0.15, much_beyond = 0.05, some_at_border = 0.002,
-                 much_smaller = 0.2, usual_dice = 0.98, no_hole = 0.1, no_bridge = 0.15, hardly_dice = 0.85,
-                 near_share = 0.1, large_island = 0.1;
+                 some_bars = 0.004, much_lost = 0.05, much_lacking = 0.15, much_beyond = 0.05, mostly_beyond = 0.5,
+                 some_at_border = 0.002, much_smaller = 0.2, usual_dice = 0.98, no_hole = 0.1, no_bridge = 0.15,
+                 hardly_dice = 0.85, near_share = 0.1, large_island = 0.1;
 
 /// The work on one map.
 class Mending {
@@ -193,7 +193,7 @@ void Mending::find_lost(std::size_t k) {
   const StructureSigns& signs = result_.signs[k];
   bool lost = false;
   for (const auto& [other, share] : signs.lost_to) {
-    if (share < much_lost) continue;
+    if (share < much_lost || signs.beyond > mostly_beyond) continue;
     lost = true;
     add(k, DefectKind::given_to_neighbour, name(other));
     add(other, DefectKind::taken_from_neighbour, name(k));

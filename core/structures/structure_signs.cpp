@@ -232,8 +232,7 @@ std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, cons
       const int value = there.segment.value;
       const auto boundary = label_boundary(*there.mask, value, 0, usual_closing_mm(*there.mask, value, 0),
                                            own.points.rows(), {.all = true});
-      if (boundary)
-        said = find_placement(own, *boundary, {.start = said, .partial = true, .size_deviation = 0.05}).placement;
+      if (boundary) said = find_placement(own, *boundary, {.start = said, .partial = true}).placement;
     }
     expected[k] = Mesh{own.topology, said->apply(own.points)};
   });

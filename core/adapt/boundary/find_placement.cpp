@@ -157,7 +157,7 @@ Placed likeliest(const Template& the_template, const ClosestPoints& closest, con
                  const std::vector<Moments>& to, const PlacementHints& hints, double rest) {
   const bool any = hints.orientation == Orientation::any && !hints.start;
   const PlacementPrior prior{hints.start.value_or(onto(from.front(), to.front(), Eigen::Quaterniond::Identity())),
-                             any ? any_turn : PlacementPrior{}.turn_rad, hints.size_deviation};
+                             any ? any_turn : PlacementPrior{}.turn_rad};
   // Without landmarks the best overlap alone is anatomically wrong too often.
   const double farthest = any ? everywhere : most_tilt;
   std::vector<Start> starts;

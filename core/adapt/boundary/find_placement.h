@@ -6,7 +6,6 @@
 
 #include "core/adapt/boundary/boundary.h"
 #include "core/adapt/boundary/closest_points.h"
-#include "core/placement/likely_similarity.h"
 #include "core/template/template.h"
 
 namespace homolog {
@@ -24,8 +23,6 @@ struct PlacementHints {
   std::optional<Similarity> start;  ///< near which to look, instead of the patient's axes; turned by at most 60°
   bool partial = false;             ///< the boundary may lack parts of the organ, or have what is not the organ's
   bool cut_template = false;        ///< the template lacks parts of the organ; it counts as partial
-  /// How far the start's scale may be off: a standard deviation of its logarithm.
-  double size_deviation = PlacementPrior{}.size_deviation;
 };
 
 /// The most likely similarity that places a template on a boundary automatically. It weighs closest points in both

@@ -132,8 +132,8 @@ class Signs {
     return share(static_cast<std::size_t>(std::ranges::count(set, std::uint8_t{1})));
   }
 
-  /// A fit follows a narrow tunnel and a thin bar. A ball that does not enter the one, and has no room in the other,
-  /// tells them from the expected shape's own. Adds them to `hole` and `bridge`.
+  /// A fit follows a narrow tunnel, and leaves thin bars out. A ball that does not enter the one, and has no room in
+  /// the other, tells them from the expected shape's own. Adds them to `hole` and `bridge`.
   void find_tunnels_and_bars(std::vector<std::uint8_t>& hole, std::vector<std::uint8_t>& bridge,
                              std::vector<std::uint8_t>& filled) {
     constexpr double ball = 0.14, deep_in_closed = 0.08, deep_in_expected = 0.03,

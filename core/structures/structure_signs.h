@@ -21,7 +21,7 @@ struct StructureSigns {
   double islands = 0;  ///< apart from the largest part
   double holes = 0;    ///< deep within the fit, without a label
   double bridges = 0;  ///< far outside of the fit, but joined to the structure
-  /// What the fit follows, though the expected shape does not: narrow ways into the structure, and thin parts of it.
+  /// Narrow ways into the expected shape, which a fit may follow, and thin parts outside of it and of the fit.
   double tunnels = 0, bars = 0;
   double volume = 0;     ///< logarithm of the volume against the expected one, less the median of that of all
   double lacking = 0;    ///< of the expected shape: without a label, far from the structure

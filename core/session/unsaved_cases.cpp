@@ -1,7 +1,9 @@
 #include "core/session/unsaved_cases.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
 
 #include "core/base/files.h"
@@ -13,6 +15,17 @@ namespace homolog {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// The time in milliseconds, or later than that: two unsaved cases of one millisecond need two names.
+std::int64_t next_stamp() {
+  static std::atomic<std::int64_t> last = 0;
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const std::int64_t now_ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  std::int64_t before = last, stamp = 0;
+  do stamp = std::max(now_ms, before + 1);
+  while (!last.compare_exchange_weak(before, stamp));
+  return stamp;
+}
 
 }  // namespace
 
@@ -29,9 +42,7 @@ Result<fs::path> new_unsaved_path() {
     return fail(made.error().subject,
                 made.error().what +
                     (made.error().subject == "HOME" ? " or XDG_STATE_HOME" : ", for instance by XDG_STATE_HOME"));
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto stamp = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-  return folder / ("unsaved-" + std::to_string(stamp) + "-" + std::to_string(process_number()) + case_extension);
+  return folder / ("unsaved-" + std::to_string(next_stamp()) + "-" + std::to_string(process_number()) + case_extension);
 }
 
 Result<EditSession> create_unsaved_case(Document initial) {

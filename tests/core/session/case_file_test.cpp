@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <random>
+#include <set>
 
 #include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
@@ -395,6 +396,14 @@ TEST_CASE("the window and the saved template are kept with a case and no undo ta
   }
   folder.append("{\"note\":\"window\",\"window\":[3,1]}\n");
   CHECK(says(read_case(folder.case_path), "two ascending numbers"));
+}
+
+TEST_CASE("unsaved cases of one millisecond have a name each") {
+  const CaseFolder folder;
+  const EnvironmentVariable state("XDG_STATE_HOME", folder.folder.path);
+  std::set<fs::path> names;
+  for (int k = 0; k < 1000; ++k) names.insert(new_unsaved_path().value());
+  CHECK(names.size() == 1000);
 }
 
 TEST_CASE("a case of which only the window was changed is no unsaved work") {

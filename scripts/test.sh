@@ -3,7 +3,7 @@
 # pictures and the real window, checks the formatting, and looks for mistakes with clang-tidy. With --sanitizers also core and
 # the editor's state under AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer, which takes several times as
 # long, and fuzzes the readers. With --peers the programs of others that read what Homolog writes are installed too, a browser
-# among them.
+# and a Slurm among them.
 # Closes with "N passed, N failed, N skipped". Tests on real data are skipped where there is none (HOMOLOG_DATA, else
 # ../shared/data); any other test that is skipped counts as failed, since its packages are installed here.
 set -uo pipefail
@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 . scripts/packages.sh
 . scripts/count_tests.sh
 install_missing $build_packages git xvfb xdotool imagemagick clang-format clang-tidy python3-jsonschema python3-numpy python3-pydicom python3-venv python3-pytest || exit 1
-[ "${1:-}" != --peers ] || install_missing python3-nibabel python3-h5py python3-vtk9 r-base-core r-cran-vegan chromium snakemake || exit 1
+[ "${1:-}" != --peers ] || install_missing python3-nibabel python3-h5py python3-vtk9 r-base-core r-cran-vegan chromium snakemake slurmctld slurmd slurm-client munge || exit 1
 
 passed=0 failed=0 skipped=0
 # step NAME COMMAND…: one check that passes or fails as a whole.

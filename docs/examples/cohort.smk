@@ -5,8 +5,8 @@
 #     covariates=cases.csv formula="shape ~ group + age"
 #
 # Without a template, that of all subjects is made first (five or more). One case is one process that shares nothing with
-# the others, so the same file runs on a cluster: add --slurm, or the profile of yours. Every output is written under another
-# name and renamed when it is whole. After a crash or kill -9 call it once with --unlock, then start it again: only what is
+# the others, so the same file runs on a cluster: see docs/cohorts.md. Every output is written under another name and
+# renamed when it is whole. After a crash or kill -9 call it once with --unlock, then start it again: only what is
 # missing is done. Where Snakemake names incomplete files, it was killed as a step ended: add --rerun-incomplete.
 # A case that cannot be fitted does not stop the others. agreement.csv names it with the reason, and logs/ has its log.
 import json

@@ -81,6 +81,7 @@ Result<Report> evaluate(const EvaluateOptions& options, Progress& progress) {
   if (!options.csv.empty())
     if (auto written = write_evaluation(*measured, options.csv); !written) return fail(written.error());
   Report report;
+  if (!options.csv.empty()) report.made = {options.csv};
   report.warnings = std::move(training->warnings);
   if (!training->topology)
     report.warnings.emplace_back("the shapes have points only, so generalization_surface is left out");

@@ -120,6 +120,7 @@ Result<Report> run_measure(const ShapesVerb& options, Progress& progress) {
     if (auto done = write_whole_file(options.out, sizes_table(all->names, sizes, all->groups)); !done)
       return fail(done.error());
     report.values["table"] = options.out.string();
+    report.made = {options.out};
   }
   return report;
 }
@@ -144,6 +145,7 @@ Result<Report> run_landmarks(const ShapesVerb& options, bool vertices, Progress&
     report.warnings.push_back(listed(table->lacking, ", ") + ": lack landmarks that others have, which are NA in " +
                               options.out.string() + "; geomorph can estimate them, MorphoJ needs all");
   report.values = {{"shapes", specimens.size()}, {"table", options.out.string()}};
+  report.made = {options.out};
   report.values["landmarks"] = vertices ? Json(table->landmarks.size()) : Json(table->landmarks);
   return report;
 }
@@ -212,6 +214,7 @@ Result<Report> run_observers(const fs::path& first, const fs::path& second, cons
   if (!out.empty()) {
     if (auto done = write_whole_file(out, observers_table(*comparison)); !done) return fail(done.error());
     report.values["table"] = out.string();
+    report.made = {out};
   }
   return report;
 }

@@ -277,6 +277,7 @@ class RecipeWork {
     if (job_.out.empty()) return report;
     if (auto written = write_whole_file(job_.out, table()); !written) return fail(written.error());
     report.values["table"] = job_.out.string();
+    report.made = {job_.out};
     return report;
   }
 

@@ -72,7 +72,8 @@ Result<Report> write(Result<MadePicture> made, const PictureVerb& verb) {
     return report;
   }
   if (auto written = write_picture(made->picture, verb.out); !written) return fail(written.error());
-  return Report{{{"glyphs", glyphs}, {"size", Json::array({made->picture.width, made->picture.height})}}, {}};
+  return Report{
+      {{"glyphs", glyphs}, {"size", Json::array({made->picture.width, made->picture.height})}}, {}, {verb.out}};
 }
 
 Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
@@ -157,7 +158,12 @@ Result<Report> of_playing_mode(const PictureVerb& verb, Progress& progress) {
   progress.part(0, 0.9);
   const auto frames = montage_frames(playing_mode(*model, verb.mode - 1, verb.frames, options.from), options, progress);
   if (!frames) return fail(about(verb, frames.error()));
+  Report report{{{"mode", verb.mode},
+                 {"frames", frames->size()},
+                 {"size", Json::array({frames->front().width, frames->front().height})}},
+                {}};
   if (is_gif_name(verb.out)) {
+    report.made = {verb.out};
     constexpr int hundredths_of_a_turn = 200;
     if (auto written = write_gif(*frames, std::max(2, hundredths_of_a_turn / verb.frames), verb.out); !written)
       return fail(written.error());
@@ -170,10 +176,7 @@ Result<Report> of_playing_mode(const PictureVerb& verb, Progress& progress) {
       if (auto written = write_picture((*frames)[k], file); !written) return fail(written.error());
     }
   }
-  return Report{{{"mode", verb.mode},
-                 {"frames", frames->size()},
-                 {"size", Json::array({frames->front().width, frames->front().height})}},
-                {}};
+  return report;
 }
 
 Result<Report> of_case(const PictureVerb& verb, Progress& progress) {
@@ -205,7 +208,7 @@ Result<Report> write_window(EditSession session, EditorPictureOptions window, co
   const auto picture = editor_picture(std::move(session), window);
   if (!picture) return fail(picture.error());
   if (auto written = write_picture(*picture, verb.out); !written) return fail(written.error());
-  return Report{{{"size", Json::array({picture->width, picture->height})}}, std::move(warnings)};
+  return Report{{{"size", Json::array({picture->width, picture->height})}}, std::move(warnings), {verb.out}};
 }
 
 Result<Report> of_window(const PictureVerb& verb, Progress& progress) {
@@ -318,6 +321,15 @@ void add_picture(CLI::App& app, CommandLine& asked) {
   study->callback([options, &asked] { asked.run = [options](Progress&) { return of_study(*options); }; });
   one->callback(
       [options, &asked] { asked.run = [options](Progress& progress) { return of_case(*options, progress); }; });
+  // A name that no picture can have is refused before anything is drawn.
+  picture->final_callback([options, &asked] {
+    asked.run = [options, draw = std::move(asked.run)](Progress& progress) -> Result<Report> {
+      const fs::path& out = options->out;
+      if (!is_page_name(out) && !is_gif_name(out))
+        if (auto can = can_write_picture(out); !can) return fail(can.error());
+      return draw(progress);
+    };
+  });
 }
 
 }  // namespace homolog

@@ -268,7 +268,7 @@ Result<Report> write_plate(const Result<Page>& page, const PictureVerb& verb) {
   if (!page) return fail(about(verb, page.error()));
   if (auto written = write_page(*page, verb.out); !written) return fail(written.error());
   const auto px = [&](double mm) { return static_cast<int>(std::lround(mm / 25.4 * page->dpi)); };
-  Report report{{{"size", Json::array({px(page->width_mm), px(page->height_mm)})}}, {}};
+  Report report{{{"size", Json::array({px(page->width_mm), px(page->height_mm)})}}, {}, {verb.out}};
   if (verb.is_for_print()) report.values.update({{"width_mm", page->width_mm}, {"height_mm", page->height_mm}});
   return report;
 }

@@ -18,6 +18,7 @@
 #include "app/verbs/lab_verbs.h"
 #include "app/verbs/plain_report.h"
 #include "app/verbs/progress_line.h"
+#include "app/verbs/record.h"
 #include "app/verbs/report_content.h"
 #include "app/version.h"
 #include "core/base/guarded.h"
@@ -68,9 +69,9 @@ bool shown() {
 }
 
 /// What the verb gives; what it throws becomes its sentence.
-Result<Report> report_of(const VerbRun& run, Progress& progress) {
+Result<Report> report_of(const VerbRun& run, const CLI::App& verb, Progress& progress) {
   try {
-    return run(progress);
+    return run_recorded(run, verb, progress);
   } catch (const std::bad_alloc&) {
     return fail("", "memory ran out; close other programs, or use a machine with more memory");
   } catch (const std::filesystem::filesystem_error& error) {
@@ -80,12 +81,12 @@ Result<Report> report_of(const VerbRun& run, Progress& progress) {
   }
 }
 
-int run_verb(const VerbRun& run, bool json, bool quiet) {
+int run_verb(const VerbRun& run, const CLI::App& verb, bool json, bool quiet) {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
   Result<Report> report = [&]() -> Result<Report> {
     const ProgressLine line(verb_progress, quiet);
-    return report_of(run, verb_progress);
+    return report_of(run, verb, verb_progress);
   }();
   if (!report) {
     std::cerr << "homolog: " << report.error().sentence() << '\n';
@@ -264,7 +265,7 @@ int run_program(int argc, char** argv, const Program& program) {
     const CLI::Option* flag = verb->get_option_no_throw(name);
     return flag != nullptr && flag->count() > 0;
   };
-  return run_verb(asked.run, given("--json"), given("--quiet"));
+  return run_verb(asked.run, *verb, given("--json"), given("--quiet"));
 }
 
 Result<Report> run_verb_here(const std::vector<std::string>& arguments, Progress& progress, bool& wrong_command_line) {
@@ -284,7 +285,7 @@ Result<Report> run_verb_here(const std::vector<std::string>& arguments, Progress
   }
   if (!asked.run) return fail("", full_name(*verb_given(app)) + " is a program of its own; run it by homolog");
   wrong_command_line = false;
-  return report_of(asked.run, progress);
+  return report_of(asked.run, *verb_given(app), progress);
 }
 
 }  // namespace homolog

@@ -121,6 +121,7 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
 
 Report report_of(const PropagateVerb& verb, const Propagation& propagation, double missing_share) {
   Report report;
+  report.made = {verb.out / "volumes.csv"};
   if (missing_share > 0)
     report.warnings.push_back(verb.mesh + ": every frame " + missing_doubt(missing_share) +
                               ", so volumes are too small; make the template again with another --axis");

@@ -40,6 +40,25 @@ const std::array recorded_verbs{
     RecordedVerb{"mirror", {"TEMPLATE"}, "--output", {}},
     RecordedVerb{"label-map", {"MESH", "--like"}, "--output", {}},
     RecordedVerb{"repair-mesh", {"IN"}, "--output", {}},
+    RecordedVerb{"repair", {"MAP", "--templates", "--model", "--image"}, "--output", {}},
+    RecordedVerb{"set make", {"MAP", "--like"}, "--output", {}},
+    RecordedVerb{"score", {"NEW", "--model"}, "--output", {}},
+    RecordedVerb{"test", {"SHAPE", "--covariates", "--permutation-file"}, "--csv", {}},
+    RecordedVerb{"evaluate", {"SHAPE"}, "--csv", {}},
+    RecordedVerb{
+        "measure", {"SHAPE", "--recipe", "--template", "--landmarks", "--image", "--model"}, "--csv", {"--profiles"}},
+    RecordedVerb{"landmarks", {"SHAPE"}, "--output", {}},
+    RecordedVerb{"observers", {"FIRST", "SECOND"}, "--csv", {}},
+    RecordedVerb{"report", {"SHAPE"}, "--output", {}},
+    RecordedVerb{"picture correspondence", {"SHAPE"}, "--output", {}},
+    RecordedVerb{"picture modes", {"MODEL"}, "--output", {}},
+    RecordedVerb{"picture case", {"CASE"}, "--output", {}},
+    RecordedVerb{"picture window", {"CASE"}, "--output", {}},
+    RecordedVerb{"picture study", {"STUDY"}, "--output", {}},
+    RecordedVerb{"picture map", {"MESH", "--values"}, "--output", {}},
+    RecordedVerb{"picture groups", {"SHAPE", "--covariates", "--against"}, "--output", {}},
+    RecordedVerb{"picture score", {"SHAPE", "--model"}, "--output", {}},
+    RecordedVerb{"picture plot", {"FILE"}, "--output", {}},
 };
 
 bool changes_no_byte(const std::string& name) {
@@ -128,7 +147,7 @@ GivenCommand with_shapes_opened(const GivenCommand& command) {
 /// Whether labels are meant by their names: by --label, or by those of a template set.
 bool asks_for_names(const GivenCommand& command) {
   return std::ranges::any_of(command.options, [](const GivenOption& option) {
-    if (option.name == "TEMPLATE") return names_set(option.values.front());
+    if (option.name == "TEMPLATE" || option.name == "--templates") return names_set(option.values.front());
     return option.name == "--label" && option.values.front().find_first_not_of("0123456789,") != std::string::npos;
   });
 }
@@ -225,9 +244,10 @@ GivenCommand given_command(const CLI::App& verb) {
 Result<std::string> record_of(const GivenCommand& given, Progress& progress) {
   const RecordedVerb& known = *recorded_verb(given.verb);
   const GivenCommand command = with_shapes_opened(given);
-  const InputReader reader{command.verb == "model", asks_for_names(command), &progress};
+  const bool of_names = asks_for_names(command);
   Json options = Json::object();
   for (const GivenOption& option : command.options) {
+    const InputReader reader{option.name == "SHAPE" || option.name == "--against", of_names, &progress};
     Json values = option.values.empty() ? Json(true) : Json::array();
     for (const std::string& value : option.values) {
       std::error_code none;
@@ -252,6 +272,21 @@ std::string record_of_output(const std::string& record, const std::string& outpu
 
 Result<std::string> record_of_case(const fs::path& case_file, Progress& progress) {
   return record_of({"replay", {{"CASE", {case_file.string()}}}}, progress);
+}
+
+Result<Report> run_recorded(const VerbRun& run, const CLI::App& verb, Progress& progress) {
+  auto report = run(progress);
+  const RecordedVerb* known = report && !report->made.empty() ? recorded_verb(full_name(verb)) : nullptr;
+  if (known == nullptr) return report;
+  const fs::path output = verb.get_option(std::string(known->output))->results().front();
+  const auto record = record_of(given_command(verb), progress);
+  if (!record) return fail(record.error());
+  for (const fs::path& file : report->made) {
+    const std::string within = file.lexically_relative(output).generic_string();
+    auto added = add_record(file, file == output ? *record : record_of_output(*record, within));
+    if (!added) return fail(added.error());
+  }
+  return report;
 }
 
 std::vector<std::string> files_named_in(const fs::path& file) {

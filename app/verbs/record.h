@@ -62,6 +62,10 @@ std::string record_of_output(const std::string& record, const std::string& outpu
 /// The record of a mesh that playing a case gives: of an edit that was added to its file.
 Result<std::string> record_of_case(const std::filesystem::path& case_file, Progress& progress);
 
+/// Runs a verb, and puts the record of its command into the files that it made [Report::made]. Errors: the verb's,
+/// record_of's, add_record's.
+Result<Report> run_recorded(const VerbRun& run, const CLI::App& verb, Progress& progress);
+
 /// The files that a file names, as it spells them, in its order: a case its image and its templates, a study its
 /// shapes, a template set its templates, a header its voxels. Built-in names are left out.
 std::vector<std::string> files_named_in(const std::filesystem::path& file);

@@ -4,6 +4,7 @@
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_of_fit.h"
 #include "app/verbs/read_image.h"
+#include "app/verbs/record.h"
 #include "app/verbs/set_cases.h"
 #include "app/verbs/study_make.h"
 #include "app/verbs/verbs.h"
@@ -29,6 +30,7 @@ struct MapRepairJob {
   std::string set;
   fs::path image, model, out;
   std::optional<int> frame;
+  GivenCommand command;
 };
 
 Json row_of_repair(const TemplateOfSet& structure, const RepairedStructure& found, const StructureSigns& signs,
@@ -60,9 +62,10 @@ Json row_of_repair(const TemplateOfSet& structure, const RepairedStructure& foun
 }
 
 /// Writes a mended map as it was read: under its name, in its format, or .seg.nrrd where that format is not written.
-Result<fs::path> write_mended(const VolumeRead& map, const fs::path& from, const fs::path& folder,
-                              std::vector<std::string>& warnings) {
+Result<fs::path> write_mended(const MapRepairJob& job, const VolumeRead& map, const fs::path& from,
+                              std::vector<std::string>& warnings, Progress& progress) {
   std::error_code error;
+  const fs::path& folder = job.out;
   if (fs::equivalent(folder, from.parent_path().empty() ? fs::path(".") : from.parent_path(), error))
     return fail(folder.string(), "holds the map that is mended, which would be written over; give another folder");
   const fs::path name = absolute_path(from / "x").parent_path().filename();
@@ -78,7 +81,10 @@ Result<fs::path> write_mended(const VolumeRead& map, const fs::path& from, const
     file = folder / (file_stem(file) + ".seg.nrrd");
     warnings.push_back(from.string() + ": its format is not written, so the mended map is " + file.string());
   }
-  if (auto written = write_segmentation(map, file); !written) return fail(written.error());
+  const auto record = record_of(job.command.with("MAP", {from}), progress);
+  if (!record) return fail(record.error());
+  const std::string of_file = record_of_output(*record, file.filename().string());
+  if (auto written = write_segmentation(map, file, nullptr, of_file); !written) return fail(written.error());
   return file;
 }
 
@@ -144,7 +150,7 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
   if (!repaired) return fail(path.string(), repaired.error().what);
   Report report;
   report.warnings = map->read.warnings;
-  const auto file = write_mended(map->read, path, job.out, report.warnings);
+  const auto file = write_mended(job, map->read, path, report.warnings, progress);
   if (!file) return fail(file.error());
   auto cases = write_worklist(job, set, path, *map, *repaired, *file, report.warnings);
   if (!cases) return fail(cases.error());
@@ -201,8 +207,9 @@ void add_repair(CLI::App& app, CommandLine& asked) {
       ->check(CLI::ExistingPath);
   verb->add_option("--frame", job->frame, "Which frame of a label map with several")->check(CLI::Range(0, 100000));
   verb->add_option("-o,--output", job->out, "The folder for the mended maps, each under its own name")->required();
-  verb->callback([job, &asked] {
+  verb->callback([job, verb, &asked] {
     if (!job->image.empty() && job->maps.size() > 1) throw CLI::ValidationError("--image", "is for one map only");
+    job->command = given_command(*verb);
     asked.run = [job](Progress& progress) { return repair_maps(*job, progress); };
   });
 }

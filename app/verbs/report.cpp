@@ -1,7 +1,9 @@
 #include "app/pictures/pictures.h"
+#include "app/verbs/record.h"
 #include "app/verbs/report_content.h"
 #include "app/verbs/report_page.h"
 #include "app/verbs/verbs.h"
+#include "core/base/file_record.h"
 #include "core/base/files.h"
 #include "core/base/picture_module.h"
 #include "core/base/text.h"
@@ -29,7 +31,7 @@ Result<std::string> picture_of_modes(const ShapeModel& model) {
   return std::string(bytes->begin(), bytes->end());
 }
 
-Result<Report> write_report(const ReportVerb& verb, Progress& progress) {
+Result<Report> write_report(const ReportVerb& verb, const GivenCommand& command, Progress& progress) {
   auto content = page_content(verb, progress);
   if (!content) return fail(content.error());
   progress.part(0.9, 1);
@@ -41,10 +43,17 @@ Result<Report> write_report(const ReportVerb& verb, Progress& progress) {
   const std::string page = report_page(*content, picture.value_or(""));
   if (progress.cancelled()) return fail("", "cancelled");
   if (auto written = write_whole_file(verb.out, page); !written) return fail(written.error());
+  if (!verb.without_names) {  // a record has the names of the inputs
+    const auto record = record_of(command, progress);
+    const auto added = record ? add_record(verb.out, *record) : fail(record.error());
+    if (!added) return fail(added.error());
+  }
+  const auto bytes = size_of_file(verb.out);
+  if (!bytes) return fail(bytes.error());
   constexpr std::size_t large_bytes = 10'000'000;
-  if (page.size() > large_bytes)
+  if (*bytes > large_bytes)
     report.warnings.push_back(
-        "the page has " + std::to_string(page.size() / 1'000'000) +
+        "the page has " + std::to_string(*bytes / 1'000'000) +
         " MB and opens slowly; show fewer modes with --modes, or make the model of coarser meshes");
   const auto left_out = std::ssize(content->cases) - content->cases_in_model();
   report.values = {{"cases", content->cases_in_model()},
@@ -53,7 +62,7 @@ Result<Report> write_report(const ReportVerb& verb, Progress& progress) {
                    {"modes", content->model.modes()},
                    {"groups", content->groups()},
                    {"picture", picture.has_value()},
-                   {"bytes", page.size()}};
+                   {"bytes", *bytes}};
   return report;
 }
 
@@ -66,7 +75,10 @@ Result<std::vector<std::string>> write_study_report(const std::filesystem::path&
   verb.training.keep_scale = alignment == Alignment::rigid;
   verb.training.no_align = alignment == Alignment::none;
   verb.out = out;
-  auto written = write_report(verb, progress);
+  GivenCommand command{"report", {{"SHAPE", {study.string()}}}};
+  if (verb.training.keep_scale) command.options.push_back({"--keep-scale", {}});
+  if (verb.training.no_align) command.options.push_back({"--no-align", {}});
+  auto written = write_report(verb, command, progress);
   if (!written) return fail(written.error());
   return std::move(written->warnings);
 }
@@ -104,7 +116,9 @@ void add_report(CLI::App& app, CommandLine& asked) {
       for (const char* option : {"--keep-scale", "--no-align", "--all-frames", "--flip-mirrored", "--group",
                                  "--without-doubtful", "--structures", "--samples"})
         refuse_without_effect(*verb, option, "shapes");
-    asked.run = [options](Progress& progress) { return write_report(*options, progress); };
+    asked.run = [options, command = given_command(*verb)](Progress& progress) {
+      return write_report(*options, command, progress);
+    };
   });
 }
 

@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "app/verbs/read_image.h"
+#include "app/verbs/record.h"
 #include "app/verbs/verbs.h"
 #include "core/adapt/choose_closing.h"
 #include "core/adapt/fit.h"
@@ -29,13 +30,15 @@ struct ScoreJob {
   fs::path model, out;
   std::string label;
   std::optional<int> frame;
+  GivenCommand command;
 };
 
 /// A shape to score, in the model's numbering.
 struct NewShape {
   std::string name;  ///< the file's
   MeshFile mesh;
-  std::string doubt;  ///< why the fit is in doubt; empty: it is not, or it was none
+  std::string doubt;     ///< why the fit is in doubt; empty: it is not, or it was none
+  std::size_t from = 0;  ///< which of the files that were named
 };
 
 /// Fits the model's mean to a label map, as `fit` does with one case.
@@ -98,17 +101,18 @@ std::shared_ptr<const Template> mean_of(const ShapeModel& model) {
 Result<std::vector<NewShape>> read_new_shapes(const ScoreJob& job, const ShapeModel& model,
                                               std::vector<std::string>& warnings, Progress& progress) {
   std::vector<NewShape> shapes;
+  std::size_t from = 0;
   const auto add = [&](Result<NewShape> shape) {
-    if (shape)
-      shapes.push_back(std::move(*shape));
-    else
-      warnings.push_back(shape.error().sentence());
+    if (!shape) return warnings.push_back(shape.error().sentence());
+    shape->from = from;
+    shapes.push_back(std::move(*shape));
   };
   std::shared_ptr<const Template> mean;
   std::error_code error;
   const auto count = static_cast<double>(job.files.size());
   for (std::size_t k = 0; k < job.files.size(); ++k) {
     const fs::path& path = job.files[k];
+    from = k;
     Progress own(progress, 1 / count);
     if (progress.cancelled()) return fail("", "the scores were cancelled");
     if (!model.parts.empty() && fs::is_directory(path, error)) {
@@ -124,7 +128,7 @@ Result<std::vector<NewShape>> read_new_shapes(const ScoreJob& job, const ShapeMo
         continue;
       }
       const auto take = [&](ReadShape shape) -> Result<void> {
-        shapes.push_back({std::move(shape.name), *shape.mesh, std::move(shape.doubt)});
+        shapes.push_back({std::move(shape.name), *shape.mesh, std::move(shape.doubt), k});
         return {};
       };
       const auto read = read_shapes(*sources, {.doubts = true}, take, &own);
@@ -164,11 +168,13 @@ Json described_score(const std::string& name, const ShapeScore& score, const Sha
 }
 
 /// Writes a shape with z of each vertex, where it lies: as VTP, since in PLY z is a coordinate.
-Result<void> write_scored(const MeshFile& shape, const ShapeModel& model, const ShapeScore& score, const fs::path& to) {
+Result<void> write_scored(const MeshFile& shape, const ShapeModel& model, const ShapeScore& score, std::string record,
+                          const fs::path& to) {
   const MeshFile file{.points = shape.points,
                       .triangles = model.topology->triangles(),
                       .doubt_mm = shape.doubt_mm,
-                      .values = {{"z", score.z}, {"z_low", score.z_low}, {"z_high", score.z_high}}};
+                      .values = {{"z", score.z}, {"z_low", score.z_low}, {"z_high", score.z_high}},
+                      .record = std::move(record)};
   return write_mesh_file(file, to);
 }
 
@@ -204,6 +210,7 @@ Result<Report> score(const ScoreJob& job, Progress& progress) {
   if (!job.out.empty())
     if (auto made = make_folder(job.out); !made) return fail(made.error());
   Json subjects = Json::array();
+  std::vector<std::string> of_files(job.files.size());  // records, each of what one file gives
   for (std::size_t k = 0; k < shapes->size(); ++k) {
     const MeshFile& mesh = (*shapes)[k].mesh;
     const auto scored = score_shape(*model, mesh.points, mesh.doubt_mm ? *mesh.doubt_mm : VertexScalars());
@@ -213,7 +220,14 @@ Result<Report> score(const ScoreJob& job, Progress& progress) {
     }
     subjects.push_back(described_score(names[k], *scored, *model, (*shapes)[k].doubt));
     if (job.out.empty()) continue;
-    if (auto written = write_scored(mesh, *model, *scored, job.out / (names[k] + ".vtp")); !written)
+    auto record = of_files[(*shapes)[k].from];
+    if (record.empty()) {
+      auto made = record_of(job.command.with("NEW", {job.files[(*shapes)[k].from]}), progress);
+      if (!made) return fail(made.error());
+      of_files[(*shapes)[k].from] = record = std::move(*made);
+    }
+    const std::string file = names[k] + ".vtp";
+    if (auto written = write_scored(mesh, *model, *scored, record_of_output(record, file), job.out / file); !written)
       return fail(written.error());
   }
   if (subjects.empty())
@@ -222,6 +236,7 @@ Result<Report> score(const ScoreJob& job, Progress& progress) {
                                         : "gives no shape to score; the first reason: " + report.warnings.front());
   if (!job.out.empty())
     if (auto written = write_score_table(subjects, job.out / "scores.csv"); !written) return fail(written.error());
+  if (!job.out.empty()) report.made = {job.out / "scores.csv"};
   const auto& others = model->left_out_distances;
   report.values = {{"subjects", std::move(subjects)},
                    {"training_distances", std::vector<double>(others.begin(), others.end())}};
@@ -243,7 +258,10 @@ void add_score(CLI::App& app, CommandLine& asked) {
   add_mask_frame_option(*verb, job->frame);
   verb->add_option("-o,--output", job->out,
                    "Folder for scores.csv and for each mesh (.vtp) with z, z_low and z_high of every vertex");
-  verb->callback([job, &asked] { asked.run = [job](Progress& progress) { return score(*job, progress); }; });
+  verb->callback([job, verb, &asked] {
+    job->command = given_command(*verb);
+    asked.run = [job](Progress& progress) { return score(*job, progress); };
+  });
 }
 
 }  // namespace homolog

@@ -325,6 +325,7 @@ Result<Report> write_set(const SetJob& job, SetInMaking& making) {
   Report report;
   report.warnings = std::move(making.warnings);
   report.values = {{"set", job.out.string()}, {"structures", making.rows}};
+  report.made = {job.out};
   return report;
 }
 

@@ -38,7 +38,8 @@ struct TestJob {
   Eigen::MatrixXd responses{};  ///< a case a column
   Eigen::VectorXd root_weights{};
   Permutations permutations{};
-  Eigen::Index modes = 0;  ///< where the shape is what explains
+  Eigen::Index modes = 0;          ///< where the shape is what explains
+  std::vector<fs::path> tables{};  ///< those that were written
 
   bool of_shape() const { return options.asked.formula.response.name == "shape"; }
   double vertices() const { return static_cast<double>(cases.shapes.rows()) / 3; }
@@ -172,6 +173,11 @@ std::string too_few_permutations(const DesignTerm& term, const LandmarkTest& tes
          " vertices have the least p that these allow; ask for more with --permutations";
 }
 
+Result<void> write_table(TestJob& job, const fs::path& file, const std::string& table) {
+  job.tables.push_back(file);
+  return write_whole_file(file, table);
+}
+
 Result<void> write_landmarks(TestJob& job, const fs::path& file, Progress& progress) {
   std::string table = "term,vertex,p,q,effect_mm,outward_mm\n";
   const Eigen::VectorXd mean = job.cases.shapes.rowwise().mean();
@@ -189,19 +195,19 @@ Result<void> write_landmarks(TestJob& job, const fs::path& file, Progress& progr
       outward = outward_mm(Mesh{job.cases.topology, points_of(mean)}, test.offset);
     table += landmark_rows(job.design.terms[t].name, test, outward);
   }
-  return write_whole_file(file, table);
+  return write_table(job, file, table);
 }
 
-Result<void> write_cases(const TestJob& job, const fs::path& file) {
+Result<void> write_cases(TestJob& job, const fs::path& file) {
   std::string table = "case,size_mm,weight\n";
   for (Eigen::Index k = 0; k < job.design.cases(); ++k)
     table += csv_field(case_named(job.cases, k)) + ',' + number(job.cases.sizes_mm[k]) + ',' +
              number(job.root_weights[k] * job.root_weights[k]) + '\n';
-  return write_whole_file(file, table);
+  return write_table(job, file, table);
 }
 
 /// Where each case has a vertex, aligned, and how far outside of the mean shape.
-Result<void> write_places(const TestJob& job, Eigen::Index vertex, const fs::path& file) {
+Result<void> write_places(TestJob& job, Eigen::Index vertex, const fs::path& file) {
   const ShapeMatrix& shapes = job.cases.shapes;
   const Eigen::VectorXd mean = shapes.rowwise().mean();
   std::string table = "case,x_mm,y_mm,z_mm,outward_mm\n";
@@ -215,7 +221,7 @@ Result<void> write_places(const TestJob& job, Eigen::Index vertex, const fs::pat
     }
     table += '\n';
   }
-  return write_whole_file(file, table);
+  return write_table(job, file, table);
 }
 
 /// The tables that --csv asks for; gives the path of that of the vertices, null without one.
@@ -303,6 +309,7 @@ Result<Report> run_test(TestOptions options, Progress& progress) {
     auto landmarks = write_tables(job, progress);
     if (!landmarks) return fail(landmarks.error());
     report.values["landmarks"] = std::move(*landmarks);
+    report.made = std::move(job.tables);
   }
   report.warnings = std::move(job.cases.warnings);
   return report;

@@ -23,7 +23,8 @@ using Json = nlohmann::ordered_json;
 struct Report {
   Json values = Json::object();
   std::vector<std::string> warnings;
-  std::optional<Error> refusal{};  ///< what was reported is no success: printed after it, with exit status 1
+  std::vector<std::filesystem::path> made{};  ///< files that still have to get the record of the command [record.h]
+  std::optional<Error> refusal{};             ///< what was reported is no success: printed after it, with exit status 1
 };
 
 /// The work of a verb.

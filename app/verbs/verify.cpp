@@ -147,7 +147,9 @@ Result<Report> do_again(std::vector<std::string> arguments, Progress& progress) 
     return fail("", std::string("its command cannot be done again by this version: ") + error.what());
   }
   if (!asked.run) return fail("", "its command cannot be done again by this version");
-  return asked.run(progress);
+  const CLI::App* verb = &app;
+  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  return run_recorded(asked.run, *verb, progress);
 }
 
 /// The file that is made anew: of a folder that one which the record says.

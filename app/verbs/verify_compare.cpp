@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/file_record.h"
 #include "core/base/files.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/statismo.h"
+#include "core/volume/formats/formats.h"
+#include "core/volume/readers.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {
@@ -80,6 +83,19 @@ Result<FileDifference> difference_of_volumes(const fs::path& file, const fs::pat
   return difference;
 }
 
+/// Of tables, pages and pictures.
+FileDifference difference_of_bytes(std::string_view a, std::string_view b) {
+  FileDifference difference;
+  const auto differ = std::ranges::mismatch(a, b);
+  difference.same_content = a == b;
+  const std::string_view same = a.substr(0, static_cast<std::size_t>(differ.in1 - a.begin()));
+  const bool is_text = a.find('\0') == a.npos;
+  if (difference.same_content) return difference;
+  difference.in_words =
+      is_text ? "line " + std::to_string(1 + std::ranges::count(same, '\n')) + " is another" : "its bytes are others";
+  return difference;
+}
+
 }  // namespace
 
 Result<FileDifference> difference_of_files(const fs::path& file, const fs::path& anew, Progress& progress) {
@@ -89,7 +105,9 @@ Result<FileDifference> difference_of_files(const fs::path& file, const fs::path&
   if (*a == *b) return FileDifference{true, true, 0, std::nullopt, {}};
   if (is_mesh_name(file)) return difference_of_meshes(file, anew);
   if (is_model_name(file)) return difference_of_models(file, anew);
-  return difference_of_volumes(file, anew, progress);
+  if (has_ending(file, volume_format_endings(&VolumeFormat::written)))
+    return difference_of_volumes(file, anew, progress);
+  return difference_of_bytes(without_record(file, *a), without_record(anew, *b));
 }
 
 }  // namespace homolog

@@ -375,6 +375,25 @@
     else select();
   }
 
+  /// The page carries how it was made. What it was made of stands here as well.
+  function listInputs() {
+    const record = document.getElementById("homolog.record"), inputs = [];
+    if (!record) return;
+    const gather = one => {
+      if (one === null || typeof one !== "object") return;
+      if (one.sha256) inputs.push(one);
+      Object.values(one).forEach(gather);
+    };
+    gather(JSON.parse(record.textContent).options);
+    for (const one of inputs) {
+      const row = find("inputs").querySelector("tbody").insertRow(), name = document.createElement("th");
+      name.textContent = one.file;
+      row.append(name);
+      Object.assign(row.insertCell(), { textContent: one.sha256, className: "word hash" });
+    }
+    find("inputs").hidden = inputs.length === 0;
+  }
+
   // WebGL may be missing or switched off: then the picture of the modes stands in its place.
   try {
     view = new ShapeView(find("view"));
@@ -393,6 +412,7 @@
     recolour();
     showShape();
   }
+  listInputs();
   find("copy").addEventListener("click", copyMethods);
 
   // What the tests of the page ask for.

@@ -1,6 +1,9 @@
 #include "core/base/file_record.h"
 
+#include <zlib.h>
+
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -74,6 +77,89 @@ std::string from_vtp(std::string_view text) {
   return record;
 }
 
+/// A number as PNG has it: the highest byte first.
+std::string four_bytes(std::size_t number) {
+  std::string bytes;
+  for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(number >> shift & 0xff);
+  return bytes;
+}
+
+std::size_t number_at(std::string_view bytes, std::size_t at) {
+  std::size_t number = 0;
+  for (std::size_t k = 0; k < 4 && at + k < bytes.size(); ++k)
+    number = number << 8 | static_cast<unsigned char>(bytes[at + k]);
+  return number;
+}
+
+constexpr std::string_view png_start = "\x89PNG\r\n\x1a\n";
+/// Signature and first chunk; PNG wants that chunk first.
+constexpr std::size_t png_text_at = 33;
+
+/// A chunk of text with its key.
+std::string png_chunk(std::string_view record) {
+  std::string chunk = "tEXt" + std::string(record_key) + '\0' + std::string(record);
+  const auto sum = ::crc32(0, reinterpret_cast<const Bytef*>(chunk.data()), static_cast<uInt>(chunk.size()));
+  return four_bytes(chunk.size() - 4) + chunk + four_bytes(sum);
+}
+
+/// The record's place in a file; empty where there is none.
+struct Place {
+  std::size_t from = 0, size = 0;    ///< of the record
+  std::size_t begin = 0, whole = 0;  ///< of what holds it
+};
+
+Place place_in_png(std::string_view bytes) {
+  const std::string key = "tEXt" + std::string(record_key) + '\0';
+  constexpr std::size_t at = png_text_at, numbers = 8;  // length and sum
+  if (!bytes.starts_with(png_start) || bytes.size() < at + numbers) return {};
+  const std::size_t size = number_at(bytes, at);
+  if (bytes.substr(at + 4, key.size()) != key || size + 4 < key.size() || bytes.size() < at + numbers + 4 + size)
+    return {};
+  return {at + 4 + key.size(), size + 4 - key.size(), at, size + numbers + 4};
+}
+
+/// How a text format holds a record: behind the first `after`, between `begin` and `end`.
+struct RecordInText {
+  std::string_view ending, after, begin, end;
+};
+
+constexpr std::array record_in_text{
+    RecordInText{".svg", "<svg", "<metadata id=\"homolog.record\">", "</metadata>\n"},
+    RecordInText{".html", "<head>", "\n<script type=\"application/json\" id=\"homolog.record\">", "</script>"},
+    RecordInText{".htm", "<head>", "\n<script type=\"application/json\" id=\"homolog.record\">", "</script>"},
+    RecordInText{".json", "{", "\n  \"homolog.record\": ", ","},
+};
+
+bool is_png_name(const fs::path& path) {
+  return lower_case(path.extension().string()) == ".png";
+}
+
+const RecordInText* form_of(const fs::path& path) {
+  const auto form = std::ranges::find(record_in_text, lower_case(path.extension().string()), &RecordInText::ending);
+  return form == record_in_text.end() ? nullptr : &*form;
+}
+
+/// Angle brackets would end what they stand in; JSON may escape them.
+std::string without_brackets(std::string_view record) {
+  std::string text;
+  for (const char c : record)
+    text += c == '<' ? "\\u003c" : c == '>' ? "\\u003e" : c == '&' ? "\\u0026" : std::string(1, c);
+  return text;
+}
+
+Place place_in_text(const RecordInText& form, std::string_view text) {
+  const std::size_t at = text.find(form.begin);
+  if (at == text.npos) return {};
+  const std::size_t from = at + form.begin.size(), line = std::min(text.find('\n', from), text.size() - 1);
+  const std::size_t end = text.substr(0, line + 1).rfind(form.end);
+  return end == text.npos || end < from ? Place() : Place{from, end - from, at, end + form.end.size() - at};
+}
+
+Place place_in(const fs::path& path, std::string_view bytes) {
+  if (const RecordInText* form = form_of(path)) return place_in_text(*form, bytes);
+  return is_png_name(path) ? place_in_png(bytes) : Place();
+}
+
 /// The begin of a file, where headers are.
 Result<std::string> header_bytes(const fs::path& path) {
   if (const auto size = size_of_file(path); !size) return fail(size.error());
@@ -125,6 +211,27 @@ std::string record_of_vtp(std::string_view record) {
          codes + "0</DataArray>\n";
 }
 
+Result<void> add_record(const fs::path& path, std::string_view record) {
+  const RecordInText* form = form_of(path);
+  const bool is_png = is_png_name(path);
+  if (form == nullptr && !is_png) return write_record_file(path, record);
+  auto bytes = read_whole_file(path);
+  if (!bytes) return fail(bytes.error());
+  if (is_png && bytes->starts_with(png_start) && bytes->size() > png_text_at)
+    return write_whole_file(path, bytes->insert(png_text_at, png_chunk(record)));
+  std::size_t at = is_png ? bytes->npos : bytes->find(form->after);
+  if (at != bytes->npos) at += form->after.size();
+  if (at != bytes->npos && form->after.starts_with('<') && !form->after.ends_with('>')) at = bytes->find('>', at) + 1;
+  if (at == bytes->npos || at == 0) return fail(path.string(), "was changed by another program while it was written");
+  return write_whole_file(
+      path, bytes->insert(at, std::string(form->begin) + without_brackets(record) + std::string(form->end)));
+}
+
+std::string without_record(const fs::path& path, std::string bytes) {
+  const Place place = place_in(path, bytes);
+  return bytes.erase(place.begin, place.whole);
+}
+
 bool is_record_file(const fs::path& path) {
   return path.filename().string().ends_with(record_extension);
 }
@@ -154,6 +261,7 @@ Result<std::optional<std::string>> read_record(const fs::path& path) {
   if (extension == ".nrrd") record = from_nrrd(*header);
   if (extension == ".vtk") record = from_vtk(*header);
   if (extension == ".vtp") record = from_vtp(*header);
+  if (const Place place = place_in(path, *header); place.size > 0) record = header->substr(place.from, place.size);
   if (!record.empty()) return record;
   const fs::path beside = record_file_of(path);
   if (std::error_code none; !fs::exists(beside, none)) return std::nullopt;

@@ -28,6 +28,13 @@ std::string record_of_vtk(std::string_view record);
 /// An array of VTP's FieldData.
 std::string record_of_vtp(std::string_view record);
 
+/// Puts a record into a file that was written whole: a picture (.png, .svg), a page (.html) or JSON holds it, any other
+/// format has it beside. Errors: the file is none of its format, the system refuses.
+Result<void> add_record(const std::filesystem::path& path, std::string_view record);
+
+/// What such a file held before: `bytes` without the record, where it holds one in itself.
+std::string without_record(const std::filesystem::path& path, std::string bytes);
+
 /// Whether a file is one that holds the record of another.
 bool is_record_file(const std::filesystem::path& path);
 /// "a.nii.gz.made.json" of "a.nii.gz".

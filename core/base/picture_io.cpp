@@ -45,6 +45,13 @@ Result<void> write_picture(const Picture& picture, const fs::path& path) {
   return write_whole_file(path, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
 }
 
+Result<void> can_write_picture(const fs::path& path) {
+  const auto module = picture_module();
+  if (!module) return fail(module.error());
+  const auto bytes = (*module)->encode({1, 1, std::vector<std::uint8_t>(4)}, path);
+  return bytes ? Result<void>() : fail(bytes.error());
+}
+
 Result<void> write_gif(const std::vector<Picture>& frames, int hundredths, const fs::path& path) {
   const auto module = picture_module();
   if (!module) return fail(module.error());

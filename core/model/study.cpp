@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/file_record.h"
 #include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
@@ -124,6 +125,7 @@ Result<Study> parsed_study(Json json, const fs::path& folder) {
       return fail("", "has two cases named \"" + excerpt(one->name) + "\"; rename one of them");
     study.cases.push_back(std::move(*one));
   }
+  json.erase(std::string(record_key));  // of the file as it was made: a study goes on
   study.other = std::move(json);
   return study;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/colour.h"
+#include "core/base/file_record.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/base/paths.h"
@@ -195,6 +196,7 @@ Result<TemplateSet> parsed_set(Json json, const fs::path& folder) {
       return fail("", "has two structures named \"" + excerpt(one->name) + "\"; rename one of them");
     set.structures.push_back(std::move(*one));
   }
+  json.erase(std::string(record_key));  // of the file as it was made
   set.other = std::move(json);
   return set;
 }

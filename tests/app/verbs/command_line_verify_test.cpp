@@ -1,4 +1,5 @@
 // The command-line contract of docs/verify.md: records in what verbs write, and `verify`.
+#include "core/base/picture_io.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
@@ -120,6 +121,70 @@ TEST_CASE("models are verified in both formats and name all their shapes") {
   check_refused(run(folder, "verify m.h5"), "made of 2.ply, which");
 }
 
+TEST_CASE("tables pages and pictures are verified and what was changed in them is named") {
+  const VerifyFolder folder;
+  fs::create_directory(folder.path / "shapes");
+  std::string covariates = "name,age\n";
+  for (const int k : {1, 2, 3, 4, 5}) {
+    Mesh shape = icosphere(2, 20);
+    shape.points.col(2) *= 1 + 0.1 * k;
+    shape.points.col(1) *= 1 + 0.02 * k * k;
+    REQUIRE(write_mesh(shape, folder.path / "shapes" / (std::to_string(k) + ".ply")));
+    covariates += std::to_string(k) + ',' + std::to_string(40 + 7 * k % 5) + '\n';
+  }
+  write_bytes(folder.path / "data/ages.csv", covariates);
+  REQUIRE(run(folder, "model shapes -o m.h5").status == 0);
+  const std::vector<std::pair<std::string, std::string>> made{
+      {"score shapes/1.ply shapes/2.ply --model m.h5 -o ", "scores/scores.csv"},
+      {"score shapes/1.ply shapes/2.ply --model m.h5 -o ", "scores/2.vtp"},
+      {"test shapes --covariates data/ages.csv --formula 'shape ~ age' --csv ", "tests/landmarks.csv"},
+      {"evaluate shapes --samples 10 --csv ", "e.csv"},
+      {"measure shapes -o ", "s.csv"},
+      {"landmarks shapes --vertices -o ", "l.tps"},
+      {"observers shapes shapes --csv ", "o.csv"},
+      {"picture plot m.h5 -o ", "p.svg"},
+      {"picture plot m.h5 -o ", "p.pdf"},
+      {"picture plot m.h5 -o ", "p.png"},
+      {"report m.h5 -o ", "r.html"},
+  };
+  for (const auto& [command, file] : made) {
+    CAPTURE(file);
+    const std::string folder_of = fs::path(file).parent_path().string();
+    const Ran ran = run(folder, command + (folder_of.empty() ? file : folder_of));
+    REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+    CHECK(verified(folder, file + " --inputs .")["same"] == true);
+    CHECK(folder.bytes(file).find(folder.path.string()) == std::string::npos);
+    const fs::path beside = folder.path / (file + ".made.json");
+    const std::string ending = fs::path(file).extension();
+    CHECK(fs::exists(beside) == (ending == ".csv" || ending == ".tps" || ending == ".pdf"));
+    if (ending == ".png") REQUIRE(read_picture(folder.path / file));
+    if (ending == ".vtp") continue;
+    const std::string bytes = folder.bytes(file);
+    write_bytes(folder.path / file, bytes + "1");
+    const Ran changed = run(folder, "verify " + file + " --inputs .");
+    CHECK(changed.status == 1);
+    CHECK(changed.errors.find(ending == ".png" || ending == ".pdf" ? "its bytes are others" : " is another") !=
+          std::string::npos);
+  }
+  // Names of cases may be those of patients.
+  REQUIRE(run(folder, "report shapes --samples 10 --without-names -o n.html").status == 0);
+  CHECK(folder.bytes("n.html").find("1.ply") == std::string::npos);
+}
+
+TEST_CASE("a score says how it was made as it would alone") {
+  const VerifyFolder folder;
+  fs::create_directory(folder.path / "shapes");
+  for (const int k : {1, 2, 3, 4}) {
+    Mesh shape = icosphere(2, 20);
+    shape.points.col(2) *= 1 + 0.1 * k * k;
+    REQUIRE(write_mesh(shape, folder.path / "shapes" / (std::to_string(k) + ".ply")));
+  }
+  REQUIRE(run(folder, "model shapes -o m.h5").status == 0);
+  REQUIRE(run(folder, "score shapes/3.ply --model m.h5 -o alone").status == 0);
+  REQUIRE(run(folder, "score shapes/1.ply shapes/2.ply shapes/3.ply --model m.h5 -o all").status == 0);
+  CHECK(folder.bytes("alone/3.vtp") == folder.bytes("all/3.vtp"));
+}
+
 TEST_CASE("every format carries its record and what is made of it carries its own alone") {
   const VerifyFolder folder;
   for (const std::string name : {"m.ply", "m.obj", "m.vtk", "m.vtp", "m.stl", "m.particles"}) {
@@ -172,6 +237,17 @@ TEST_CASE("each file of a fitted set is verified") {
   REQUIRE(run(folder, "fit data/two.set.json --mask data/long.nii.gz -o sets").status == 0);
   CHECK(verified(folder, "sets/long/A.ply --inputs data")["inputs"].size() == 3);
   CHECK(verified(folder, "sets/long.seg.nrrd --inputs data")["same"] == true);
+}
+
+TEST_CASE("a template set and a mended map are verified and a set that goes on has no old record") {
+  const VerifyFolder folder;
+  REQUIRE(run(folder, "set make data/long.nii.gz --all --vertices 300 -o pear.set.json").status == 0);
+  CHECK(verified(folder, "pear.set.json")["command"] == "set make");
+  REQUIRE(run(folder, "repair data/round.nii.gz data/long.nii.gz --templates pear.set.json -o mended").status == 0);
+  CHECK(verified(folder, "mended/long.nii.gz --inputs .")["inputs"].size() == 3);
+  const std::string name = Json::parse(folder.bytes("pear.set.json"))["structures"][0]["name"];
+  REQUIRE(run(folder, "set rename pear.set.json \"" + name + "\" core").status == 0);
+  check_refused(run(folder, "verify pear.set.json"), "carries no record");
 }
 
 TEST_CASE("edits by hand are verified by playing their case which may have gone on since") {

@@ -1,17 +1,12 @@
 #include <cmath>
 #include <filesystem>
-#include <map>
-#include <optional>
 
-#include "app/verbs/test_cases.h"
+#include "app/verbs/test_job.h"
 #include "core/base/files.h"
 #include "core/mesh/formats/formats.h"
 #include "core/model/groups.h"
 #include "core/model/model_files.h"
-#include "core/statistics/design.h"
 #include "core/statistics/landmark_test.h"
-#include "core/statistics/linear_test.h"
-#include "core/statistics/parallel_analysis.h"
 
 // The verb `test`: what shapes have to do with what is known of their cases.
 
@@ -21,130 +16,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct TestOptions {
-  TestCasesAsked asked;
-  std::string formula;
-  Eigen::Index permutations = 999, modes = 0;
-  std::uint64_t seed = 1;
-  fs::path permutation_file, tables;
-  std::vector<Eigen::Index> at;  ///< vertices whose places are written
-};
-
-/// What is computed with.
-struct TestJob {
-  const TestOptions& options;
-  TestCases cases;
-  Design design{};
-  Eigen::MatrixXd responses{};  ///< a case a column
-  Eigen::VectorXd root_weights{};
-  Permutations permutations{};
-  Eigen::Index modes = 0;          ///< where the shape is what explains
-  std::vector<fs::path> tables{};  ///< those that were written
-
-  bool of_shape() const { return options.asked.formula.response.name == "shape"; }
-  double vertices() const { return static_cast<double>(cases.shapes.rows()) / 3; }
-};
-
 std::string case_named(const TestCases& cases, Eigen::Index k) {
   return cases.names[static_cast<std::size_t>(k)];
-}
-
-/// Sizes or a column as numbers.
-Result<Eigen::VectorXd> numbers_asked(const TestCases& cases, const Variable& variable) {
-  if (cases.table.column(variable.name)) return numbers_of(cases.table, cases.rows, variable);
-  return transformed(variable, cases.sizes_mm, [&](Eigen::Index k) { return case_named(cases, k); });
-}
-
-/// The first modes of the shapes, as numbers that explain.
-Result<CodedVariable> coded_modes(TestJob& job, Progress& progress) {
-  const PrincipalComponents components = principal_components(job.cases.shapes);
-  job.modes =
-      job.options.modes > 0 ? job.options.modes : modes_above_chance(job.cases.shapes, job.options.seed, &progress);
-  if (job.modes == 0) return fail("shape", "has no mode that holds more than chance; ask for some with --modes");
-  if (job.modes > components.scatter.size())
-    return fail("--modes", "asks for " + std::to_string(job.modes) + " modes, and the shapes have " +
-                               std::to_string(components.scatter.size()));
-  const Eigen::MatrixXd scores = components.scores().topRows(job.modes).transpose();
-  const Eigen::VectorXd deviations = components.variances().head(job.modes).cwiseSqrt();
-  return CodedVariable{scores * deviations.cwiseInverse().asDiagonal(), {}};
-}
-
-Result<void> put_design(TestJob& job, Progress& progress) {
-  const TestCasesAsked& asked = job.options.asked;
-  std::vector<FormulaTerm> terms = asked.formula.terms;
-  if (!asked.paired.empty()) terms.insert(terms.begin(), {{Variable::By::factor, asked.paired}});
-  const auto code = [&](const Variable& variable) -> Result<CodedVariable> {
-    if (variable.name == "shape") return coded_modes(job, progress);
-    if (job.cases.table.column(variable.name)) return coded_column(job.cases.table, job.cases.rows, variable);
-    const auto numbers = numbers_asked(job.cases, variable);
-    if (!numbers) return fail(numbers.error());
-    return coded_numbers(variable.text(), *numbers);
-  };
-  auto design = make_design(terms, asked.paired.empty() ? 0 : 1, code);
-  if (!design) return fail(design.error());
-  job.design = std::move(*design);
-  return {};
-}
-
-Result<void> put_responses(TestJob& job) {
-  const Variable& response = job.options.asked.formula.response;
-  if (job.of_shape()) {
-    job.responses = job.cases.shapes;
-    return {};
-  }
-  const auto numbers = numbers_asked(job.cases, response);
-  if (!numbers) return fail(numbers.error());
-  if (const auto varied = coded_numbers(response.text(), *numbers); !varied) return fail(varied.error());
-  job.responses = numbers->transpose();
-  return {};
-}
-
-/// w = s² / (s² + d²): d is a case's doubt, s² what the model leaves of a vertex without weights [docs/statistics.md].
-Result<void> put_weights(TestJob& job) {
-  job.root_weights.setOnes(job.design.cases());
-  const std::vector<double>& doubts = job.cases.doubt_mm;
-  if (doubts.empty()) return {};
-  std::size_t unknown = 0;
-  for (const double doubt : doubts) unknown += std::isnan(doubt) ? 1 : 0;
-  if (unknown == doubts.size())
-    return fail("--by-doubt", "has no effect: none of the shapes has a doubt, which fit and study write into them");
-  if (unknown > 0)
-    job.cases.warnings.push_back(std::to_string(unknown) + " of the shapes have no doubt and count in full");
-  const Permutations none(0, job.design.cases());
-  const LinearTest plain = test_terms(job.design, job.cases.shapes, job.root_weights, none);
-  const double left = plain.residual_ss / (static_cast<double>(plain.residual_df) * job.vertices());
-  for (std::size_t k = 0; k < doubts.size(); ++k)
-    if (!std::isnan(doubts[k]))
-      job.root_weights[static_cast<Eigen::Index>(k)] = std::sqrt(left / (left + doubts[k] * doubts[k]));
-  return {};
-}
-
-Result<void> put_permutations(TestJob& job) {
-  std::vector<int> blocks(static_cast<std::size_t>(job.design.cases()), 0);
-  const std::string& paired = job.options.asked.paired;
-  if (!paired.empty()) {
-    std::map<std::string, int> numbers;
-    const std::size_t column = *job.cases.table.column(paired);
-    for (std::size_t k = 0; k < blocks.size(); ++k) {
-      const std::string& subject = job.cases.table.cells[job.cases.rows[k]][column];
-      blocks[k] = numbers.emplace(subject, static_cast<int>(numbers.size())).first->second;
-    }
-  }
-  if (job.options.permutation_file.empty()) {
-    job.permutations = random_permutations(blocks, job.options.permutations, job.options.seed);
-    return {};
-  }
-  auto read = read_permutations(job.options.permutation_file, job.design.cases());
-  if (!read) return fail(read.error());
-  job.permutations = std::move(*read);
-  for (Eigen::Index row = 0; row < job.permutations.rows(); ++row)
-    for (std::size_t k = 0; k < blocks.size(); ++k)
-      if (const int other = job.permutations(row, static_cast<Eigen::Index>(k));
-          blocks[k] != blocks[static_cast<std::size_t>(other)])
-        return fail(job.options.permutation_file.string(), "line " + std::to_string(row + 1) +
-                                                               " moves cases from one " + paired +
-                                                               " to another; pairs have to stay together");
-  return {};
 }
 
 std::string number(double value) {
@@ -184,7 +57,7 @@ Result<void> write_landmarks(TestJob& job, const fs::path& file, Progress& progr
   const double terms = static_cast<double>(job.design.terms.size());
   for (std::size_t t = 0; t < job.design.terms.size(); ++t) {
     if (!job.design.terms[t].tested) continue;
-    progress.part(0.4 + 0.6 * static_cast<double>(t) / terms, 0.4 + 0.6 * static_cast<double>(t + 1) / terms);
+    progress.part(0.4 + 0.4 * static_cast<double>(t) / terms, 0.4 + 0.4 * static_cast<double>(t + 1) / terms);
     const LandmarkTest test =
         test_landmarks(job.design, t, job.responses, job.root_weights, job.permutations, &progress);
     if (progress.cancelled()) return fail("", "cancelled");
@@ -273,7 +146,7 @@ Json report_of(const TestJob& job, const LinearTest& test) {
               {"sided", "two"}};
   if (job.modes > 0) values["modes"] = job.modes;
   values.update(json_of(test, job));
-  if (!job.cases.doubt_mm.empty()) {
+  if (job.options.by_doubt) {
     const Eigen::VectorXd weights = job.root_weights.cwiseAbs2();
     values["weights"] = {{"min", weights.minCoeff()}, {"mean", weights.mean()}, {"max", weights.maxCoeff()}};
   }
@@ -284,24 +157,96 @@ Json report_of(const TestJob& job, const LinearTest& test) {
   return values;
 }
 
+/// The vertices of which all cases together are in less doubt than they scatter, as rows of coordinates; all of them
+/// where nothing is known.
+std::vector<Eigen::Index> sure_coordinates(const TestCases& cases) {
+  const Eigen::VectorXd mean = cases.shapes.rowwise().mean();
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index v = 0; v < cases.shapes.rows() / 3; ++v) {
+    const double scatter = (cases.shapes.middleRows(3 * v, 3).colwise() - mean.segment<3>(3 * v)).squaredNorm() /
+                           static_cast<double>(cases.shapes.cols() - 1);
+    if (cases.vertex_doubt_mm.size() > 0 && cases.vertex_doubt_mm[v] * cases.vertex_doubt_mm[v] > scatter) continue;
+    for (const Eigen::Index axis : {0, 1, 2}) rows.push_back(3 * v + axis);
+  }
+  return rows;
+}
+
+/// The same test of other shapes or of fewer vertices.
+struct TestAgain {
+  std::string of;
+  LinearTest test;
+};
+
+Result<std::vector<TestAgain>> tests_again(const TestJob& job, std::vector<std::string>& warnings, Progress& progress) {
+  std::vector<TestAgain> again;
+  if (const auto sure = sure_coordinates(job.cases); job.of_shape() && std::ssize(sure) < job.cases.shapes.rows()) {
+    const std::string doubtful = std::to_string((job.cases.shapes.rows() - std::ssize(sure)) / 3);
+    TestJob fewer = job;
+    fewer.responses = job.responses(sure, Eigen::all).eval();
+    if (sure.empty())
+      warnings.emplace_back("every vertex is in more doubt than the cases scatter");
+    else
+      again.push_back({"without the " + doubtful + " vertices in doubt", tests_of(fewer, progress)});
+  }
+  for (const fs::path& folder : job.options.templates) {
+    TestOptions options = job.options;
+    options.asked.shapes.files = {folder};
+    options.at.clear();
+    auto other = test_job(options, progress);
+    if (!other) return fail(other.error());
+    if (other->cases.names != job.cases.names)
+      warnings.push_back(folder.string() + ": has other cases (" + std::to_string(other->cases.names.size()) +
+                         " where there are " + std::to_string(job.cases.names.size()) +
+                         "), so its p may differ by that");
+    again.push_back({folder.string(), tests_of(*other, progress)});
+  }
+  return again;
+}
+
+std::string listed_of(const std::vector<TestAgain>& again) {
+  std::vector<std::string> names;
+  for (const TestAgain& one : again) names.push_back(one.of);
+  return listed(names, " and ");
+}
+
+/// Adds what the test gives without the vertices in doubt and in other templates, and one line for each term.
+Result<void> add_robustness(const TestJob& job, const LinearTest& test, Report& report, Progress& progress) {
+  constexpr double level = 0.05;
+  const auto again = tests_again(job, report.warnings, progress);
+  if (!again) return fail(again.error());
+  if (progress.cancelled()) return fail("", "cancelled");
+  if (again->empty()) return {};
+  Json rows = Json::array(), holds = Json::array();
+  for (const TestAgain& one : *again) {
+    Json terms = Json::array();
+    for (const TermTest& term : one.test.terms)
+      terms.push_back({{"name", term.name}, {"r2", term.r2}, {"f", term.f}, {"p", term.p}});
+    rows.push_back({{"of", one.of}, {"terms", std::move(terms)}});
+  }
+  for (std::size_t t = 0; t < test.terms.size(); ++t) {
+    const bool found = test.terms[t].p <= level;
+    std::vector<std::string> against;
+    for (const TestAgain& one : *again)
+      if ((one.test.terms[t].p <= level) != found) against.push_back(one.of);
+    holds.push_back(test.terms[t].name + (found ? ": p <= 0.05" : ": p > 0.05") +
+                    (against.empty() ? ", and so " + listed_of(*again) : ", but not " + listed(against, " and ")));
+  }
+  report.values["again"] = std::move(rows);
+  report.values["holds"] = std::move(holds);
+  return {};
+}
+
 Result<Report> run_test(TestOptions options, Progress& progress) {
   auto formula = read_formula(options.formula);
   if (!formula) return fail(formula.error());
   options.asked.formula = std::move(*formula);
+  options.asked.with_doubt = true;
   progress.part(0, 0.2);
-  auto cases = read_test_cases(options.asked, progress);
-  if (!cases) return fail(cases.error());
-  TestJob job{options, std::move(*cases)};
-  for (const Eigen::Index vertex : options.at)
-    if (vertex >= job.cases.shapes.rows() / 3)
-      return fail("--at", "names vertex " + std::to_string(vertex) + ", and the shapes have " +
-                              std::to_string(job.cases.shapes.rows() / 3) + ", counted from 0");
-  if (auto done = put_responses(job); !done) return fail(done.error());
-  if (auto done = put_design(job, progress); !done) return fail(done.error());
-  if (auto done = put_weights(job); !done) return fail(done.error());
-  if (auto done = put_permutations(job); !done) return fail(done.error());
-  progress.part(0.2, options.tables.empty() ? 1 : 0.4);
-  const LinearTest test = test_terms(job.design, job.responses, job.root_weights, job.permutations, &progress);
+  auto prepared = test_job(options, progress);
+  if (!prepared) return fail(prepared.error());
+  TestJob job = std::move(*prepared);
+  progress.part(0.2, options.tables.empty() ? 0.8 : 0.4);
+  const LinearTest test = tests_of(job, progress);
   if (progress.cancelled()) return fail("", "cancelled");
   Report report;
   report.values = report_of(job, test);
@@ -311,6 +256,8 @@ Result<Report> run_test(TestOptions options, Progress& progress) {
     report.values["landmarks"] = std::move(*landmarks);
     report.made = std::move(job.tables);
   }
+  progress.part(0.8, 1);
+  if (auto added = add_robustness(job, test, report, progress); !added) return fail(added.error());
   report.warnings = std::move(job.cases.warnings);
   return report;
 }
@@ -341,10 +288,12 @@ void add_test(CLI::App& app, CommandLine& asked) {
       "--paired", options->asked.paired,
       "A column whose values (subjects) hold cases that belong together: it is taken out, and cases change "
       "places within it alone");
-  verb->add_flag("--by-doubt", options->asked.with_doubt, "Cases in more doubt weigh less");
+  verb->add_flag("--by-doubt", options->by_doubt, "Cases in more doubt weigh less");
   verb->add_option("--modes", options->modes,
                    "Of \"age ~ shape\": how many modes explain (default: those that hold more than chance)")
       ->check(CLI::Range(1, 10000));
+  verb->add_option("--templates", options->templates,
+                   "Shapes of the same cases in other templates, a folder or a study each: is the answer theirs too?");
   auto* tables = verb->add_option("--csv", options->tables, "Folder for cases.csv and, of shapes, landmarks.csv");
   verb->add_option("--at", options->at, "Also write where each case has this vertex (N,N,…) into vertex-N.csv there")
       ->delimiter(',')

@@ -135,14 +135,14 @@ void leave_out_incomplete(std::vector<Partner>& partners, const std::vector<std:
   });
 }
 
-/// The root mean square doubt of each shape of the set, by its name there.
-Result<std::map<std::string, double>> doubts_of(const TrainingVerb& options, Progress& progress) {
+/// The doubt of each shape's vertices, by its name in the set.
+Result<std::map<std::string, VertexScalars>> doubts_of(const TrainingVerb& options, Progress& progress) {
   const auto sources = shape_sources(options.files, options.reading.group);
   if (!sources) return fail(sources.error());
-  std::map<std::string, double> doubts;
+  std::map<std::string, VertexScalars> doubts;
   const auto take = [&](const ReadShape& shape) {
     const auto& doubt = shape.mesh->doubt_mm;
-    if (doubt && doubt->size() > 0) doubts[shape.name] = std::sqrt(doubt->cwiseAbs2().mean());
+    if (doubt && doubt->size() > 0) doubts[shape.name] = *doubt;
     return Result<void>();
   };
   if (auto read = read_shapes(*sources, {options.reading.all_frames}, take, &progress); !read)
@@ -167,10 +167,18 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSet& set, co
   if (!asked.with_doubt) return {};
   const auto doubts = doubts_of(asked.shapes, progress);
   if (!doubts) return fail(doubts.error());
+  const Eigen::Index vertices = cases.shapes.rows() / 3;
+  VertexScalars squares = VertexScalars::Zero(vertices);
+  double known = 0;
   for (const Partner& one : partners) {
-    const auto known = doubts->find(set.names[static_cast<std::size_t>(one.shape)]);
-    cases.doubt_mm.push_back(known == doubts->end() ? std::numeric_limits<double>::quiet_NaN() : known->second);
+    const auto doubt = doubts->find(set.names[static_cast<std::size_t>(one.shape)]);
+    const bool is_known = doubt != doubts->end() && doubt->second.size() == vertices;
+    cases.doubt_mm.push_back(is_known ? std::sqrt(doubt->second.cwiseAbs2().mean())
+                                      : std::numeric_limits<double>::quiet_NaN());
+    if (is_known) squares += doubt->second.cwiseAbs2();
+    known += is_known ? 1 : 0;
   }
+  if (known > 0) cases.vertex_doubt_mm = (squares / known).cwiseSqrt();
   return {};
 }
 

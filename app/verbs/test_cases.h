@@ -31,6 +31,7 @@ struct TestCases {
   CovariateTable table;
   std::vector<std::size_t> rows;        ///< of the table, for each case
   std::vector<double> doubt_mm;         ///< root mean square over the vertices; NaN: not known; empty: nobody asked
+  VertexScalars vertex_doubt_mm;        ///< root mean square over the cases whose doubt is known; empty: of none
   std::vector<DoubtfulShape> left_out;  ///< shapes and rows without a partner or a value, with the reason
   std::vector<std::string> warnings;
 };

@@ -122,6 +122,45 @@ TEST_CASE("cases without a partner or a value are left out with the reason") {
   CHECK(paired["left_out"][2]["reason"] == "is the only case of subject s2");
 }
 
+TEST_CASE("an answer that rests on vertices in doubt or on one template is told apart from one that does not") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  fs::copy(folder.path / "shapes", folder.path / "twin");
+  fs::rename(folder.path / "shapes", folder.path / "bumps");
+  put_balls(folder.path, 0);
+  fs::rename(folder.path / "shapes", folder.path / "flat");
+  fs::rename(folder.path / "bumps", folder.path / "shapes");
+
+  const Json sure = run(folder, by("shape ~ group") + "--no-align").json();
+  CHECK_FALSE(sure.contains("again"));
+  const Json other = run(folder, by("shape ~ group + age") + "--no-align --templates twin flat").json();
+  REQUIRE(other["holds"].size() == 2);
+  CHECK(other["holds"][0] == "group: p <= 0.05, but not flat");
+  CHECK(other["holds"][1] == "age: p > 0.05, and so twin and flat");
+  REQUIRE(other["again"].size() == 2);
+  CHECK(other["again"][0]["terms"][0]["p"] == other["terms"][0]["p"]);
+  CHECK(other["again"][1]["terms"][0]["p"].get<double>() > 0.05);
+
+  // All that the groups differ in lies where nobody knows what belongs where.
+  int top = 0;
+  for (int k = 0; k < 12; ++k) {
+    const fs::path file = folder.path / "shapes" / ("c" + std::to_string(k) + ".ply");
+    MeshFile mesh = read_mesh_file(file).value();
+    mesh.doubt_mm = VertexScalars::Constant(mesh.points.rows(), 0.01);
+    top = 0;
+    for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
+      if (icosphere(2, 20).points(i, 2) > 17) (*mesh.doubt_mm)[i] = 12, ++top;
+    REQUIRE(write_mesh_file(mesh, file));
+  }
+  const Json doubtful = run(folder, by("shape ~ group") + "--no-align").json();
+  CHECK(doubtful["terms"][0]["p"] == sure["terms"][0]["p"]);
+  const std::string without = "without the " + std::to_string(top) + " vertices in doubt";
+  CHECK(doubtful["holds"][0] == "group: p <= 0.05, but not " + without);
+  CHECK(doubtful["again"][0]["of"] == without);
+  CHECK(doubtful["again"][0]["terms"][0]["p"].get<double>() > 0.05);
+  check_refused(run(folder, by("shape ~ group") + "--templates absent"), "absent");
+}
+
 TEST_CASE("what a test cannot answer is refused in a sentence") {
   const TemporaryFolder folder;
   put_balls(folder.path, 0);

@@ -1,0 +1,133 @@
+#include "app/verbs/test_job.h"
+
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "core/statistics/parallel_analysis.h"
+
+namespace homolog {
+
+namespace {
+
+/// Sizes or a column as numbers.
+Result<Eigen::VectorXd> numbers_asked(const TestCases& cases, const Variable& variable) {
+  if (cases.table.column(variable.name)) return numbers_of(cases.table, cases.rows, variable);
+  return transformed(variable, cases.sizes_mm,
+                     [&](Eigen::Index k) { return cases.names[static_cast<std::size_t>(k)]; });
+}
+
+/// The first modes of the shapes, as numbers that explain.
+Result<CodedVariable> coded_modes(TestJob& job, Progress& progress) {
+  const PrincipalComponents components = principal_components(job.cases.shapes);
+  job.modes =
+      job.options.modes > 0 ? job.options.modes : modes_above_chance(job.cases.shapes, job.options.seed, &progress);
+  if (job.modes == 0) return fail("shape", "has no mode that holds more than chance; ask for some with --modes");
+  if (job.modes > components.scatter.size())
+    return fail("--modes", "asks for " + std::to_string(job.modes) + " modes, and the shapes have " +
+                               std::to_string(components.scatter.size()));
+  const Eigen::MatrixXd scores = components.scores().topRows(job.modes).transpose();
+  const Eigen::VectorXd deviations = components.variances().head(job.modes).cwiseSqrt();
+  return CodedVariable{scores * deviations.cwiseInverse().asDiagonal(), {}};
+}
+
+Result<void> put_design(TestJob& job, Progress& progress) {
+  const TestCasesAsked& asked = job.options.asked;
+  std::vector<FormulaTerm> terms = asked.formula.terms;
+  if (!asked.paired.empty()) terms.insert(terms.begin(), {{Variable::By::factor, asked.paired}});
+  const auto code = [&](const Variable& variable) -> Result<CodedVariable> {
+    if (variable.name == "shape") return coded_modes(job, progress);
+    if (job.cases.table.column(variable.name)) return coded_column(job.cases.table, job.cases.rows, variable);
+    const auto numbers = numbers_asked(job.cases, variable);
+    if (!numbers) return fail(numbers.error());
+    return coded_numbers(variable.text(), *numbers);
+  };
+  auto design = make_design(terms, asked.paired.empty() ? 0 : 1, code);
+  if (!design) return fail(design.error());
+  job.design = std::move(*design);
+  return {};
+}
+
+Result<void> put_responses(TestJob& job) {
+  const Variable& response = job.options.asked.formula.response;
+  if (job.of_shape()) {
+    job.responses = job.cases.shapes;
+    return {};
+  }
+  const auto numbers = numbers_asked(job.cases, response);
+  if (!numbers) return fail(numbers.error());
+  if (const auto varied = coded_numbers(response.text(), *numbers); !varied) return fail(varied.error());
+  job.responses = numbers->transpose();
+  return {};
+}
+
+/// w = s² / (s² + d²): d is a case's doubt, s² what the model leaves of a vertex without weights [docs/statistics.md].
+Result<void> put_weights(TestJob& job) {
+  job.root_weights.setOnes(job.design.cases());
+  const std::vector<double>& doubts = job.cases.doubt_mm;
+  if (!job.options.by_doubt) return {};
+  std::size_t unknown = 0;
+  for (const double doubt : doubts) unknown += std::isnan(doubt) ? 1 : 0;
+  if (unknown == doubts.size())
+    return fail("--by-doubt", "has no effect: none of the shapes has a doubt, which fit and study write into them");
+  if (unknown > 0)
+    job.cases.warnings.push_back(std::to_string(unknown) + " of the shapes have no doubt and count in full");
+  const Permutations none(0, job.design.cases());
+  const LinearTest plain = test_terms(job.design, job.cases.shapes, job.root_weights, none);
+  const double left = plain.residual_ss / (static_cast<double>(plain.residual_df) * job.vertices());
+  for (std::size_t k = 0; k < doubts.size(); ++k)
+    if (!std::isnan(doubts[k]))
+      job.root_weights[static_cast<Eigen::Index>(k)] = std::sqrt(left / (left + doubts[k] * doubts[k]));
+  return {};
+}
+
+Result<void> put_permutations(TestJob& job) {
+  std::vector<int> blocks(static_cast<std::size_t>(job.design.cases()), 0);
+  const std::string& paired = job.options.asked.paired;
+  if (!paired.empty()) {
+    std::map<std::string, int> numbers;
+    const std::size_t column = *job.cases.table.column(paired);
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      const std::string& subject = job.cases.table.cells[job.cases.rows[k]][column];
+      blocks[k] = numbers.emplace(subject, static_cast<int>(numbers.size())).first->second;
+    }
+  }
+  if (job.options.permutation_file.empty()) {
+    job.permutations = random_permutations(blocks, job.options.permutations, job.options.seed);
+    return {};
+  }
+  auto read = read_permutations(job.options.permutation_file, job.design.cases());
+  if (!read) return fail(read.error());
+  job.permutations = std::move(*read);
+  for (Eigen::Index row = 0; row < job.permutations.rows(); ++row)
+    for (std::size_t k = 0; k < blocks.size(); ++k)
+      if (const int other = job.permutations(row, static_cast<Eigen::Index>(k));
+          blocks[k] != blocks[static_cast<std::size_t>(other)])
+        return fail(job.options.permutation_file.string(), "line " + std::to_string(row + 1) +
+                                                               " moves cases from one " + paired +
+                                                               " to another; pairs have to stay together");
+  return {};
+}
+
+}  // namespace
+
+Result<TestJob> test_job(const TestOptions& options, Progress& progress) {
+  auto cases = read_test_cases(options.asked, progress);
+  if (!cases) return fail(cases.error());
+  TestJob job{options, std::move(*cases)};
+  for (const Eigen::Index vertex : options.at)
+    if (vertex >= job.cases.shapes.rows() / 3)
+      return fail("--at", "names vertex " + std::to_string(vertex) + ", and the shapes have " +
+                              std::to_string(job.cases.shapes.rows() / 3) + ", counted from 0");
+  if (auto done = put_responses(job); !done) return fail(done.error());
+  if (auto done = put_design(job, progress); !done) return fail(done.error());
+  if (auto done = put_weights(job); !done) return fail(done.error());
+  if (auto done = put_permutations(job); !done) return fail(done.error());
+  return job;
+}
+
+LinearTest tests_of(const TestJob& job, Progress& progress) {
+  return test_terms(job.design, job.responses, job.root_weights, job.permutations, &progress);
+}
+
+}  // namespace homolog

@@ -10,7 +10,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 . scripts/packages.sh
 . scripts/count_tests.sh
-install_missing $build_packages git xvfb xdotool imagemagick clang-format clang-tidy python3-jsonschema python3-numpy python3-pydicom python3-venv python3-pytest || exit 1
+install_missing $build_packages git xvfb xdotool imagemagick desktop-file-utils xdg-utils clang-format clang-tidy python3-jsonschema python3-numpy python3-pydicom python3-venv python3-pytest || exit 1
 [ "${1:-}" != --peers ] || install_missing python3-nibabel python3-h5py python3-vtk9 r-base-core r-cran-vegan chromium snakemake slurmctld slurmd slurm-client munge || exit 1
 
 passed=0 failed=0 skipped=0

@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "app/verbs/help_page.h"
+#include "app/verbs/integrate.h"
 #include "app/verbs/lab_verbs.h"
 #include "app/verbs/plain_report.h"
 #include "app/verbs/progress_line.h"
@@ -231,6 +232,15 @@ int run_program(int argc, char** argv, const Program& program) {
     add_editor_options(*app.add_subcommand("edit", "The editor on these files"));
   }
 
+  std::string integration;
+  const CLI::Option* integrate = nullptr;
+  if (program.edits)
+    integrate = app.add_option("--integrate", integration,
+                               "Put this program into your menu, with its icon and file types, without root; "
+                               "--integrate remove takes it out again")
+                    ->expected(0, 1)
+                    ->check(CLI::IsMember({"remove"}));
+
   check_values(app);
   dress_help(app);
 
@@ -242,6 +252,14 @@ int run_program(int argc, char** argv, const Program& program) {
   } catch (const CLI::Error& error) {
     std::cerr << "homolog: " << printable(error.what()) << "; see " << help_for(app) << '\n';
     return wrong_command_line;
+  }
+  if (integrate != nullptr && integrate->count() > 0) {
+    if (argc > (integration.empty() ? 2 : 3)) {
+      std::cerr << "homolog: --integrate: is to be given alone; leave the rest out, see homolog --help\n";
+      return wrong_command_line;
+    }
+    return run_verb([&](Progress&) { return integration.empty() ? integrate_desktop() : leave_desktop(); }, false,
+                    false);
   }
   const bool is_edit = !asked.run && !asked.is_of_lab;
   if (is_edit)

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <mutex>
+#include <string>
+#include <vector>
 
 namespace homolog {
 
@@ -18,6 +20,10 @@ std::filesystem::path program_file();
 
 /// Goes on as another program, with this command line. Returns only where that is not possible.
 void become_program(const std::filesystem::path& program, char** argv);
+
+/// Runs a program of the system to its end, found as a shell finds it: `words` are its name and its arguments. It reads
+/// and prints nothing. Whether it is there and ended with status 0.
+bool run_silently(const std::vector<std::string>& words);
 
 /// How long the calling thread has had a core, in ms. Other programs that take turns do not count.
 double thread_core_ms();

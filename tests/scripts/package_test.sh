@@ -75,6 +75,11 @@ wanted libhdf5_serial.so.103 '^curl_' libcurl.so.4
 wanted libtiff.so.6 '^jbg_' libjbig.so.0
 objdump -p "$build/portable/homolog_pictures.so" | grep -q 'NEEDED.*OpenImageIO' && failed "the portable picture module needs OpenImageIO"
 
+# What a package put into the menu is left as it is.
+said=$(XDG_DATA_DIRS=$folder/usr/share XDG_DATA_HOME=$folder/data bin/homolog --integrate) || failed "--integrate ends with status $?"
+case $said in *"$folder/usr/share/applications/homolog.desktop"*) ;; *) failed "--integrate says '$said'" ;; esac
+[ ! -e "$folder/data" ] || failed "--integrate of the package wrote files"
+
 # What the thumbnailer runs makes a picture of that size under a name without an ending, with a case in a folder with a blank.
 mkdir "$folder/a case" && printf '%s\n' '{"homolog":1,"volume":"phantom:kidney:1","template":"built-in:kidney"}' > "$folder/a case/k.homolog"
 line=$(sed -n 's/^Exec=//p' share/thumbnailers/homolog.thumbnailer)

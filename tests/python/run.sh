@@ -15,4 +15,10 @@ $python -m venv --system-site-packages "$folder/venv" || exit 1
 "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --no-index "$wheel" || exit 1
 cd "$folder" || exit 1
 export HOMOLOG_PROGRAM=$program HOMOLOG_SOURCE=$source HOMOLOG_DATA=${HOMOLOG_DATA:-$source/../shared/data}
-"$folder/venv/bin/python" -m pytest -q -rs -p no:cacheprovider "$source/tests/python"
+# Each file in a process of its own, as many at a time as there are cores.
+test_file() { "$1/venv/bin/python" -m pytest -q -rs -p no:cacheprovider "$2" > "$1/$(basename "$2").log" 2>&1; }
+export -f test_file
+printf '%s\n' "$source"/tests/python/test_*.py | xargs -P "$(nproc)" -I{} bash -c 'test_file "$@"' test_file "$folder" {}
+status=$?
+cat "$folder"/*.log
+exit $status

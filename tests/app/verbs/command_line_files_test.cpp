@@ -396,6 +396,13 @@ TEST_CASE("the sample is a heart with its label map and its licence") {
   CHECK(image["dims"] == Json({128, 128, 12}));
   for (const char* key : {"dims", "spacing_mm", "origin_mm", "direction"}) CHECK(image[key] == labels[key]);
   CHECK(labels["range"] == Json({0.0, 2.0}));
+  const Json cine = run(folder, "info s/heart-cine.nii.gz --json").json();
+  CHECK(cine["frames"] == 20);
+  CHECK(cine["frame_seconds"] == doctest::Approx(0.0375));
+  for (const char* name : {"heart-cine-labels", "heart-cine-end-systole-labels"}) {
+    const Json map = run(folder, "info s/" + std::string(name) + ".nii.gz --json").json();
+    for (const char* key : {"dims", "spacing_mm", "origin_mm", "direction"}) CHECK(cine[key] == map[key]);
+  }
   CHECK(read_whole_file(folder.path / "s/heart-licence.txt").value().find("CC0") != std::string::npos);
   const Ran fit = run(folder, "fit built-in:ventricle --mask s/heart-labels.nii.gz --label 1 -o v.ply --json");
   CHECK(fit.json()["dice"] > 0.98);

@@ -12,6 +12,12 @@ extern const unsigned char sample_image[];
 extern const std::size_t sample_image_size;
 extern const unsigned char sample_labels[];
 extern const std::size_t sample_labels_size;
+extern const unsigned char sample_cine[];
+extern const std::size_t sample_cine_size;
+extern const unsigned char sample_cine_labels[];
+extern const std::size_t sample_cine_labels_size;
+extern const unsigned char sample_end_systole[];
+extern const std::size_t sample_end_systole_size;
 extern const unsigned char sample_licence[];
 extern const std::size_t sample_licence_size;
 }
@@ -40,6 +46,9 @@ Result<std::vector<fs::path>> write_sample(const fs::path& folder) {
   const std::vector<std::pair<const char*, std::string_view>> files{
       {image_name, bytes(sample_image, sample_image_size)},
       {labels_name, bytes(sample_labels, sample_labels_size)},
+      {"heart-cine.nii.gz", bytes(sample_cine, sample_cine_size)},
+      {"heart-cine-labels.nii.gz", bytes(sample_cine_labels, sample_cine_labels_size)},
+      {"heart-cine-end-systole-labels.nii.gz", bytes(sample_end_systole, sample_end_systole_size)},
       {licence_name, bytes(sample_licence, sample_licence_size)}};
   std::vector<fs::path> paths;
   for (const auto& [name, content] : files) {

@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdlib>
 #include <map>
-#include <ranges>
 #include <set>
+#include <sstream>
 #include <string_view>
 
 #include "core/base/files.h"
@@ -61,8 +61,9 @@ fs::path entry_of_package() {
   const std::string searched = set != nullptr && *set != '\0' ? set : "/usr/local/share:/usr/share";
   std::error_code none;
   if (!fs::exists(entry, none)) return {};
-  for (const auto part : std::views::split(searched + ":" + desktop_home().string(), ':'))
-    if (fs::equivalent(fs::path(std::string(part.begin(), part.end())), share, none)) return entry;
+  std::istringstream folders(searched + ":" + desktop_home().string());
+  for (std::string folder_of_data; std::getline(folders, folder_of_data, ':');)
+    if (fs::equivalent(folder_of_data, share, none)) return entry;
   return {};
 }
 
@@ -251,8 +252,8 @@ Result<Report> leave_desktop() {
   for (const char* name : desktop_names)
     for (const std::string& folder : folders_above(name)) possible.insert(folder);
   // Their names in reverse have the deepest first. Only empty ones go.
-  for (const std::string& folder : record.folders | std::views::reverse)
-    if (possible.contains(folder)) fs::remove(home / folder, error);
+  for (auto folder = record.folders.rbegin(); folder != record.folders.rend(); ++folder)
+    if (possible.contains(*folder)) fs::remove(home / *folder, error);
   return report;
 }
 

@@ -89,7 +89,9 @@ def test_a_label_map_in_memory_is_scored(kidney, folder):
 
 def test_a_map_is_repaired_in_memory_as_on_the_command_line(tmp_path):
     command_line("phantom", "spine", "--subject", 4, "-o", tmp_path)
-    labels = homolog.read_label_map(tmp_path / "spine-4-labels.nii.gz")
+    whole = homolog.read_label_map(tmp_path / "spine-4-labels.nii.gz")
+    # Every other voxel: the figures need not be good here, only the same both ways.
+    labels = homolog.LabelMap(whole.array[::2, ::2, ::2], affine=whole.affine @ numpy.diag([2, 2, 2, 1]), names=whole.names)
     two = [one["name"] for one in labels.labels[:2]]
     made = homolog.make_set(labels, tmp_path / "two.set.json", labels=two)
     assert [one["name"] for one in made["structures"]] == two

@@ -258,7 +258,7 @@ int run_program(int argc, char** argv, const Program& program) {
       std::cerr << "homolog: --integrate: is to be given alone; leave the rest out, see homolog --help\n";
       return wrong_command_line;
     }
-    return run_verb([&](Progress&) { return integration.empty() ? integrate_desktop() : leave_desktop(); }, false,
+    return run_verb([&](Progress&) { return integration.empty() ? integrate_desktop() : leave_desktop(); }, app, false,
                     false);
   }
   const bool is_edit = !asked.run && !asked.is_of_lab;

@@ -257,10 +257,10 @@ Result<std::optional<std::string>> read_record(const fs::path& path) {
   if (!header) return fail(header.error());
   const std::string extension = lower_case(path.extension().string());
   std::string record;
-  if (extension == ".ply" || extension == ".obj") record = joined_lines(*header);
+  if (extension == ".ply" || extension == ".obj" || extension == ".msh") record = joined_lines(*header);
   if (extension == ".nrrd") record = from_nrrd(*header);
   if (extension == ".vtk") record = from_vtk(*header);
-  if (extension == ".vtp") record = from_vtp(*header);
+  if (extension == ".vtp" || extension == ".vtu") record = from_vtp(*header);
   if (const Place place = place_in(path, *header); place.size > 0) record = header->substr(place.from, place.size);
   if (!record.empty()) return record;
   const fs::path beside = record_file_of(path);

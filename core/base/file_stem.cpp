@@ -11,12 +11,12 @@ namespace homolog {
 namespace {
 
 /// A longer ending stands before those that it ends in. A test compares them with the formats of images and meshes.
-constexpr std::array<std::string_view, 41> endings{
-    ".seg.nrrd", ".mgh.gz",  ".mgz",  ".mgh",  ".nii.gz", ".img.gz",    ".hdr.gz", ".mrk.json", ".study.json",
-    ".h5.json",  ".homolog", ".nii",  ".nrrd", ".nhdr",   ".mha",       ".mhd",    ".hdr",      ".img",
-    ".dcm",      ".ima",     ".png",  ".tif",  ".tiff",   ".jpg",       ".jpeg",   ".ply",      ".stl",
-    ".obj",      ".off",     ".vtk",  ".vtp",  ".vtu",    ".particles", ".fcsv",   ".json",     ".h5",
-    ".csv",      ".raw",     ".zraw", ".txt",  ".gz"};
+constexpr std::array<std::string_view, 45> endings{
+    ".surf.gii",  ".mni.obj", ".gii",      ".msh",        ".seg.nrrd", ".mgh.gz",  ".mgz",  ".mgh",  ".nii.gz",
+    ".img.gz",    ".hdr.gz",  ".mrk.json", ".study.json", ".h5.json",  ".homolog", ".nii",  ".nrrd", ".nhdr",
+    ".mha",       ".mhd",     ".hdr",      ".img",        ".dcm",      ".ima",     ".png",  ".tif",  ".tiff",
+    ".jpg",       ".jpeg",    ".ply",      ".stl",        ".obj",      ".off",     ".vtk",  ".vtp",  ".vtu",
+    ".particles", ".fcsv",    ".json",     ".h5",         ".csv",      ".raw",     ".zraw", ".txt",  ".gz"};
 
 }  // namespace
 

@@ -16,9 +16,7 @@ namespace homolog {
 namespace {
 
 Result<const MeshFormat*> format_of(const std::filesystem::path& path) {
-  const std::string extension = lower_case(path.extension().string());
-  for (const MeshFormat* format : mesh_formats)
-    if (extension == format->extension) return format;
+  if (const MeshFormat* format = mesh_format_of(path)) return format;
   return fail(path.string(), "is not a mesh file of a known kind; use " + listed(mesh_format_extensions(), " or "));
 }
 
@@ -79,13 +77,26 @@ Result<void> check_seams(const Mesh& mesh) {
 
 }  // namespace
 
+const MeshFormat* mesh_format_of(const std::filesystem::path& path) {
+  const std::string name = lower_case(path.filename().string());
+  const MeshFormat* found = nullptr;
+  for (const MeshFormat* format : mesh_formats) {
+    const std::string_view ending = format->extension;
+    if (name.size() > ending.size() && name.ends_with(ending) &&
+        (found == nullptr || ending.size() > std::string_view(found->extension).size()))
+      found = format;
+  }
+  return found;
+}
+
 Result<MeshFile> read_mesh_to_mend(const std::filesystem::path& path) {
   const auto format = format_of(path);
   if (!format) return fail(format.error());
   const auto bytes = read_whole_file(path);
   if (!bytes) return fail(bytes.error());
   if (bytes->empty()) return fail(path.string(), "is empty; copy or export it again");
-  auto mesh = (*format)->read(*bytes);
+  auto mesh = (*format)->read_with_others != nullptr ? (*format)->read_with_others(*bytes, path.parent_path())
+                                                     : (*format)->read(*bytes);
   if (!mesh) return fail(path.string(), mesh.error().what);
   if (auto checked = check(*mesh, (*format)->has_faces); !checked) return fail(path.string(), checked.error().what);
   return mesh;

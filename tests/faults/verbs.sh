@@ -24,7 +24,7 @@ fi
 
 # A verb, and what it is given. Verbs that take seconds stand behind "slow".
 quick=(
-  "convert|a.ply old.ply" "convert|a.ply old.vtk" "convert|a.ply old.vtp" "convert|a.ply old.stl" "convert|image.nii.gz old.nrrd"
+  "convert|a.ply old.ply" "convert|a.ply old.vtk" "convert|a.ply old.vtp" "convert|a.ply old.vtu" "convert|a.ply old.surf.gii" "convert|a.ply old.msh" "convert|a.ply old.stl" "convert|image.nii.gz old.nrrd"
   "convert|image.nii.gz old.nii.gz" "convert|image.nii.gz old.mha"
   "mirror|a.ply -o old.ply" "label-map|a.ply --like image.nii.gz -o old.nii.gz" "repair-mesh|a.ply -o old.obj"
   "replay|case.homolog -o old.ply" "measure|a.ply b.ply --csv old.csv" "measure|a.ply b.ply --recipe recipe.json --csv old.csv" "landmarks|a.ply b.ply --vertices -o old.tps"

@@ -117,8 +117,11 @@ put("tif", "packbits.tif", plain(32773, bytes([7]) + b"abcdefgh"))
 
 put("obj", "a.obj", "# SPACE=LPS\nv 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
     "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n")
-for reader in ("ply", "vtk", "vtp", "stl", "particles"):
+for reader in ("ply", "vtk", "vtp", "vtu", "gii", "msh", "stl", "particles"):
     convert(out / "obj/a.obj", reader, "a." + reader)
+convert(out / "obj/a.obj", "obj", "a.mni.obj")
+put("msh", "four.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n"
+    "$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n")
 put("ply", "text.ply", 'ply\nformat ascii 1.0\ncomment SPACE=RAS\ncomment homolog.region {"name":"a","factor":2,"colour":"#112233"}\n'
     'comment homolog.landmark {"name":"l","position":[1,2,3]}\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n'
     "property uchar region\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 0\n0 1 0 1\n3 0 1 2\n")

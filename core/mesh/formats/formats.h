@@ -14,7 +14,7 @@ namespace homolog {
 /// it.
 struct MeshFormat {
   const char* name;             ///< in docs/formats.md
-  const char* extension;        ///< of its files, in lower case
+  const char* extension;        ///< how the names of its files end, in lower case
   const char* note = "";        ///< a remark for docs/formats.md
   bool has_faces = true;        ///< false for a list of points
   bool keeps_numbers = true;    ///< a file that is written and read has the same vertices in the same order
@@ -24,16 +24,22 @@ struct MeshFormat {
   /// Takes the bytes of a whole file. Errors name no file. It need not check that coordinates are finite, that indices
   /// are in range and that every vertex has its values.
   Result<MeshFile> (*read)(std::string_view bytes);
+  /// In its place for a format whose files may name others: `folder` is where those lie.
+  Result<MeshFile> (*read_with_others)(std::string_view bytes, const std::filesystem::path& folder) = nullptr;
   void (*write)(const MeshFile&, std::ostream&);
 };
 
 namespace formats {
-extern const MeshFormat ply, vtk, vtp, obj, stl, particles;
+extern const MeshFormat ply, vtk, vtp, vtu, obj, mni_obj, gifti, msh, stl, particles;
 }
 
 /// The mesh formats, in the order in which sentences and file dialogs list them.
-inline constexpr std::array mesh_formats{&formats::ply, &formats::vtk, &formats::vtp,
-                                         &formats::obj, &formats::stl, &formats::particles};
+inline constexpr std::array mesh_formats{&formats::ply,     &formats::vtk,      &formats::vtp, &formats::vtu,
+                                         &formats::obj,     &formats::gifti,    &formats::msh, &formats::stl,
+                                         &formats::mni_obj, &formats::particles};
+
+/// The format that a name asks for: the one with the longest ending that fits; null where none does.
+const MeshFormat* mesh_format_of(const std::filesystem::path& path);
 
 /// The extensions of those formats of which `property` is `wanted`; without a property of all.
 inline std::vector<std::string> mesh_format_extensions(bool MeshFormat::*property = nullptr, bool wanted = true) {

@@ -65,7 +65,64 @@ std::string_view whole_line(Text& text, std::string& joined) {
   return joined;
 }
 
+Error damaged_mni() {
+  return {"", "is an MNI file that is truncated or damaged; copy or export it again"};
+}
+
+template <class T>
+bool read_mni_numbers(Text& text, std::size_t rows, std::size_t columns, std::vector<T>& numbers) {
+  if (rows > text.remaining()) return false;  // a number takes a byte and more
+  for (std::size_t i = 0; i < rows * columns; ++i) {
+    const auto number = text.number<T>();
+    if (!number) return false;
+    numbers.push_back(*number);
+  }
+  return true;
+}
+
+/// MNI's polygons in text: how they shine, points, normals, their ends and their corners. In RAS.
+Result<MeshFile> read_mni(std::string_view bytes) {
+  Text text(bytes);
+  const std::string_view kind = text.word();
+  if (kind != "P")
+    return fail("", kind == "L" ? "is an MNI file of lines; export a surface of polygons"
+                                : "is a binary MNI file; save it as text, which begins with a capital P");
+  for (int k = 0; k < 5; ++k)
+    if (!text.number<double>()) return fail(damaged_mni());
+  std::vector<double> coordinates, normals;
+  const auto points = text.number<std::size_t>();
+  if (!points || !read_mni_numbers(text, *points, 3, coordinates) || !read_mni_numbers(text, *points, 3, normals))
+    return fail(damaged_mni());
+  const auto polygons = text.number<std::size_t>(), colouring = text.number<std::size_t>();
+  if (!polygons || !colouring || *colouring > 2) return fail(damaged_mni());
+  std::vector<double> colours;
+  std::vector<std::int64_t> ends, corners;
+  const std::size_t coloured = *colouring == 0 ? 1 : *colouring == 1 ? *polygons : *points;
+  if (!read_mni_numbers(text, coloured, 4, colours) || !read_mni_numbers(text, *polygons, 1, ends))
+    return fail(damaged_mni());
+  if (!ends.empty() && (ends.back() < 0 || !read_mni_numbers(text, static_cast<std::size_t>(ends.back()), 1, corners)))
+    return fail(damaged_mni());
+  MeshFile mesh;
+  Faces faces;
+  if (auto added = faces.add_cells(ends, corners, false); !added) return fail(added.error());
+  if (auto filled = std::move(faces).fill(mesh, std::move(coordinates)); !filled) return fail(filled.error());
+  mesh.points.leftCols<2>() *= -1;
+  if (!text.word().empty()) mesh.warnings.emplace_back("holds further objects behind its polygons, which are not read");
+  warn_if_cut(text, mesh.warnings);
+  return mesh;
+}
+
+/// Whether it is one of MNI's: these begin with the letter of their kind, P for polygons, and numbers. A small letter
+/// says that the numbers are bytes; Wavefront's `p` and `l` are followed by text.
+bool is_mni(std::string_view bytes) {
+  Text text(bytes);
+  const std::string_view kind = text.word();
+  if (kind == "P" || kind == "L") return true;
+  return (bytes.starts_with('p') || bytes.starts_with('l')) && bytes.substr(0, 64).find('\0') != std::string_view::npos;
+}
+
 Result<MeshFile> read_obj(std::string_view bytes) {
+  if (is_mni(bytes)) return read_mni(bytes);
   MeshFile mesh;
   Text text(bytes);
   std::vector<double> coordinates;
@@ -99,6 +156,43 @@ Result<MeshFile> read_obj(std::string_view bytes) {
   return mesh;
 }
 
+/// MNI's files have normals of the points.
+Points point_normals(const MeshFile& mesh) {
+  Points normals = Points::Zero(mesh.points.rows(), 3);
+  for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {
+    const auto corner = [&](int k) { return Vec3(mesh.points.row(mesh.triangles(f, k))); };
+    const Vec3 area = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    for (const std::int32_t v : mesh.triangles.row(f)) normals.row(v) += area.transpose();
+  }
+  for (Eigen::Index i = 0; i < normals.rows(); ++i) normals.row(i).normalize();
+  return normals;
+}
+
+void append_mni_rows(const Points& rows, std::string& text) {
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    for (int k = 0; k < 3; ++k) append_number(k < 2 ? -rows(i, k) : rows(i, k), text += ' ');
+    text += '\n';
+  }
+  text += '\n';
+}
+
+void write_mni(const MeshFile& mesh, std::ostream& out) {
+  std::string text = "P 0.3 0.3 0.4 10 1 " + std::to_string(mesh.points.rows()) + "\n";
+  append_mni_rows(mesh.points, text);
+  append_mni_rows(point_normals(mesh), text);
+  text += " " + std::to_string(mesh.triangles.rows()) + "\n 0 1 1 1 1\n\n";
+  for (Eigen::Index f = 1; f <= mesh.triangles.rows(); ++f) {
+    append_number(3 * f, text += ' ');
+    if (f % 8 == 0 || f == mesh.triangles.rows()) text += '\n';
+  }
+  text += '\n';
+  for (Eigen::Index k = 0; k < mesh.triangles.size(); ++k) {
+    append_number(mesh.triangles(k / 3, k % 3), text += ' ');
+    if (k % 8 == 7 || k + 1 == mesh.triangles.size()) text += '\n';
+  }
+  out << text;
+}
+
 void write_obj(const MeshFile& mesh, std::ostream& out) {
   std::string text = "# Homolog mesh, mm\n# SPACE=LPS\n" + record_lines("# ", mesh.record);
   text.append(counts_key)
@@ -118,6 +212,17 @@ void write_obj(const MeshFile& mesh, std::ostream& out) {
 
 }  // namespace
 
-const MeshFormat obj{.name = "OBJ", .extension = ".obj", .keeps_record = true, .read = read_obj, .write = write_obj};
+const MeshFormat obj{.name = "OBJ",
+                     .extension = ".obj",
+                     .note = "Wavefront's; one of MNI is told by its content",
+                     .keeps_record = true,
+                     .read = read_obj,
+                     .write = write_obj};
+const MeshFormat mni_obj{
+    .name = "MNI OBJ",
+    .extension = ".mni.obj",
+    .note = "polygons in text, in RAS, as CIVET and MNI's tools write them into `.obj`",
+    .read = read_obj,
+    .write = write_mni};
 
 }  // namespace homolog::formats

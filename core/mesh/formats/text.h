@@ -62,6 +62,8 @@ class Text {
     return bytes_.substr(at_ - count, count);
   }
   std::size_t remaining() const { return bytes_.size() - at_; }
+  /// How many bytes were taken.
+  std::size_t position() const { return at_; }
   /// Whether a word ended at the end of the file without a line break behind it: it may have lost its last digits.
   bool may_be_cut() const { return at_ == bytes_.size() && !bytes_.empty() && !is_space(bytes_.back()); }
 

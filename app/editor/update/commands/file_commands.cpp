@@ -52,12 +52,10 @@ void no_mesh_to_export(Editing& editing) {
 
 /// What a mesh file does not keep that a shape model needs; empty where it keeps all.
 std::string lost_in(const fs::path& path) {
-  const std::string extension = lower_case(path.extension().string());
-  for (const MeshFormat* format : mesh_formats) {
-    if (extension != format->extension) continue;
-    if (!format->keeps_numbers) return std::string(format->name) + " keeps no numbering; use PLY for a shape model.";
-    if (!format->has_faces) return std::string(format->name) + " keep the points alone, without faces.";
-  }
+  const MeshFormat* format = mesh_format_of(path);
+  if (format == nullptr) return {};
+  if (!format->keeps_numbers) return std::string(format->name) + " keeps no numbering; use PLY for a shape model.";
+  if (!format->has_faces) return std::string(format->name) + " keep the points alone, without faces.";
   return {};
 }
 

@@ -13,6 +13,9 @@ ln kidney-1-image.nii.gz image.nii.gz; ln kidney-1-labels.nii.gz mask.nii.gz
 printf '%s\n' '{"homolog":1,"volume":"image.nii.gz","template":"a.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[0,0,0]}}' \
   '{"tool":"pull","at":[-21,20,-9],"to":[-20,19,-9],"sigma_mm":10}' > imaged.homolog
 printf '{"homolog_study":1,"cases":[{"file":"a.ply"},{"file":"b.ply"},{"file":"c.ply"}]}\n' > s.study.json
+"$program" convert a.ply corners.obj > /dev/null || stop "no obj"
+awk '/^v /{v[n++]=$2" "$3" "$4} END{print "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4"; for(k=0;k<4;++k) print k+1, v[int(k*n/4)]
+  print "$EndNodes\n$Elements\n1\n1 4 0 1 2 3 4\n$EndElements"}' corners.obj > tets.msh
 printf 'name,age\na,1\nb,2\nc,4\n' > t.csv
 printf 'vertex,v\n0,1\n1,2\n' > v.csv
 printf '{"homolog_set":1,"structures":[{"name":"A","value":1,"template":"a.ply"},{"name":"B","value":2,"template":"a.ply"}]}\n' > two.set.json
@@ -26,7 +29,7 @@ fi
 quick=(
   "convert|a.ply old.ply" "convert|a.ply old.vtk" "convert|a.ply old.vtp" "convert|a.ply old.vtu" "convert|a.ply old.surf.gii" "convert|a.ply old.msh" "convert|a.ply old.stl" "convert|image.nii.gz old.nrrd"
   "convert|image.nii.gz old.nii.gz" "convert|image.nii.gz old.mha"
-  "mirror|a.ply -o old.ply" "label-map|a.ply --like image.nii.gz -o old.nii.gz" "repair-mesh|a.ply -o old.obj"
+  "mirror|a.ply -o old.ply" "tets|tets.msh b.ply --template a.ply -o tets" "label-map|a.ply --like image.nii.gz -o old.nii.gz" "repair-mesh|a.ply -o old.obj"
   "replay|case.homolog -o old.ply" "measure|a.ply b.ply --csv old.csv" "measure|a.ply b.ply --recipe recipe.json --csv old.csv" "landmarks|a.ply b.ply --vertices -o old.tps"
   "observers|a.ply b.ply --csv old.csv" "model|a.ply b.ply c.ply -o old.h5" "model|a.ply b.ply c.ply -o old.h5.json --csv tables --aligned aligned"
   "evaluate|a.ply b.ply c.ply --samples 2 --csv old.csv" "score|a.ply --model m.h5 -o scores" "phantom|kidney --subject 1 -o phantom" "fit|built-in:kidney --mask mask.nii.gz -o old.ply"

@@ -1,0 +1,140 @@
+#include <chrono>
+#include <memory>
+
+#include "app/verbs/verbs.h"
+#include "core/base/files.h"
+#include "core/catalogue/catalogue.h"
+#include "core/deform/volume_carrier.h"
+#include "core/model/model_files.h"
+#include "core/model/shape_files.h"
+
+// The verb `tets`: a user's mesh of tetrahedra in the shape of each case.
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct TetsJob {
+  fs::path tets, out;
+  std::string the_template, group;
+  std::vector<fs::path> shapes;
+  bool all_frames = false;
+};
+
+std::vector<ReadShape> shapes_to_fill(const TetsJob& job, std::vector<std::string>& warnings, Progress& progress,
+                                      std::optional<Error>& refused) {
+  std::vector<ReadShape> shapes;
+  const auto sources = shape_sources(job.shapes, job.group);
+  if (!sources) {
+    refused = sources.error();
+    return shapes;
+  }
+  const auto take = [&](ReadShape shape) -> Result<void> {
+    shapes.push_back(std::move(shape));
+    return {};
+  };
+  const auto read = read_shapes(*sources, {.all_frames = job.all_frames}, take, &progress);
+  if (read)
+    warnings.insert(warnings.end(), read->begin(), read->end());
+  else
+    refused = read.error();
+  return shapes;
+}
+
+/// A case's row of the report; what is wrong with it becomes a warning. Writes its file unless elements are inverted.
+Result<Json> fill_one(const VolumeMesh& mesh, const VolumeCarrier& carrier, const ReadShape& shape,
+                      const std::string& name, const fs::path& folder, std::vector<std::string>& warnings,
+                      Progress& progress) {
+  const fs::path to = folder / (name + volume_mesh_extension(mesh));
+  const auto begin = std::chrono::steady_clock::now();
+  const auto carried = carrier.carry(shape.mesh->points, &progress);
+  if (!carried) return fail(shape.name, carried.error().what);
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  const bool written = carried->inverted == 0;
+  if (written) {
+    if (auto done = write_volume_mesh(mesh, carried->points, to); !done) return fail(done.error());
+    if (!carried->sound())
+      warnings.push_back(shape.name + ": " + std::to_string(carried->poor) +
+                         " tetrahedra have a scaled Jacobian below " + std::to_string(carrier.asked()).substr(0, 5) +
+                         "; look at them before you compute with this mesh");
+    if (carried->lifted_mm > carrier.edge_mm())
+      warnings.push_back(shape.name + ": the outside had to leave the surface by up to " +
+                         std::to_string(carried->lifted_mm).substr(0, 4) +
+                         " mm for the tetrahedra to stay whole; look at the fit there");
+  } else {
+    warnings.push_back(shape.name + ": " + std::to_string(carried->inverted) +
+                       " tetrahedra would be turned over, so no mesh was written; give one whose outside is as fine as "
+                       "the template, or look at the fit");
+  }
+  return Json{{"name", name},
+              {"scaled_jacobian_least", carried->least},
+              {"inverted", carried->inverted},
+              {"poor", carried->poor},
+              {"doubtful", !carried->sound() || carried->lifted_mm > carrier.edge_mm()},
+              {"slid_mm", carried->slid_mm},
+              {"lifted_mm", carried->lifted_mm},
+              {"file", written ? Json(to.string()) : Json()},
+              {"seconds", taken.count()}};
+}
+
+Result<Report> fill_shapes(const TetsJob& job, Progress& progress) {
+  const auto mesh = read_volume_mesh(job.tets);
+  if (!mesh) return fail(mesh.error());
+  const auto the_template = load_template(job.the_template);
+  if (!the_template) return fail(the_template.error());
+  const auto carrier = VolumeCarrier::make(*mesh, {(*the_template)->topology, (*the_template)->points});
+  if (!carrier) return fail(job.tets.string(), carrier.error().what);
+  Report report;
+  for (const std::string& warning : mesh->warnings) report.warnings.push_back(job.tets.string() + ": " + warning);
+  std::optional<Error> refused;
+  progress.part(0, 0.1);
+  const auto shapes = shapes_to_fill(job, report.warnings, progress, refused);
+  if (refused) return fail(*refused);
+  if (auto made = make_folder(job.out); !made) return fail(made.error());
+  std::vector<std::string> files;
+  for (const ReadShape& shape : shapes) files.push_back(shape.name);
+  const auto names = shape_names(files);
+  Json cases = Json::array();
+  std::size_t inverted = 0;
+  progress.part(0.1, 1);
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    Progress own(progress, 1 / static_cast<double>(shapes.size()));
+    if (progress.cancelled()) return fail("", "was cancelled");
+    auto row = fill_one(*mesh, *carrier, shapes[k], names[k], job.out, report.warnings, own);
+    if (!row) return fail(row.error());
+    inverted += (*row)["inverted"] > 0 ? 1 : 0;
+    cases.push_back(std::move(*row));
+  }
+  if (inverted > 0)
+    report.refusal = Error{job.tets.string(), "could not be carried into " + std::to_string(inverted) + " of " +
+                                                  std::to_string(shapes.size()) + " shapes; the warnings name them"};
+  report.values = {{"tetrahedra", mesh->tetrahedra.rows()},
+                   {"points", mesh->points.rows()},
+                   {"scaled_jacobian_least", carrier->least()},
+                   {"scaled_jacobian_asked", carrier->asked()},
+                   {"off_mm", carrier->off_mm()},
+                   {"cases", std::move(cases)}};
+  return report;
+}
+
+}  // namespace
+
+void add_tets(CLI::App& app, CommandLine& asked) {
+  auto job = std::make_shared<TetsJob>();
+  CLI::App* verb = add_verb(app, "tets", "A mesh of tetrahedra of the template, in the shape of each case");
+  verb->add_option("TETS", job->tets, "Tetrahedra of the template's inside (.vtu, .msh), as a mesher made them")
+      ->required()
+      ->check(CLI::ExistingFile);
+  verb->add_option("SHAPE", job->shapes, "Meshes in the template's numbering, cases, folders of these, or a study")
+      ->required();
+  verb->add_option("--template", job->the_template, "The template that the tetrahedra fill")->required();
+  verb->add_option("-o,--output", job->out, "Folder for the tetrahedra of each case, in the format of TETS")
+      ->required();
+  verb->add_flag("--all-frames", job->all_frames, "Of a cine case every frame that was edited");
+  verb->add_option("--group", job->group, "Of a study the cases of this group alone");
+  verb->callback([job, &asked] { asked.run = [job](Progress& progress) { return fill_shapes(*job, progress); }; });
+}
+
+}  // namespace homolog

@@ -1,0 +1,56 @@
+// The command-line contract of docs/commands.md: tets.
+#include <fstream>
+
+#include "core/mesh/mesh_io.h"
+#include "tests/command_line.h"
+#include "tests/tetrahedra.h"
+
+namespace homolog {
+
+TEST_CASE("tetrahedra of a template are written in the shape of each case") {
+  const TemporaryFolder folder;
+  const Mesh ball = icosphere(2, 20);
+  REQUIRE(write_mesh(ball, folder.path / "t.ply"));
+  REQUIRE(write_mesh({ball.topology, bent(ball.points, 0.02)}, folder.path / "a.ply"));
+  REQUIRE(write_mesh({ball.topology, ball.points * 1.5}, folder.path / "b.ply"));
+  REQUIRE(write_mesh(icosphere(1, 20), folder.path / "c.ply"));
+  std::ofstream(folder.path / "t.vtu") << BallOfTetrahedra(ball, 4).vtu();
+  const Ran ran = run(folder, "tets t.vtu a.ply b.ply --template t.ply -o out --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json report = ran.json();
+  CHECK(report["tetrahedra"] == 3200);
+  REQUIRE(report["cases"].size() == 2);
+  for (const Json& row : report["cases"]) {
+    CHECK(row["inverted"] == 0);
+    CHECK(row["doubtful"] == false);
+    CHECK(row["scaled_jacobian_least"] >= report["scaled_jacobian_asked"]);
+  }
+  CHECK(report["cases"][1]["name"] == "b");
+  const VolumeMesh larger = read_volume_mesh(folder.path / "out/b.vtu").value();
+  CHECK(larger.points.rowwise().norm().maxCoeff() == doctest::Approx(30).epsilon(1e-4));
+  CHECK(read_whole_file(folder.path / "out/a.vtu").value().find("Name=\"tissue\"") != std::string::npos);
+  const std::string first = read_whole_file(folder.path / "out/a.vtu").value();
+  REQUIRE(run(folder, "tets t.vtu a.ply --template t.ply -o out --jobs 1").status == 0);
+  CHECK(read_whole_file(folder.path / "out/a.vtu").value() == first);
+  const Ran wrong = run(folder, "tets t.vtu c.ply --template t.ply -o out2");
+  CHECK(wrong.status == 1);
+  CHECK(wrong.errors.find("42 vertices") != std::string::npos);
+  CHECK(run(folder, "tets t.ply a.ply --template t.ply -o out2").status == 1);
+}
+
+TEST_CASE("tetrahedra are not carried into a mirrored shape") {
+  const TemporaryFolder folder;
+  const Mesh ball = icosphere(2, 20);
+  REQUIRE(write_mesh(ball, folder.path / "t.ply"));
+  Points mirrored = ball.points;
+  mirrored.col(0) *= -1;
+  REQUIRE(write_mesh({ball.topology, mirrored}, folder.path / "m.ply"));
+  std::ofstream(folder.path / "t.vtu") << BallOfTetrahedra(ball, 3).vtu();
+  const Ran ran = run(folder, "tets t.vtu m.ply --template t.ply -o out --json");
+  CHECK(ran.status == 1);
+  CHECK(ran.errors.find("m.ply: ") != std::string::npos);
+  CHECK(ran.errors.find("mirrored against the template") != std::string::npos);
+  CHECK(!fs::exists(folder.path / "out/m.vtu"));
+}
+
+}  // namespace homolog

@@ -1,0 +1,148 @@
+#include "core/deform/volume_carrier.h"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "core/base/files.h"
+#include "tests/must.h"
+#include "tests/refusal.h"
+#include "tests/temporary_folder.h"
+#include "tests/tetrahedra.h"
+#include "tests/thread_limit.h"
+
+using namespace homolog;
+
+namespace {
+
+struct BallInFile {
+  TemporaryFolder folder;
+  Mesh surface = icosphere(2, 20);
+  BallOfTetrahedra ball{surface, 4};
+  VolumeMesh mesh = read("ball.vtu", ball.vtu());
+
+  VolumeMesh read(const std::string& name, const std::string& bytes) const { return test::must(try_read(name, bytes)); }
+  Result<VolumeMesh> try_read(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder.path / name, std::ios::binary) << bytes;
+    return read_volume_mesh(folder.path / name);
+  }
+};
+
+std::string without(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from), end = text.find(to, at);
+  REQUIRE(at != std::string::npos);
+  REQUIRE(end != std::string::npos);
+  return text.erase(at, end - at);
+}
+
+}  // namespace
+
+TEST_CASE("the scaled Jacobian is 1 of a regular tetrahedron and negative of one that is turned over") {
+  Points points(4, 3);
+  points << 1, 1, 1, 1, -1, -1, -1, 1, -1, -1, -1, 1;
+  Tetrahedra elements(3, 4);
+  elements << 0, 1, 2, 3, 0, 1, 3, 2, 0, 0, 1, 2;
+  const VertexScalars values = scaled_jacobians(elements, points);
+  CHECK(std::abs(std::abs(values[0]) - 1) < 1e-12);
+  CHECK(values[0] == doctest::Approx(-values[1]));
+  CHECK(values[2] == doctest::Approx(0));
+  points.row(3) *= 0.1;  // nearer to the face of the others
+  CHECK(std::abs(scaled_jacobians(elements, points)[0]) < 0.9);
+}
+
+TEST_CASE("tetrahedra follow a similarity of the template exactly") {
+  const BallInFile file;
+  const VolumeCarrier carrier = test::must(VolumeCarrier::make(file.mesh, file.surface));
+  const Eigen::Matrix3d turn = 1.3 * Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  const Eigen::RowVector3d shift(30, -20, 5);
+  const Points shape = (file.surface.points * turn.transpose()).rowwise() + shift;
+  const CarriedVolume carried = test::must(carrier.carry(shape, nullptr));
+  const Points expected = (file.mesh.points * turn.transpose()).rowwise() + shift;
+  CHECK((carried.points - expected).cwiseAbs().maxCoeff() < 1e-3);
+  CHECK(carried.least == doctest::Approx(carrier.least()).epsilon(1e-3));
+  CHECK(carried.slid_mm == 0);
+  CHECK(carried.inverted == 0);
+}
+
+TEST_CASE("a bent shape turns no tetrahedron over and none is poor") {
+  const BallInFile file;
+  const VolumeCarrier carrier = test::must(VolumeCarrier::make(file.mesh, file.surface));
+  CHECK(carrier.asked() <= 0.2);
+  CHECK(carrier.asked() == std::min(0.2, 0.8 * carrier.least()));
+  for (const double amount : {0.01, 0.02, 0.03}) {
+    CAPTURE(amount);
+    const Points shape = bent(file.surface.points, amount);
+    const CarriedVolume carried = test::must(carrier.carry(shape, nullptr));
+    CHECK(carried.inverted == 0);
+    CHECK(carried.poor == 0);
+    CHECK(carried.least >= carrier.asked());
+    CHECK(carried.lifted_mm < 0.5);
+    if (carried.slid_mm == 0) CHECK(carried.points.bottomRows(shape.rows()).isApprox(shape, 1e-5));
+  }
+}
+
+TEST_CASE("an outside that lies off the template keeps its distance in a larger shape") {
+  const BallInFile file;
+  const Mesh inner{file.surface.topology, file.surface.points * 0.97};
+  const VolumeCarrier carrier = test::must(VolumeCarrier::make(file.mesh, inner));
+  CHECK(carrier.off_mm() == doctest::Approx(0.6).epsilon(0.02));
+  const CarriedVolume carried = test::must(carrier.carry(inner.points * 2, nullptr));
+  CHECK((carried.points - 2 * file.mesh.points).cwiseAbs().maxCoeff() < 0.02);
+  const Mesh other{file.surface.topology, file.surface.points * 0.6};
+  CHECK(says(VolumeCarrier::make(file.mesh, other), "not of this template"));
+  CHECK(says(carrier.carry(icosphere(1, 20).points, nullptr), "42 vertices and the template 162"));
+}
+
+TEST_CASE("carried tetrahedra are the same bits whatever the threads") {
+  const BallInFile file;
+  const VolumeCarrier carrier = test::must(VolumeCarrier::make(file.mesh, file.surface));
+  const Points shape = bent(file.surface.points, 0.03);
+  const auto with = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return test::must(carrier.carry(shape, nullptr)).points;
+  };
+  CHECK(with(1) == with(4));
+}
+
+TEST_CASE("a volume mesh is written again with all but its points byte for byte") {
+  const BallInFile file;
+  for (const bool ras : {false, true}) {
+    const std::string before = file.ball.vtu(ras);
+    const VolumeMesh mesh = file.read("in.vtu", before);
+    CHECK((mesh.points - file.ball.points).cwiseAbs().maxCoeff() < 1e-6);
+    const Points moved = mesh.points.array() + 1.25;
+    REQUIRE(write_volume_mesh(mesh, moved, file.folder.path / "out.vtu"));
+    const std::string after = read_whole_file(file.folder.path / "out.vtu").value();
+    CHECK(without(before, "<Points>", "</Points>") == without(after, "<Points>", "</Points>"));
+    CHECK(test::must(read_volume_mesh(file.folder.path / "out.vtu")).points == moved);
+  }
+  const std::string before = file.ball.msh();
+  const VolumeMesh mesh = file.read("in.msh", before);
+  const Points moved = mesh.points.array() - 1.0 / 3;
+  REQUIRE(write_volume_mesh(mesh, moved, file.folder.path / "out.msh"));
+  const std::string after = read_whole_file(file.folder.path / "out.msh").value();
+  CHECK(without(before, "$Nodes", "$EndNodes") == without(after, "$Nodes", "$EndNodes"));
+  CHECK(after.find("1 4.5\n$EndElementData") != std::string::npos);
+  CHECK(test::must(read_volume_mesh(file.folder.path / "out.msh")).points == moved);
+}
+
+TEST_CASE("volume meshes that are wrong are refused by a sentence") {
+  const BallInFile file;
+  const std::string whole = file.ball.vtu();
+  const auto changed = [&](const std::string& what, const std::string& by) {
+    std::string bytes = whole;
+    const std::size_t at = bytes.find(what);
+    REQUIRE(at != std::string::npos);
+    return bytes.replace(at, what.size(), by);
+  };
+  CHECK(says(file.try_read("a.ply", "ply"), "use .vtu or .msh"));
+  CHECK(says(file.try_read("a.vtu", changed(">10 10 10 ", ">10 12 10 ")), "hexahedra"));
+  CHECK(says(file.try_read("a.vtu", changed(">10 10 10 ", ">10 14 10 ")), "pyramids"));
+  CHECK(says(file.try_read("a.vtu", whole.substr(0, whole.size() / 2)), "a.vtu"));
+  BallOfTetrahedra turned = file.ball;
+  turned.tetrahedra.row(5).head<2>().reverseInPlace();
+  CHECK(says(file.try_read("a.vtu", turned.vtu()), "1 of 3200 tetrahedra that are flat or turned over"));
+  BallOfTetrahedra all_turned = file.ball;
+  all_turned.tetrahedra.col(0).swap(all_turned.tetrahedra.col(1));
+  CHECK(file.try_read("b.vtu", all_turned.vtu()));
+}

@@ -218,11 +218,10 @@ const MeshFormat obj{.name = "OBJ",
                      .keeps_record = true,
                      .read = read_obj,
                      .write = write_obj};
-const MeshFormat mni_obj{
-    .name = "MNI OBJ",
-    .extension = ".mni.obj",
-    .note = "polygons in text, in RAS, as CIVET and MNI's tools write them into `.obj`",
-    .read = read_obj,
-    .write = write_mni};
+const MeshFormat mni_obj{.name = "MNI OBJ",
+                         .extension = ".mni.obj",
+                         .note = "polygons in text, in RAS, as CIVET and MNI's tools write them into `.obj`",
+                         .read = read_obj,
+                         .write = write_mni};
 
 }  // namespace homolog::formats

@@ -46,7 +46,7 @@ find_library(NIFTI2_LIBRARY nifti2)
 if(NOT NIFTI2_INCLUDE_DIR OR NOT NIFTI2_LIBRARY)
   need(NIFTI2_FOUND "nifti2 and znz" libnifti2-dev libznz-dev)
 endif()
-# Mesh files: VTP is XML with zlib-compressed blocks.
+# Mesh files: VTP, VTU and GIFTI are XML with zlib-compressed blocks.
 find_package(pugixml QUIET)
 need(pugixml_FOUND "pugixml" libpugixml-dev)
 # The remesher that templates are made with. OpenMesh's own config file has no version.

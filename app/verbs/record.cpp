@@ -47,6 +47,7 @@ const std::array recorded_verbs{
     RecordedVerb{"evaluate", {"SHAPE"}, "--csv", {}},
     RecordedVerb{
         "measure", {"SHAPE", "--recipe", "--template", "--landmarks", "--image", "--model"}, "--csv", {"--profiles"}},
+    RecordedVerb{"tets", {"TETS", "SHAPE", "--template"}, "--output", {}},
     RecordedVerb{"landmarks", {"SHAPE"}, "--output", {}},
     RecordedVerb{"observers", {"FIRST", "SECOND"}, "--csv", {}},
     RecordedVerb{"report", {"SHAPE"}, "--output", {}},

@@ -97,18 +97,24 @@ Result<Report> fill_shapes(const TetsJob& job, Progress& progress) {
   for (const ReadShape& shape : shapes) files.push_back(shape.name);
   const auto names = shape_names(files);
   Json cases = Json::array();
-  std::size_t inverted = 0;
+  std::size_t refused_cases = 0;
   progress.part(0.1, 1);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     Progress own(progress, 1 / static_cast<double>(shapes.size()));
     if (progress.cancelled()) return fail("", "was cancelled");
     auto row = fill_one(*mesh, *carrier, shapes[k], names[k], job.out, report.warnings, own);
-    if (!row) return fail(row.error());
-    inverted += (*row)["inverted"] > 0 ? 1 : 0;
+    if (progress.cancelled()) return fail("", "was cancelled");
+    if (!row) {
+      report.warnings.push_back(row.error().sentence());
+      ++refused_cases;
+      continue;
+    }
+    if ((*row)["inverted"] > 0) ++refused_cases;
+    if (!(*row)["file"].is_null()) report.made.emplace_back((*row)["file"].get<std::string>());
     cases.push_back(std::move(*row));
   }
-  if (inverted > 0)
-    report.refusal = Error{job.tets.string(), "could not be carried into " + std::to_string(inverted) + " of " +
+  if (refused_cases > 0)
+    report.refusal = Error{job.tets.string(), "could not be carried into " + std::to_string(refused_cases) + " of " +
                                                   std::to_string(shapes.size()) + " shapes; the warnings name them"};
   report.values = {{"tetrahedra", mesh->tetrahedra.rows()},
                    {"points", mesh->points.rows()},

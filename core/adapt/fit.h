@@ -16,12 +16,14 @@ namespace homolog {
 
 struct FitOptions {
   std::optional<Similarity> placement;    ///< where to start; found where absent
+  bool stays = false;                     ///< of a fit to contours: `placement` is not looked for any further
   std::map<std::string, Vec3> landmarks;  ///< named places on the organ, LPS mm; others' names are left out
   Orientation orientation = Orientation::patient;
   /// The boundary may lack parts of the organ, or have what is not the organ's: see FitResult::outliers.
   bool partial = false;
   /// One way onto the boundary alone, without doubt or a look for mirror images: a fit in a quarter of the time, for a
-  /// mean of many whose parts nobody looks at. Not for partial fits.
+  /// mean of many whose parts nobody looks at. Not for partial fits. Of a fit to contours: without doubt and without
+  /// what is wrong with the mesh, while somebody draws.
   bool rough = false;
   std::shared_ptr<const AllowedShapes> allowed;  ///< shapes to look among first; null: any
   Progress* progress = nullptr;

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <memory>
 
+#include "core/adapt/contours/contour_fit.h"
 #include "core/adapt/refine.h"
 #include "core/case/held_landmarks.h"
 #include "core/deform/falloff.h"
@@ -65,6 +66,30 @@ void hold_pulled(const Shape& shape, SnapStart& start, SnapEdit& edit) {
   start.free.array() *= shape.pulled->unaryExpr(&free_share).array();
 }
 
+/// Whether most of some curves lie where the mesh is.
+bool meets(const Points& points, const std::vector<DrawnContour>& contours) {
+  constexpr double beside = 0.1;  // of the mesh's diagonal
+  Box box = bounds_of(points);
+  const Vec3 room = Vec3::Constant(beside * box.diagonal().norm());
+  box = Box(box.min() - room, box.max() + room);
+  std::ptrdiff_t all = 0, there = 0;
+  for (const DrawnContour& one : contours) {
+    all += std::ssize(one.curve.points);
+    there +=
+        std::count_if(one.curve.points.begin(), one.curve.points.end(), [&](const Vec3& p) { return box.contains(p); });
+  }
+  return 2 * there > all;
+}
+
+/// Whether curves show an organ from all sides, so that they can place it.
+bool are_all_around(const Points& placed, const std::vector<DrawnContour>& contours) {
+  constexpr std::size_t fewest_planes = 3, pieces = 400;
+  constexpr double most_of_it = 0.6;
+  const ContourSamples samples = sampled_contours(contours, pieces);
+  return samples.planes.size() >= fewest_planes &&
+         samples.diagonal_mm() > most_of_it * bounds_of(placed).diagonal().norm();
+}
+
 std::string counted_words(int count, const std::string& one) {
   return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
 }
@@ -92,6 +117,52 @@ Result<FitEdit> fit_shape(const ShapeView& shown, const Boundary& boundary, bool
   edit.action = points_edit(shown, fit->mesh.points, by_fit, fit->placement);
   edit.action.doubt_mm = doubt_on_grid(fit->doubt_mm);
   if (options.partial) edit.action.outlier = std::make_shared<const VertexScalars>(outlier_marks(*fit));
+  edit.result = std::move(*fit);
+  return edit;
+}
+
+std::vector<DrawnContour> drawn_contours(const ShapeView& shown) {
+  std::vector<DrawnContour> drawn;
+  for (const auto& set : shown.structure.contours)
+    if (set->frame == shown.frame)
+      for (const Contour& curve : set->curves) drawn.push_back({curve, set->off_mm, set->outside});
+  return drawn;
+}
+
+Result<FitEdit> fit_shape_to_contours(const ShapeView& shown, const BetweenContours& between, bool goes_on,
+                                      FitOptions options) {
+  const auto contours = drawn_contours(shown);
+  if (contours.empty()) return fail("", "There is no contour in this frame to fit to; draw one first.");
+  if (confirmed_without_landmarks(shown))
+    return fail("", "A fit to contours moves every vertex, but some are confirmed; free them first (Place).");
+  options.landmarks = shown.shape.landmarks;
+  const bool from_mesh = goes_on && shown.shape.pulls > 0 && !between.boundary;
+  Template the_template = shown.the_template();
+  // Few planes do not say how large the organ is.
+  options.stays = from_mesh || !are_all_around(*shown.shape.placed, contours);
+  if (from_mesh) {
+    the_template.landmarks = carried_landmarks(the_template, *shown.shape.points);
+    the_template.points = *shown.shape.points;
+    options.placement = Similarity{};
+  } else if (!options.placement && meets(*shown.shape.points, contours)) {
+    options.placement = shown.shape.placement;
+  }
+  auto fit = between.boundary ? fit_to_contours_and_boundary(the_template, contours, *between.boundary, options)
+                              : fit_to_contours(the_template, contours, options);
+  if (!fit) return fail(fit.error());
+  if (between.image) {
+    SnapOptions snapping = between.snap;
+    snapping.progress = options.progress;
+    SnapStart start{fit->mesh, fit->mesh.points, the_template.stiffness, VertexScalars::Ones(fit->mesh.points.rows())};
+    start.pins = contour_pins(contours, fit->mesh);
+    const auto snapped = snap(*between.image, shown.frame, start, snapping);
+    if (!snapped) return fail(snapped.error());
+    fit->mesh.points = snapped->points;
+  }
+  FitEdit edit;
+  edit.action = from_mesh ? points_edit(shown, fit->mesh.points, by_contours)
+                          : points_edit(shown, fit->mesh.points, by_fit, fit->placement);
+  if (fit->doubt_mm.size() > 0) edit.action.doubt_mm = doubt_on_grid(fit->doubt_mm);
   edit.result = std::move(*fit);
   return edit;
 }

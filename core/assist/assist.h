@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/adapt/contours/contour_samples.h"
 #include "core/adapt/fit.h"
 #include "core/adapt/snap.h"
 #include "core/case/action.h"
@@ -24,6 +25,23 @@ struct FitEdit {
 /// Fits the template [fit.h] with the landmarks that are placed in the case: from where it lies in the case
 /// (`as_placed`), else its place is found. `options`: all else. Errors: no mesh, and those of fit_to_boundary().
 Result<FitEdit> fit_shape(const ShapeView& shown, const Boundary& boundary, bool as_placed, FitOptions options);
+
+/// The curves that the case holds of a structure in the frame that is shown.
+std::vector<DrawnContour> drawn_contours(const ShapeView& shown);
+
+/// What says where the boundary lies between the contours; neither: the shape alone.
+struct BetweenContours {
+  std::shared_ptr<const Boundary> boundary;  ///< of a label
+  std::shared_ptr<const Volume> image;       ///< whose edges count, as `snap` says
+  SnapOptions snap;
+};
+
+/// Fits the template to the curves that the case holds of the shown frame [contour_fit.h], with the landmarks that are
+/// placed. Where curves and mesh meet already, it begins with the mesh's placement, else the curves place it. With
+/// `goes_on` a mesh that was pulled since the last fit stands in for the template, so that no stroke is lost.
+/// `options`: all else. Errors: no curves in this frame, and those of fit_to_contours() and snap().
+Result<FitEdit> fit_shape_to_contours(const ShapeView& shown, const BetweenContours& between, bool goes_on,
+                                      FitOptions options);
 
 /// The part of a mesh that a snap moves: around a surface point, with the falloff of the tools.
 struct SnapArea {

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "core/case/actions/confirm.h"
+#include "core/case/actions/contours.h"
 #include "core/case/actions/frames.h"
 #include "core/case/actions/history_marks.h"
 #include "core/case/actions/landmarks.h"
@@ -22,10 +23,11 @@ namespace homolog {
 /// Every change that a user (or a case file) can make: the list of all actions. Each is written in core/case/actions/:
 /// its data, what it does, its name for Undo, its line of the case file and its row in docs/case-file.md. The first one
 /// whose key a line has reads the line.
-using Action = std::variant<Stroke, SetPoints, MovePoints, SetPlacement, PaintStiffness, SmoothStiffness, PaintRegion,
-                            FillRegion, SetRegion, RenameRegion, RemoveRegion, SetStiffnessFactors, SetTemplateLandmark,
-                            SetStiffnessBase, Confirm, SetScheme, SetEvenSpacing, PlaceLandmark, SetLandmarkPull,
-                            MirrorTemplate, SetFrame, StartFrameFrom, SetStructure, RemoveStructure, Note, Undo, Redo>;
+using Action =
+    std::variant<Stroke, SetPoints, MovePoints, SetPlacement, PaintStiffness, SmoothStiffness, PaintRegion, FillRegion,
+                 SetRegion, RenameRegion, RemoveRegion, SetStiffnessFactors, SetTemplateLandmark, SetStiffnessBase,
+                 Confirm, SetScheme, SetEvenSpacing, PlaceLandmark, SetLandmarkPull, MirrorTemplate, SetFrame,
+                 StartFrameFrom, SetStructure, RemoveStructure, SetContours, RemoveContours, Note, Undo, Redo>;
 
 /// Calls `visit(action_kind(A))` for every action A, in the order of the list.
 template <class Visit>

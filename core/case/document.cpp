@@ -24,6 +24,15 @@ std::optional<ShapeView> Document::view(std::string_view id) const {
   return ShapeView{*found, *shape, frame};
 }
 
+std::string free_contour_id(const Document& document) {
+  for (int number = 1;; ++number) {
+    std::string id = "c" + std::to_string(number);
+    if (std::none_of(document.structures.begin(), document.structures.end(),
+                     [&](const auto& structure) { return structure->contour_set(id) != nullptr; }))
+      return id;
+  }
+}
+
 Document new_document(std::string volume_source, std::shared_ptr<const Volume> volume,
                       std::shared_ptr<const Template> the_template, const std::optional<Similarity>& placement) {
   Document document;

@@ -49,6 +49,9 @@ struct Document {
   std::size_t index_of(std::string_view id) const;
 };
 
+/// An id that no curves of the case have, of any structure: "c1".
+std::string free_contour_id(const Document& document);
+
 /// A case without edits: the template at `placement`; without one in the middle of the volume, upright, at its own
 /// size. Volume and template may be null. Never fails.
 Document new_document(std::string volume_source, std::shared_ptr<const Volume> volume,

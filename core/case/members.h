@@ -59,7 +59,7 @@ inline constexpr auto structure_members = std::make_tuple(
     Member{"colour", &Structure::colour, Origin::set}, Member{"template", &Structure::the_template, Origin::set},
     Member{"paint", &Structure::paint, Origin::set}, Member{"shapes", &Structure::shapes, Origin::set},
     Member{"landmarks", &Structure::landmarks, Origin::set}, Member{"confidence", &Structure::confidence, Origin::set},
-    Member{"doubt", &Structure::doubt, Origin::set});
+    Member{"doubt", &Structure::doubt, Origin::set}, Member{"contours", &Structure::contours, Origin::set});
 
 inline constexpr auto scan_members = std::make_tuple(Member{"source", &Scan::source, Origin::first_line},
                                                      Member{"image", &Scan::image, Origin::first_line});

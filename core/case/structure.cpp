@@ -1,5 +1,6 @@
 #include "core/case/structure.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/mesh/mesh_frame.h"
@@ -9,6 +10,11 @@ namespace homolog {
 const Shape* Structure::shape(int frame) const {
   const auto found = shapes.find(frame);
   return found == shapes.end() ? nullptr : found->second.get();
+}
+
+const ContourSet* Structure::contour_set(const std::string& id) const {
+  const auto found = std::find_if(contours.begin(), contours.end(), [&](const auto& one) { return one->id == id; });
+  return found == contours.end() ? nullptr : found->get();
 }
 
 void Structure::set_shape(int frame, Shape shape) {

@@ -6,7 +6,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "core/case/contour_set.h"
 #include "core/case/shape.h"
 #include "core/template/template.h"
 
@@ -59,7 +61,10 @@ struct Structure {
   LandmarkRules landmarks;
   double confidence = -1;  ///< 0…1: that its mesh is right, as a fit of a set or a person says; below 0: nobody said
   std::string doubt;       ///< why its mesh has to be looked at, as a sentence; empty: it need not
+  std::vector<std::shared_ptr<const ContourSet>> contours;  ///< drawn of it, in any frames; never null
 
+  /// The curves of an id; null: there are none.
+  const ContourSet* contour_set(const std::string& id) const;
   /// The mesh of a frame; null: it has none.
   const Shape* shape(int frame) const;
   void set_shape(int frame, Shape shape);

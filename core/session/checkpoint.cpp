@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <span>
+#include <type_traits>
 
 #include "core/base/colour.h"
 #include "core/base/hash.h"
@@ -11,6 +12,8 @@
 #include "core/base/limits.h"
 #include "core/base/same_values.h"
 #include "core/case/action_json.h"
+#include "core/case/actions/contours.h"
+#include "core/case/actions/fields.h"
 #include "core/case/members.h"
 #include "core/case/packed.h"
 #include "core/case/placing.h"
@@ -26,6 +29,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Shapes = std::map<int, std::shared_ptr<const Shape>>;
 using Structures = std::vector<std::shared_ptr<const Structure>>;
+using ContourSets = std::vector<std::shared_ptr<const ContourSet>>;
 using Colour = std::optional<std::array<std::uint8_t, 3>>;
 
 /// Raise it where a member is written otherwise or gets another meaning, and where a line gives another result that
@@ -76,6 +80,11 @@ bool same(const std::shared_ptr<const Template>& a, const std::shared_ptr<const 
   return a == b || (a && b && same_template(*a, *b));
 }
 
+bool same(const ContourSets& a, const ContourSets& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return x == y || *x == *y; });
+}
+
 bool same(const Shapes& a, const Shapes& b);
 bool same(const Structures& a, const Structures& b);
 
@@ -122,6 +131,17 @@ std::shared_ptr<const Template> changed_template(std::shared_ptr<const Template>
   return same_landmarks(landmarks, now->landmarks) ? now : with_landmarks(*now, std::move(landmarks));
 }
 
+// A member that is newer than checkpoints is left out where it is empty: so a case without it keeps its bytes, and its
+// older checkpoints hold.
+
+bool left_out(const auto&) {
+  return false;
+}
+
+bool left_out(const ContourSets& contours) {
+  return contours.empty();
+}
+
 /// Writes members that a checkpoint keeps. Points that are those of an earlier member are written as its name.
 class MemberWriter {
  public:
@@ -131,7 +151,7 @@ class MemberWriter {
   Json value(const Owner& owner) {
     Json json = Json::object();
     for_each_member(members_of(owner), [&](const auto& member) {
-      if (member.kept()) json[member.key] = value(owner.*member.of);
+      if (member.kept() && !left_out(owner.*member.of)) json[member.key] = value(owner.*member.of);
       note(member.key, owner.*member.of);
     });
     return json;
@@ -181,6 +201,17 @@ class MemberWriter {
     return changes;
   }
   Json value(const std::shared_ptr<const Volume>&) { return {}; }  // the first line says it
+  Json value(const ContourSets& contours) {
+    Json json = Json::array();
+    for (const auto& set : contours)
+      json.push_back({{"id", set->id},
+                      {"name", set->name},
+                      {"frame", set->frame},
+                      {"off_mm", set->off_mm},
+                      {"outside", set->outside},
+                      {"curves", curves_to_json(set->curves)}});
+    return json;
+  }
   Json value(const Shapes& shapes) {
     Json json = Json::array();
     for (const auto& [frame, shape] : shapes) {
@@ -213,7 +244,7 @@ class MemberReader {
   template <Described Owner>
   void read(const Json& json, Owner& owner) {
     for_each_member(members_of(owner), [&](const auto& member) {
-      if (member.kept())
+      if (member.kept() && (json.contains(member.key) || !left_out(std::decay_t<decltype(owner.*member.of)>{})))
         read(json.at(member.key), owner.*member.of);
       else if (member.origin == Origin::derived)
         derive(owner);
@@ -274,6 +305,15 @@ class MemberReader {
     now = template_ = changed_template(template_, json);
   }
   void read(const Json&, std::shared_ptr<const Volume>&) {}
+  void read(const Json& json, ContourSets& contours) {
+    contours.clear();
+    for (const Json& one : json) {
+      ContourSet set{one.at("id").get<std::string>(), one.at("name").get<std::string>(),
+                     one.at("frame").get<int>(),      one.at("off_mm").get<double>(),
+                     one.at("outside").get<bool>(),   curves_from_json(one.at("curves"))};
+      contours.push_back(std::make_shared<const ContourSet>(std::move(set)));
+    }
+  }
   void read(const Json& json, Shapes& shapes) {
     shapes.clear();
     for (const Json& one : json) {
@@ -367,6 +407,10 @@ bool is_sound(const Paint& paint) {
          (paint.stiffness->array() > 0).all() && is_sound(*paint.regions, paint.stiffness->size());
 }
 
+bool is_sound(const ContourSet& set) {
+  return !set.id.empty() && set.off_mm >= 0 && is_in_reach(set.off_mm) && check_curves(set.curves).has_value();
+}
+
 bool is_sound(const LandmarkRules& rules) {
   return rules.pull >= LandmarkPull::off && rules.pull <= LandmarkPull::warp &&
          rules.rule >= LandmarkRule::closed_form && rules.rule <= LandmarkRule::by_size;
@@ -378,6 +422,8 @@ bool is_sound(const Document& document) {
   const auto structure_is_sound = [&](const auto& structure) {
     return structure->shape(document.frame) != nullptr && is_sound(structure->paint) &&
            is_sound(structure->landmarks) &&
+           std::all_of(structure->contours.begin(), structure->contours.end(),
+                       [&](const auto& set) { return frame_exists(set->frame) && is_sound(*set); }) &&
            std::all_of(structure->shapes.begin(), structure->shapes.end(),
                        [&](const auto& one) { return frame_exists(one.first) && is_sound(*one.second); });
   };
@@ -462,6 +508,8 @@ std::optional<Document> read_checkpoint(const std::string& line, const Document&
     Document document = document_of(checkpoint.at("document"), start, templates);
     return is_sound(document) ? std::optional(std::move(document)) : std::nullopt;
   } catch (const Unusable&) {
+    return std::nullopt;
+  } catch (const Unreadable&) {
     return std::nullopt;
   } catch (const Json::exception&) {
     return std::nullopt;

@@ -34,6 +34,14 @@ void visit_array(const std::shared_ptr<const Template>& the_template, const auto
         a_vertex * static_cast<std::size_t>(the_template->topology->vertices()));
 }
 
+void visit_array(const std::vector<std::shared_ptr<const ContourSet>>& contours, const auto& visit) {
+  for (const auto& set : contours) {
+    std::size_t points = 0;
+    for (const Contour& curve : set->curves) points += curve.points.size();
+    visit(static_cast<const void*>(set.get()), points * sizeof(Vec3));
+  }
+}
+
 template <Described Owner>
 void visit_array(const Owner& owner, const auto& visit);
 

@@ -17,6 +17,7 @@ struct Contour {
   std::vector<Vec3> points;  ///< the last is joined to the first where it is closed, and is not the first again
   bool closed = true;
   bool cuts_out = false;  ///< combined with the others of its plane by exclusive or (CLOSEDPLANAR_XOR)
+  bool operator==(const Contour&) const = default;
 };
 
 /// One region of interest: a structure as someone drew it, plane by plane.

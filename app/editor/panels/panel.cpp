@@ -109,6 +109,7 @@ void draw_cine_section(const UiContext& ui, Outbox& out);
 void draw_structures_section(const UiContext& ui, Outbox& out);
 void draw_template_section(const UiContext& ui, Outbox& out);
 void draw_place_section(const UiContext& ui, Outbox& out);
+void draw_contours_section(const UiContext& ui, Outbox& out);
 void draw_deform_section(const UiContext& ui, Outbox& out);
 void draw_correspondence_section(const UiContext& ui, Outbox& out);
 void draw_export_section(const UiContext& ui, Outbox& out);
@@ -116,6 +117,7 @@ void draw_export_section(const UiContext& ui, Outbox& out);
 std::string structures_in_words(const UiContext& ui);
 std::string template_in_words(const UiContext& ui);
 std::string placed_in_words(const UiContext& ui);
+std::string contours_in_words(const UiContext& ui);
 
 void draw_side_panel(const UiContext& ui, Outbox& out) {
   // In the order of the work.
@@ -136,13 +138,18 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
   static constexpr auto may_have_structures = [](const UiContext& shown) {
     return !opens_structures(shown) && shown.labels().values.size() > 1;
   };
+  static constexpr auto has_contours = [](const UiContext& shown) {
+    return shown.state.automatic.offered.read != nullptr ||
+           (shown.structure() != nullptr && !shown.structure()->contours.empty());
+  };
   static constexpr auto has_one = [](const UiContext& shown) { return !has_several(shown); };
-  static constexpr std::array<PanelSection, 9> sections{
+  static constexpr std::array<PanelSection, 10> sections{
       {{"Case", draw_case_section, true, nullptr, has_one},
        {structures_section, draw_structures_section, true, opens_structures, opens_structures, structures_in_words},
        {"Cine", draw_cine_section, true, is_cine},
        {"Template", draw_template_section, false, nullptr, is_own_scan, template_in_words},
        {place_section, draw_place_section, false, nullptr, nullptr, placed_in_words},
+       {contours_section, draw_contours_section, false, nullptr, has_contours, contours_in_words},
        {deform_section, draw_deform_section, true},
        {"Correspondence", draw_correspondence_section, true},
        {"Export", draw_export_section, false},

@@ -36,6 +36,7 @@ enum class FilePurpose {
   open_template,
   open_labels,
   open_landmarks,
+  open_contours,
   open_stiffness,
   open_template_landmarks,
   open_model,

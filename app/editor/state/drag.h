@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "app/editor/state/view_geometry.h"
 #include "core/case/action.h"
@@ -61,6 +62,15 @@ struct RulerDrag {
   ViewKind view = ViewKind::axial;
 };
 
+/// A curve that is drawn by hand in a slice.
+struct ContourDrag {
+  ViewKind view = ViewKind::axial;
+  std::string id;             ///< that the curve gets
+  std::vector<Vec3> points;   ///< along the pointer's path, in the plane of the slice
+  double x_px = 0, y_px = 0;  ///< where the last of them was taken
+  bool at_start = false;      ///< the pointer came back to where it began: the curve is closed
+};
+
 /// What a click asks for, while another press may still make it a double click, which edits nothing.
 struct HeldClick {
   std::optional<Action> action;
@@ -68,8 +78,8 @@ struct HeldClick {
   double until = 0;    ///< by the clock of the events
 };
 
-using Drag =
-    std::variant<PanDrag, WindowLevelDrag, TurnDrag, StrokeDrag, PlaceDrag, LandmarkDrag, BrushDrag, RulerDrag>;
+using Drag = std::variant<PanDrag, WindowLevelDrag, TurnDrag, StrokeDrag, PlaceDrag, LandmarkDrag, BrushDrag, RulerDrag,
+                          ContourDrag>;
 /// Whether a drag moves a view; else it is a tool's.
 inline bool is_of_view(const Drag& drag) {
   return std::holds_alternative<PanDrag>(drag) || std::holds_alternative<WindowLevelDrag>(drag) ||

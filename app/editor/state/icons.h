@@ -24,6 +24,7 @@ inline constexpr const char* unlocked = "\xef\x82\x9c";     // unlock f09c
 inline constexpr const char* eye = "\xef\x81\xae";          // eye f06e
 inline constexpr const char* eye_shut = "\xef\x81\xb0";     // eye-slash f070
 inline constexpr const char* ruler = "\xef\x81\xbd";        // arrows-v f07d
+inline constexpr const char* contour = "\xef\x81\x80";      // pencil f040
 inline constexpr const char* close = "\xef\x80\x8d";        // times f00d
 inline constexpr const char* check = "\xef\x80\x8c";        // check f00c
 inline constexpr const char* warning = "\xef\x81\xb1";      // exclamation-triangle f071

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/phantom/phantom.h"
 #include "core/volume/volume_io.h"
@@ -20,8 +21,9 @@ struct OpenRequest {
   std::string template_source;     ///< path, or a built-in template's name
   bool template_in_place = false;  ///< it was made on the image on the screen, and stays where it was made
   std::filesystem::path labels;
-  std::optional<std::pair<Organ, int>> demo;  ///< a phantom's subject, with its template placed
-  std::shared_ptr<const Volume> beside;       ///< the image on the screen: a label map on its voxels is shown over it
+  std::vector<std::filesystem::path> contours;  ///< read when all else is open
+  std::optional<std::pair<Organ, int>> demo;    ///< a phantom's subject, with its template placed
+  std::shared_ptr<const Volume> beside;         ///< the image on the screen: a label map on its voxels is shown over it
 };
 
 }  // namespace homolog

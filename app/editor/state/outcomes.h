@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/editor/state/settings.h"
+#include "core/adapt/contours/contour_fit.h"
 #include "core/adapt/judge_fit.h"
 #include "core/case/actions/points.h"
 #include "core/measure/compare.h"
@@ -36,6 +37,13 @@ struct SnapFound {
   std::string warning;  ///< a sentence; empty where there is none
 
   bool is_of(const Points& shape) const { return shape.rows() == points.rows() && shape == points; }
+};
+
+/// What a fit to contours came to.
+struct ContoursFitted {
+  std::shared_ptr<const Points> points;  ///< that it gave the mesh
+  ContourDistance off;                   ///< how far the contours lie from it
+  std::vector<std::string> warnings;     ///< each a sentence
 };
 
 /// The making of a template as it stands, from the first stage to the finished mesh.

@@ -2,11 +2,13 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "core/adapt/image/appearance.h"
 #include "core/adapt/image/edge_search.h"
 #include "core/template_making/mask_template.h"
 #include "core/template_making/tube_template.h"
+#include "core/volume/contours.h"
 
 namespace homolog {
 
@@ -45,6 +47,15 @@ struct SnapSettings {
   bool show_confidence = true;
   bool learn = false;                         ///< from the study's cases that are done
   std::shared_ptr<const Appearance> learned;  ///< what came of that; null where nothing did
+};
+
+/// What says where the boundary lies between contours.
+enum class BetweenCurves { shape, image, label };
+
+/// The structures of a file of contours, to choose from; none where no file is open.
+struct OfferedContours {
+  std::string file;                      ///< its name
+  std::shared_ptr<const Contours> read;  ///< null: none
 };
 
 }  // namespace homolog

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,19 @@
 namespace homolog {
 
 /// What the left mouse button does in a view. Each has a row in app/editor/update/tools/.
-enum class MouseTool { pull, grab, slide, relax, place, landmark, stiffness, confirm, ruler, template_landmark };
+enum class MouseTool {
+  pull,
+  grab,
+  slide,
+  relax,
+  place,
+  landmark,
+  stiffness,
+  confirm,
+  ruler,
+  contour,
+  template_landmark
+};
 
 /// What the colours of the mesh mean. Each has a row in app/editor/scene/mesh_colouring.cpp.
 enum class Colouring {
@@ -153,6 +166,8 @@ struct Hints {
 inline constexpr const char* structures_section = "Structures";
 /// The title of the section that the tools of placing unfold.
 inline constexpr const char* place_section = "Place";
+/// The title of the section that lists the contours.
+inline constexpr const char* contours_section = "Contours";
 /// The title of the section that holds the settings of the brushes.
 inline constexpr const char* deform_section = "Deform";
 
@@ -179,6 +194,7 @@ struct Preferences {
 struct Look {
   std::string structure;  ///< the one that is worked on, by its id; empty: the case's first
   StructureLooks structures;
+  std::set<std::string> hidden_contours;  ///< whose eye is shut, by their ids
 
   Vec3 crosshair_mm = Vec3::Zero();
   double scrolled = 0;  ///< slices, less than one: what the wheel has turned towards the next
@@ -242,8 +258,10 @@ struct Automatic {
   std::string set_source;                     ///< of the template set that was chosen; empty: none was
   std::shared_ptr<const SetOfTemplates> set;  ///< it, once it is read
   SnapSettings snap;
-  double model_help = 0;   ///< 0…1: how far the study's model completes every stroke
-  bool keep_apart = true;  ///< at the end of a stroke the structure goes out of its neighbours
+  BetweenCurves between_contours = BetweenCurves::shape;
+  OfferedContours offered;  ///< of a file, to choose from
+  double model_help = 0;    ///< 0…1: how far the study's model completes every stroke
+  bool keep_apart = true;   ///< at the end of a stroke the structure goes out of its neighbours
 };
 
 /// What was found on the structure that is worked on. Another structure begins with nothing.
@@ -252,6 +270,7 @@ struct Found {
   std::optional<Fitted> last_fit;                   ///< spoken of for as long as its mesh is the case's
   std::optional<Fitted> last_refinement;            ///< likewise
   std::optional<SnapFound> snapped;                 ///< the last snap
+  std::optional<ContoursFitted> fitted_contours;    ///< the last fit to contours
   std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
   std::vector<Finding> unclear_edges;               ///< of `confidence`
   std::optional<ShownFinding> finding;              ///< that is looked at

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/editor/update/commands/case_commands.h"
+#include "app/editor/update/commands/contour_commands.h"
 #include "app/editor/update/commands/dialog_commands.h"
 #include "app/editor/update/commands/file_commands.h"
 #include "app/editor/update/commands/models_commands.h"
@@ -36,6 +37,8 @@ using AllCommands = TypeList<
     ChooseStructure, ClickStructure, NextStructure, AcceptStructure, RenameLevels, ShowStructures, ShowOnlyStructures,
     LockStructures, ChooseSet, FitSet, CancelSetFit, FilterStructures, SortStructures, ShowAsRead, TakeBackRepair,
     KeepApart, KeepApartAfterStrokes,
+    // contours
+    OpenContours, AddContours, CloseContours, ShowContours, SetBetweenContours, FitContours, CancelContourFit,
     // files
     OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, CancelOpening, CancelReading, CancelWriting, SaveCase,
     SaveCaseAs, ExportMesh, ExportLabelMap, ExportStructuresMap, ExportStructuresMeshes, ExportLandmarks,

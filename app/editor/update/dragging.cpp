@@ -21,20 +21,22 @@ bool click_is_free(const EditorState& state) {
 /// Whether a press of the tool in hand would edit the structure that is worked on.
 bool press_edits(const EditorState& state) {
   const Hover& hover = *state.pointer.hover;
-  if (state.hand.tool == MouseTool::ruler) return false;
+  if (state.pointer.begun_with == MouseTool::ruler) return false;
+  if (state.pointer.begun_with == MouseTool::contour) return hover.view != ViewKind::space;
   return hover.on_mesh || hover.part != PlacePart::none || state.hand.tool == MouseTool::landmark;
 }
 
 void start_left_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
   const Press press{state, event, context, out, *state.pointer.hover};
-  state.pointer.begun_with = state.hand.tool;
-  state.pointer.pressed_structure = click_is_free(state) ? press.hover.structure : std::string();
+  const bool draws = event.ctrl && !press.in_space();
+  state.pointer.begun_with = draws ? MouseTool::contour : state.hand.tool;
+  state.pointer.pressed_structure = click_is_free(state) && !draws ? press.hover.structure : std::string();
   if (active_is_locked(state, context.document) && press_edits(state)) {
     if (state.pointer.pressed_structure.empty())
       add_notice(state, locked_sentence(*context.document.structure(context.structure)), false);
     return;
   }
-  if (!kind_of(state.hand.tool).begin(press) && press.in_space())
+  if (!kind_of(state.pointer.begun_with).begin(press) && press.in_space())
     state.pointer.drag = TurnDrag{event.x_px, event.y_px, state.look.camera};
 }
 

@@ -9,6 +9,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/update/models.h"
 #include "app/editor/update/shown_case.h"
+#include "app/editor/work/contour_fits.h"
 #include "app/editor/work/exports.h"
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/label_surfaces.h"
@@ -49,6 +50,7 @@ struct Work {
   SetFitter set_fitter;
   Propagator propagator;
   Snaps snaps;
+  ContourFits contour_fits;
   TemplateMaker template_maker;
   LabelSurfaces label_surfaces;
   StudyAppearance study_appearance;
@@ -97,7 +99,7 @@ struct Editing {
             shown.snapshot().can_undo,
             shown.snapshot().can_redo,
             shown.snapshot().file,
-            work.fitter.busy() || work.propagator.busy() || work.set_fitter.busy(),
+            work.fitter.busy() || work.propagator.busy() || work.set_fitter.busy() || work.contour_fits.busy(),
             state.look.structure};
   }
   /// Does an edit of the case, or of the structure that is worked on. `joined`: see EditStep.

@@ -27,7 +27,7 @@ bool Work::busy() const {
   return opener.busy() || imports.busy() || exports.busy() || template_maker.busy() || fitter.busy() ||
          set_fitter.busy() || propagator.busy() || observers.busy() || study_appearance.busy() ||
          study_optimiser.busy() || model_help.busy() || label_surfaces.busy() || models.busy() || worklist.busy() ||
-         snaps.busy() || recovery.busy();
+         snaps.busy() || contour_fits.busy() || recovery.busy();
 }
 
 void Outbox::apply(Action action, bool joined) {

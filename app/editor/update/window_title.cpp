@@ -12,6 +12,7 @@ std::string running_words(const EditorState& state, const Work& work) {
   if (work.opener.running()) return "opening";
   if (work.fitter.busy()) return work.fitter.refining() ? "refining" : "fitting";
   if (work.template_maker.busy()) return "making a template";
+  if (work.contour_fits.busy()) return "fitting";
   if (work.snaps.busy()) return "snapping";
   if (work.exports.running()) return "writing";
   if (state.models.evaluating) return "measuring";

@@ -48,10 +48,11 @@ inline ImU32 on_accent = IM_COL32(0x08, 0x16, 0x26, 255);
 inline ImU32 amber = IM_COL32(0xFF, 0xA9, 0x3F, 255);  ///< the fold guard, warnings
 inline ImU32 bad = IM_COL32(0xFF, 0x7A, 0x73, 255);
 inline ImU32 good = IM_COL32(0x67, 0xCF, 0x96, 255);
-inline ImU32 mark = text;                               ///< over the views: on images, in both themes
-inline ImU32 mark_dim = dim;                            ///< the same, of lesser weight
-inline ImU32 mark_shadow = IM_COL32(0, 0, 0, 200);      ///< around what is written there
-inline ImU32 dialog = IM_COL32(0x1F, 0x22, 0x26, 255);  ///< of what covers the window
+inline constexpr ImU32 contour = IM_COL32(0xFF, 0xE0, 0x66, 255);  ///< curves that were drawn, over the views
+inline ImU32 mark = text;                                          ///< over the views: on images, in both themes
+inline ImU32 mark_dim = dim;                                       ///< the same, of lesser weight
+inline ImU32 mark_shadow = IM_COL32(0, 0, 0, 200);                 ///< around what is written there
+inline ImU32 dialog = IM_COL32(0x1F, 0x22, 0x26, 255);             ///< of what covers the window
 }  // namespace palette
 
 /// A view's hue as text: in the title of its header.

@@ -22,6 +22,7 @@ EditorApp::~EditorApp() {
   };
   warn(work_.models.close(state_.models));
   work_.snaps.cancel();
+  work_.contour_fits.cancel();
   warn(told(shown_.close()));
 }
 

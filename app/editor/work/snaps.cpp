@@ -9,9 +9,7 @@
 
 namespace homolog {
 
-namespace {
-
-SnapOptions options_of(const SnapSettings& settings) {
+SnapOptions snap_options_of(const SnapSettings& settings) {
   SnapOptions options;
   options.strength = settings.strength;
   options.edges.reach_mm = settings.reach_mm;
@@ -20,11 +18,9 @@ SnapOptions options_of(const SnapSettings& settings) {
   return options;
 }
 
-}  // namespace
-
 Compute snap_compute(const SnapArea& region, const SnapSettings& settings) {
-  return [region, options = options_of(settings)](const Document& document,
-                                                  const std::string& of) -> Result<std::optional<Action>> {
+  return [region, options = snap_options_of(settings)](const Document& document,
+                                                       const std::string& of) -> Result<std::optional<Action>> {
     const auto shown = shape_to("snap", document, of);
     if (!shown) return std::optional<Action>();
     auto edit = snap_shape(document.scan, *shown, region, options, SnapHolds::landmarks);
@@ -71,7 +67,7 @@ void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const 
   using Clock = std::chrono::steady_clock;
   cancel();
   box_ = std::make_shared<Box>();
-  SnapOptions options = options_of(settings);
+  SnapOptions options = snap_options_of(settings);
   options.progress = &box_->progress;
   // Whatever becomes of the job, also where memory runs out: when it is gone the snap has ended.
   const auto ends = std::shared_ptr<Box>(box_.get(), [box = box_](Box*) { box->end(); });

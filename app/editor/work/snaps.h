@@ -11,6 +11,9 @@
 
 namespace homolog {
 
+/// How a snap goes by the settings.
+SnapOptions snap_options_of(const SnapSettings& settings);
+
 /// A snap as the settings say. Where it fails, the mesh stays as it is and there is no error.
 Compute snap_compute(const SnapArea& region, const SnapSettings& settings);
 

@@ -44,9 +44,13 @@ class ContourFitting {
 
   Result<FitResult> alone() {
     if (auto usable = check(); !usable) return fail(usable.error());
-    const Placed placed = find_placement(
-        template_, target_.contours().likely(),
-        {.landmarks = options_.landmarks, .orientation = options_.orientation, .start = options_.placement});
+    Placed placed;
+    if (options_.stays && options_.placement)
+      placed.placement = *options_.placement;
+    else
+      placed = find_placement(
+          template_, target_.contours().likely(),
+          {.landmarks = options_.landmarks, .orientation = options_.orientation, .start = options_.placement});
     placement_ = placed.placement;
     const Points points = placement_.apply(template_.points);
     if (auto shown = show(points, 0.2); !shown) return fail(shown.error());
@@ -62,6 +66,11 @@ class ContourFitting {
         warnings_of_landmarks(template_, options_.landmarks, trust_, (placement_.apply(own) - there).rowwise().norm());
     auto drawn = draw(warp.points, nullptr);
     if (!drawn) return fail(drawn.error());
+    if (options_.rough) {
+      result.placement = placement_;
+      result.mesh = std::move(*drawn);
+      return result;
+    }
     finish(std::move(*drawn), result);
     result.landmarks_used = static_cast<std::size_t>((trust_.array() >= believable).count());
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);

@@ -14,7 +14,7 @@ ContourDistance contour_distance(const std::vector<DrawnContour>& contours, cons
 
 /// Fits a template to curves in some planes: placed by where they lie, carried to them smoothly [contour_warp.h], then
 /// drawn onto them [Erdt 2009, Eq. 3]. Between the curves the shape follows the template. `doubt_mm` grows with the
-/// distance from them. Of `options`, `partial`, `rough` and `allowed` are left out. Errors: no curve with points;
+/// distance from them. Of `options`, `partial` and `allowed` are left out. Errors: no curve with points;
 /// curves of no extent; a placement beside them; cancelled.
 Result<FitResult> fit_to_contours(const Template& the_template, const std::vector<DrawnContour>& contours,
                                   const FitOptions& options = {});

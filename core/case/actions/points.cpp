@@ -92,7 +92,7 @@ bool keeps_doubt(const std::string& by) {
 
 /// Whether what was pulled before such an edit is still held: a person's place for it goes before that of the image.
 bool keeps_pulls(const std::string& by) {
-  return by == by_model || by == by_snap || by == by_refinement || by == by_keep_apart;
+  return by == by_model || by == by_snap || by == by_refinement || by == by_keep_apart || by == by_contours;
 }
 
 /// What an edit by `action`, which is not yet done, leaves of what was pulled and of the shape without snaps.

@@ -19,6 +19,8 @@ inline constexpr const char* by_model = "model help";
 inline constexpr const char* by_refinement = "refine";
 /// Vertices went along their normals to the edge in the image.
 inline constexpr const char* by_snap = "snap";
+/// The mesh as it was went to contours that were drawn: what was pulled before is kept.
+inline constexpr const char* by_contours = "contours";
 /// Vertices went out of a neighbour.
 inline constexpr const char* by_keep_apart = "keep apart";
 /// The mesh came from other frames of a cine: it does not make the frame a known one.

@@ -67,6 +67,17 @@ std::vector<KnownLine> edits_of_the_mesh() {
       {SetStructure{.id = "s2", .name = "m"}, R"({"structure":{"id":"s2","name":"m"}})", "change of m"},
       {SetStructure{.id = "s2", .confidence = 0.25, .doubt = "why"},
        R"({"structure":{"id":"s2","confidence":0.25,"doubt":"why"}})", "change of s2"},
+      {SetContours{.id = "c1",
+                   .name = "l",
+                   .curves = std::make_shared<const std::vector<Contour>>(
+                       std::vector<Contour>{{{Vec3(1, 2, 3), Vec3(4, 5.5, 6)}, false}}),
+                   .off_mm = 0.5,
+                   .outside = true},
+       R"({"contours":{"id":"c1","name":"l","off_mm":0.5,"side":"outside","curves":[{"points":[1.0,2.0,3.0,4.0,5.5,6.0],"closed":false}]}})",
+       "contour l"},
+      {SetContours{.id = "c1", .outside = false}, R"({"contours":{"id":"c1","side":"boundary"}})",
+       "change of contour c1"},
+      {RemoveContours{"c1"}, R"({"remove_contours":"c1"})", "removal of contour c1"},
       {RemoveStructure{"s2"}, R"({"remove_structure":"s2"})", "removal of s2"},
   };
 }

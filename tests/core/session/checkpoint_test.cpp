@@ -176,6 +176,11 @@ class Filler {
     structures.front() = std::make_shared<const Structure>(std::move(first));
   }
   void other(std::optional<std::array<std::uint8_t, 3>>& colour) { colour = {10, 200, 30}; }
+  void other(std::vector<std::shared_ptr<const ContourSet>>& contours) {
+    const Contour open{{Vec3(0.1, 0.2, share()), Vec3(1, 2, 3)}, false, true},
+        closed{{Vec3(0, 0, 0.3), Vec3(1, 0, 0.3), Vec3(0, 1, 0.3)}};
+    contours = {std::make_shared<const ContourSet>(ContourSet{"c1", "näme", 2, share(), true, {open, closed}})};
+  }
   double share() { return std::uniform_real_distribution<double>(0, 1)(random_); }
 
   std::mt19937 random_{4};

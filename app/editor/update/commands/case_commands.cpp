@@ -129,6 +129,7 @@ void CancelFit::run(Editing& editing) const {
 
 void CancelFits::run(Editing& editing) const {
   cancel_fit(editing);
+  editing.work.contour_fits.cancel();
   editing.work.set_fitter.cancel();
   editing.work.propagator.cancel();
 }

@@ -19,6 +19,7 @@
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
+#include "core/mesh/slicer_curves.h"
 #include "core/session/unsaved_cases.h"
 #include "core/structures/set_map.h"
 #include "core/structures/template_set.h"
@@ -118,11 +119,23 @@ void OpenFiles::run(Editing& editing) const {
   }
   // Dropped on the Models mode, all else becomes a case of the study.
   if (editing.state.models.shown) return editing.out.send(AddCases{paths});
-  auto request = sort_files(paths);
+  std::vector<fs::path> contours, others;
+  for (const auto& path : paths) (is_contour_file(path) ? contours : others).push_back(path);
+  if (others.empty()) {
+    for (const auto& path : contours) {
+      // Points alone are landmarks.
+      const bool points = lower_case(path.string()).ends_with(".json") && !read_slicer_curves(path) &&
+                          read_landmarks(path) && editing.structure() != nullptr;
+      editing.out.send(points ? Command(ImportLandmarks{{path}}) : Command(OpenContours{path}));
+    }
+    return;
+  }
+  auto request = sort_files(others);
   if (!request) return add_notice(editing.state, request.error().sentence());
   std::error_code ignored;
   if (!request->case_file.empty() && fs::equivalent(request->case_file, editing.shown.snapshot().file, ignored))
     return add_notice(editing.state, request->case_file.filename().string() + " is open already.", false);
+  request->contours = std::move(contours);
   request->beside = editing.shown.document().scan.image;
   editing.out.send(OpenRequested{std::move(*request)});
 }
@@ -137,6 +150,7 @@ void OpenRequested::spell(Fields& line) {
   named("template", request.template_source);
   line.optional("in_place", request.template_in_place, request.template_in_place);
   named("labels", request.labels);
+  named("contours", request.contours);
   std::optional<Organ> organ;
   int subject = 1;
   if (request.demo) std::tie(organ, subject) = *request.demo;

@@ -22,6 +22,7 @@ void ChooseStructure::run(Editing& editing) const {
   const Structure* chosen = editing.shown.document().structure(id);
   if (chosen == nullptr) return add_notice(state, "There is no structure \"" + id + "\" in this case.");
   editing.work.snaps.cancel();
+  editing.work.contour_fits.cancel();
   state.look.structures.hidden.erase(chosen->id);
   state.look.structures.chosen = {chosen->id};
   state.look.structures.range_from = chosen->id;

@@ -54,6 +54,8 @@ SnapArea snap_region(const ShapeView& shown, const Stroke& stroke) {
 
 std::vector<Compute> assistance(const Editing& editing, const Action& action) {
   std::vector<Compute> then;
+  if (const auto* drawn = std::get_if<SetContours>(&action); drawn != nullptr && drawn->curves)
+    then.push_back(contour_compute());
   const auto* stroke = std::get_if<Stroke>(&action);
   if (stroke == nullptr || !moves_boundary(stroke->tool)) return then;
   const auto shown = editing.shape();
@@ -88,6 +90,13 @@ void update_fit(Editing& editing) {
     session.preview(std::nullopt);
     add_notice(editing.state, done->error().sentence());
   }
+}
+
+void update_contour_fit(Editing& editing) {
+  auto fitted = editing.work.contour_fits.take();
+  if (!fitted) return;
+  for (const std::string& warning : fitted->warnings) add_notice(editing.state, "Contours: " + warning + ".", false);
+  editing.state.found.fitted_contours = std::move(fitted);
 }
 
 void update_propagation(Editing& editing) {

@@ -21,6 +21,8 @@ void cancel_fit(Editing& editing);
 /// meanwhile.
 void update_fit(Editing& editing);
 
+/// Takes in what a fit to contours came to.
+void update_contour_fit(Editing& editing);
 /// Takes in what a propagation through the cine found; gives it up where the case was edited meanwhile.
 void update_propagation(Editing& editing);
 

@@ -1,10 +1,13 @@
 #include "app/editor/update/results/imports.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/adapt/choose_closing.h"
 #include "core/base/paths.h"
+#include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
+#include "core/mesh/curve_io.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/surface_search.h"
 #include "core/model/statismo.h"
@@ -92,7 +95,87 @@ void read_for_case(Editing& editing, const Done& command, Read read, Take take) 
       });
 }
 
+/// Why contours cannot be of the image on the screen; empty where they can.
+std::string not_of_image(const Contours& read, const Volume* image) {
+  if (image == nullptr) return {};
+  if (!read.frame_of_reference.empty() && !image->frame_of_reference.empty() &&
+      read.frame_of_reference != image->frame_of_reference)
+    return "was drawn on another scan than the one on the screen (their frames of reference differ); open the series "
+           "that it was drawn on";
+  for (const ContourRoi& roi : read.rois)
+    for (const Contour& curve : roi.contours)
+      for (const Vec3& p : curve.points)
+        if (image->geometry.holds(p)) return {};
+  return "lies outside of the image; open the scan that it was drawn on";
+}
+
+/// The structure of the case that is called like one of a file; null: none is.
+const Structure* called_like(const Document& document, const std::string& name) {
+  for (const auto& one : document.structures)
+    if (lower_case(structure_name(*one)) == lower_case(name)) return one.get();
+  return nullptr;
+}
+
+void take_contours(Editing& editing, const std::string& name, const Contours& read) {
+  EditorState& state = editing.state;
+  const Document& document = *editing.shown.snapshot().document;
+  if (const std::string fault = not_of_image(read, document.scan.image.get()); !fault.empty())
+    return add_notice(state, name + ": " + fault + ".");
+  for (const std::string& warning : read.warnings) add_notice(state, warning + ".", false);
+  state.wanted_section = contours_section;
+  ++state.section_wanted;
+  state.automatic.offered = {};
+  std::vector<const ContourRoi*> drawn;
+  for (const ContourRoi& roi : read.rois)
+    if (!roi.contours.empty()) drawn.push_back(&roi);
+  if (drawn.empty()) return add_notice(state, name + ": has no contours in any of its structures; draw some.");
+  bool joined = false;
+  if (drawn.size() == 1 && editing.structure() != nullptr) {
+    add_contours(editing, *drawn.front(), *editing.structure(), false);
+    joined = true;
+  } else {
+    for (const ContourRoi* roi : drawn)
+      if (const Structure* structure = called_like(document, roi->name); structure != nullptr)
+        add_contours(editing, *roi, *structure, std::exchange(joined, true));
+  }
+  if (joined) return;
+  state.automatic.offered = {name, std::make_shared<const Contours>(read)};
+  add_notice(state,
+             name + (drawn.size() == 1 ? " holds contours. Load a template, then add them in the section Contours."
+                                       : " holds " + std::to_string(drawn.size()) +
+                                             " structures. Choose those to add in the section Contours."),
+             false);
+}
+
 }  // namespace
+
+void add_contours(Editing& editing, const ContourRoi& roi, const Structure& structure, bool joined) {
+  stop_playing(editing);
+  // Edits that were posted before and are not done yet may take the next ids.
+  const auto taken = [&](const std::string& id) {
+    return std::ranges::any_of(editing.shown.snapshot().document->structures,
+                               [&](const auto& one) { return one->contour_set(id) != nullptr; });
+  };
+  std::string id = "file" + std::to_string(roi.number);
+  for (int again = 2; taken(id); ++again) id = "file" + std::to_string(roi.number) + "-" + std::to_string(again);
+  SetContours action{.id = id, .name = roi.name, .curves = std::make_shared<const std::vector<Contour>>(roi.contours)};
+  editing.shown.session().apply(std::move(action), joined, structure.id);
+}
+
+bool is_contour_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  const std::string name = lower_case(path.filename().string());
+  if (name.ends_with(".mrk.json")) return true;
+  if (name.ends_with(".vtp")) return !read_mesh_file(path) && read_curves(path);
+  return holds_contours(path);
+}
+
+void import_contours(Editing& editing, const std::filesystem::path& path) {
+  read_for_case(
+      editing, OpenContours{path}, [](const auto& file) { return read_curves(file); },
+      [name = path.filename().string()](Editing& then, const Contours& read) { take_contours(then, name, read); });
+}
 
 void import_landmarks(Editing& editing, const std::filesystem::path& path) {
   read_for_case(

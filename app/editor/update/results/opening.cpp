@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "app/editor/update/results/imports.h"
 #include "core/base/paths.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/meeting.h"
@@ -175,6 +176,7 @@ void start_session(Editing& editing, EditSession session) {
   const std::string source_before = before && before->scan.image ? before->scan.source : std::string();
   const std::filesystem::path folder_before = std::filesystem::path(source_before).parent_path();
   editing.work.snaps.cancel();
+  editing.work.contour_fits.cancel();
   state.guide.reset();
   state.found.finding.reset();
   const Refusals refused = shown.start(std::move(session));
@@ -209,6 +211,7 @@ void show_opened(Editing& editing, Opened opened) {
     return;
   }
   const OpenRequested command{opened.request};
+  const std::vector<std::filesystem::path> contours = opened.request.contours;
   if (opened.labels && !opened.volume && !opened.opened_case) {
     editing.log.is_done(command);
     return show_labels(editing, opened);
@@ -232,6 +235,8 @@ void show_opened(Editing& editing, Opened opened) {
   } else {
     start_with(editing, std::move(opened));
   }
+  // The log has them with the rest.
+  for (const auto& path : contours) import_contours(editing, path);
 }
 
 }  // namespace homolog

@@ -222,6 +222,7 @@ bool take_results(Editing& editing, double seconds) {
   count_work(editing, steps_before, seconds);
   bool changed = take_written(editing);
   update_fit(editing);
+  update_contour_fit(editing);
   update_propagation(editing);
   changed |= update_set_fit(editing);
   update_model_help(editing);

@@ -104,10 +104,18 @@ struct ToolKind {
 
 // In the order of MouseTool, which is that of the strip and of the list of keys.
 extern const ToolKind pull_tool, grab_tool, slide_tool, relax_tool, place_tool, landmark_tool, stiffness_tool,
-    confirm_tool, ruler_tool, template_landmark_tool;
-inline constexpr std::array tool_kinds{
-    &pull_tool,     &grab_tool,      &slide_tool,   &relax_tool, &place_tool,
-    &landmark_tool, &stiffness_tool, &confirm_tool, &ruler_tool, &template_landmark_tool};
+    confirm_tool, ruler_tool, contour_tool, template_landmark_tool;
+inline constexpr std::array tool_kinds{&pull_tool,
+                                       &grab_tool,
+                                       &slide_tool,
+                                       &relax_tool,
+                                       &place_tool,
+                                       &landmark_tool,
+                                       &stiffness_tool,
+                                       &confirm_tool,
+                                       &ruler_tool,
+                                       &contour_tool,
+                                       &template_landmark_tool};
 
 /// The row of a tool.
 const ToolKind& kind_of(MouseTool tool);

@@ -1,0 +1,83 @@
+#include <cmath>
+
+#include "app/editor/state/icons.h"
+#include "app/editor/update/tools/tool.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double step_px = 3, closing_px = 14;
+constexpr std::size_t fewest_points = 8;  ///< of a curve: fewer are a click
+
+/// A place on the slice, in µm: as a line of the case writes it.
+Vec3 place_on_slice(const ViewMap& map, const EditorState& state, double x_px, double y_px) {
+  constexpr double per_mm = 1000;
+  return (map.on_facing_plane(x_px, y_px, state.look.crosshair_mm) * per_mm).array().round() / per_mm;
+}
+
+bool begin_contour(const Press& press) {
+  if (press.in_space() || !press.shape()) return false;
+  press.stay_at_frame();
+  ContourDrag drag;
+  drag.view = press.hover.view;
+  drag.id = free_contour_id(press.document());
+  drag.x_px = press.event.x_px;
+  drag.y_px = press.event.y_px;
+  drag.points = {place_on_slice(press.map(), press.state, drag.x_px, drag.y_px)};
+  press.state.pointer.drag = std::move(drag);
+  return true;
+}
+
+std::optional<Action> contour_action(const EditorState& state) {
+  const auto& drag = std::get<ContourDrag>(*state.pointer.drag);
+  if (drag.points.size() < fewest_points) return std::nullopt;
+  auto curves = std::make_shared<const std::vector<Contour>>(
+      std::vector<Contour>{{.points = drag.points, .closed = drag.at_start}});
+  return SetContours{.id = drag.id, .name = "Contour " + drag.id.substr(1), .curves = std::move(curves)};
+}
+
+void move_contour(const DragStep& step) {
+  auto& drag = std::get<ContourDrag>(*step.state.pointer.drag);
+  const double x_px = step.event.x_px, y_px = step.event.y_px, scale = step.context.layout.scale;
+  if (std::hypot(x_px - drag.x_px, y_px - drag.y_px) < step_px * scale) return;
+  const ViewMap map = step.map(drag.view);
+  drag.points.push_back(place_on_slice(map, step.state, x_px, y_px));
+  drag.x_px = x_px;
+  drag.y_px = y_px;
+  const auto start_px = map.to_px(drag.points.front());
+  drag.at_start = drag.points.size() >= fewest_points && start_px &&
+                  std::hypot(x_px - start_px->x(), y_px - start_px->y()) < closing_px * scale;
+  if (auto action = contour_action(step.state)) step.out.preview(std::move(action));
+}
+
+void follow_contour(EditorState& state, const Action&, const ControlsContext&, Outbox& out) {
+  state.wanted_section = contours_section;
+  ++state.section_wanted;
+  out.send(FitContours{true});
+}
+
+std::string contour_hint(const EditorState&, const Document&) {
+  return "Draw around the organ in a slice; near its beginning the curve closes. With Ctrl any tool draws.";
+}
+
+}  // namespace
+
+constinit const ToolKind contour_tool{.tool = MouseTool::contour,
+                                      .name = "Contour",
+                                      .log_name = "contour",
+                                      .key = "A",
+                                      .in_keys = "Contour",
+                                      .glyph = icon::contour,
+                                      .tip =
+                                          "Contour (A, or Ctrl held with any tool): draw a curve in a slice; the mesh "
+                                          "goes to it",
+                                      .section = contours_section,
+                                      .cursor = [](const EditorState&) { return PointerShape::arrow; },
+                                      .hint = contour_hint,
+                                      .begin = begin_contour,
+                                      .move = move_contour,
+                                      .action = contour_action,
+                                      .follow = follow_contour};
+
+}  // namespace homolog

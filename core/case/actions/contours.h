@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/case/actions/kind.h"
+
+namespace homolog {
+
+/// Adds curves that were drawn of a structure, in the frame that is shown, or changes what is said of those that are
+/// there.
+struct SetContours {
+  std::string id;
+  std::optional<std::string> name{};
+  /// Of new ones; null for those that are there. LPS mm.
+  std::shared_ptr<const std::vector<Contour>> curves{};
+  std::optional<double> off_mm{};  ///< [ContourSet::off_mm]
+  std::optional<bool> outside{};   ///< [ContourSet::outside]
+
+  bool operator==(const SetContours& other) const {
+    return id == other.id && name == other.name && off_mm == other.off_mm && outside == other.outside &&
+           (curves == other.curves || (curves && other.curves && *curves == *other.curves));
+  }
+};
+const ActionKind<SetContours>& action_kind(const SetContours&);
+
+/// Takes curves away.
+struct RemoveContours {
+  std::string id;
+  bool operator==(const RemoveContours&) const = default;
+};
+const ActionKind<RemoveContours>& action_kind(const RemoveContours&);
+
+// How curves stand in a line, and what is asked of them: checkpoints hold them in the same way.
+
+nlohmann::ordered_json curves_to_json(const std::vector<Contour>& curves);
+/// What cannot be read is thrown, as Fields does.
+std::vector<Contour> curves_from_json(const nlohmann::ordered_json& json);
+/// Errors: no curve; one of too few points; a place that no case needs.
+Result<void> check_curves(const std::vector<Contour>& curves);
+
+}  // namespace homolog

@@ -16,7 +16,6 @@ namespace homolog {
 
 struct FitOptions {
   std::optional<Similarity> placement;    ///< where to start; found where absent
-  bool stays = false;                     ///< of a fit to contours: `placement` is not looked for any further
   std::map<std::string, Vec3> landmarks;  ///< named places on the organ, LPS mm; others' names are left out
   Orientation orientation = Orientation::patient;
   /// The boundary may lack parts of the organ, or have what is not the organ's: see FitResult::outliers.
@@ -29,6 +28,7 @@ struct FitOptions {
   Progress* progress = nullptr;
   /// Called after each step with the shape so far, on the thread that fits.
   std::function<void(const Points&)> show;
+  bool stays = false;  ///< of a fit to contours: `placement` is where the organ lies, and is not looked for
 };
 
 struct FitResult {

@@ -23,14 +23,15 @@ namespace homolog {
 
 namespace {
 
-constexpr std::size_t contour_pieces = 400, most_pins = 120;
+constexpr std::size_t contour_pieces = 400, rough_pieces = 200, most_pins = 120;
 /// Stiffer at the end, the mesh would pass some tenths of a mm beside the curves.
 constexpr Annealing onto_contours{.steps = 15, .softest_edges = 0.25, .stiffest_share = 0.1};
+constexpr Annealing roughly_onto_contours{.steps = 6, .softest_edges = 0.25, .stiffest_share = 0.1};
 
 /// Without the rims of holes where the template has no walls that these could belong to. `holes`: how many pieces were.
-ContourSamples samples_for(const Template& the_template, const std::vector<DrawnContour>& contours,
+ContourSamples samples_for(const Template& the_template, const std::vector<DrawnContour>& contours, std::size_t pieces,
                            std::size_t& holes) {
-  ContourSamples drawn = sampled_contours(contours, contour_pieces);
+  ContourSamples drawn = sampled_contours(contours, pieces);
   if (the_template.topology->genus() == 0)
     holes = std::erase_if(drawn.samples, [](const ContourSample& one) { return one.hole; });
   return drawn;
@@ -40,7 +41,9 @@ ContourSamples samples_for(const Template& the_template, const std::vector<Drawn
 class ContourFitting {
  public:
   ContourFitting(const Template& the_template, const std::vector<DrawnContour>& contours, const FitOptions& options)
-      : template_(the_template), options_(options), target_(samples_for(the_template, contours, holes_)) {}
+      : template_(the_template),
+        options_(options),
+        target_(samples_for(the_template, contours, options.rough ? rough_pieces : contour_pieces, holes_)) {}
 
   Result<FitResult> alone() {
     if (auto usable = check(); !usable) return fail(usable.error());
@@ -114,9 +117,11 @@ class ContourFitting {
       return force_of(pull);
     };
     const auto after_step = [&](double share) { return show(shape.mesh.points, 0.6 + 0.3 * share); };
-    if (auto done = anneal(shape, solver, onto_contours, force, after_step); !done) return fail(done.error());
+    if (auto done = anneal(shape, solver, options_.rough ? roughly_onto_contours : onto_contours, force, after_step);
+        !done)
+      return fail(done.error());
     placement_ = nearest_similarity(template_.points, shape.mesh.points, placement_);
-    untangle(shape.mesh, placement_.apply(template_.points), shape.factors);
+    if (!options_.rough) untangle(shape.mesh, placement_.apply(template_.points), shape.factors);
     return std::move(shape.mesh);
   }
 

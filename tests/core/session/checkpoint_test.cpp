@@ -250,6 +250,27 @@ TEST_CASE("only what the first line says and what follows from others is left ou
   CHECK(left_out(landmark_rules_members).empty());
 }
 
+TEST_CASE("a checkpoint of a case without contours says nothing of them and one with them is no older format") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  const Document start = folder.document();
+  CHECK(checkpoint_line(start, session.document(), 7).value().find("contours") == std::string::npos);
+  const auto curve = std::make_shared<const std::vector<Contour>>(
+      std::vector<Contour>{{{Vec3(0, 0, 41), Vec3(41, 0, 0), Vec3(0, 41, 0)}}});
+  REQUIRE(session.apply(SetContours{.id = "c1", .curves = curve, .off_mm = 0.5}));
+  const std::string line = checkpoint_line(start, session.document(), 7).value();
+  const auto read = read_checkpoint(line, start, 7);
+  REQUIRE(read);
+  REQUIRE(read->structure()->contours.size() == 1);
+  CHECK(read->structure()->contours.front()->curves == *curve);
+  CHECK(read->structure()->contours.front()->off_mm == 0.5);
+  // A damaged one is passed over.
+  OrderedJson damaged = OrderedJson::parse(line);
+  damaged["checkpoint"]["document"]["structures"][0]["contours"][0]["curves"][0]["points"] = {1, 2};
+  CHECK_FALSE(read_checkpoint(damaged.dump(), start, 7));
+}
+
 TEST_CASE("two documents that differ in one member are not the same") {
   const CaseFolder folder;
   const Document start = cine_document(folder, 3), full = full_document(start);

@@ -119,23 +119,15 @@ void OpenFiles::run(Editing& editing) const {
   }
   // Dropped on the Models mode, all else becomes a case of the study.
   if (editing.state.models.shown) return editing.out.send(AddCases{paths});
-  std::vector<fs::path> contours, others;
-  for (const auto& path : paths) (is_contour_file(path) ? contours : others).push_back(path);
-  if (others.empty()) {
-    for (const auto& path : contours) {
-      // Points alone are landmarks.
-      const bool points = lower_case(path.string()).ends_with(".json") && !read_slicer_curves(path) &&
-                          read_landmarks(path) && editing.structure() != nullptr;
-      editing.out.send(points ? Command(ImportLandmarks{{path}}) : Command(OpenContours{path}));
-    }
-    return;
-  }
-  auto request = sort_files(others);
+  // Points alone are landmarks.
+  const bool points = paths.size() == 1 && lower_case(paths.front().string()).ends_with(".mrk.json") &&
+                      !read_slicer_curves(paths.front());
+  if (points && editing.shape()) return editing.out.send(ImportLandmarks{{paths.front()}});
+  auto request = sort_files(paths);
   if (!request) return add_notice(editing.state, request.error().sentence());
   std::error_code ignored;
   if (!request->case_file.empty() && fs::equivalent(request->case_file, editing.shown.snapshot().file, ignored))
     return add_notice(editing.state, request->case_file.filename().string() + " is open already.", false);
-  request->contours = std::move(contours);
   request->beside = editing.shown.document().scan.image;
   editing.out.send(OpenRequested{std::move(*request)});
 }

@@ -162,15 +162,6 @@ void add_contours(Editing& editing, const ContourRoi& roi, const Structure& stru
   editing.shown.session().apply(std::move(action), joined, structure.id);
 }
 
-bool is_contour_file(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return false;
-  const std::string name = lower_case(path.filename().string());
-  if (name.ends_with(".mrk.json")) return true;
-  if (name.ends_with(".vtp")) return !read_mesh_file(path) && read_curves(path);
-  return holds_contours(path);
-}
-
 void import_contours(Editing& editing, const std::filesystem::path& path) {
   read_for_case(
       editing, OpenContours{path}, [](const auto& file) { return read_curves(file); },

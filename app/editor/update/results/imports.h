@@ -16,8 +16,6 @@ void import_contours(Editing& editing, const std::filesystem::path& path);
 /// Adds one structure of a file to a structure of the case, as one edit. `joined`: undone together with the edit
 /// before.
 void add_contours(Editing& editing, const ContourRoi& roi, const Structure& structure, bool joined);
-/// Whether a file holds drawn curves and no surface. Reads it.
-bool is_contour_file(const std::filesystem::path& path);
 void import_stiffness(Editing& editing, const std::filesystem::path& path);
 void import_template_landmarks(Editing& editing, const std::filesystem::path& path);
 

@@ -212,6 +212,13 @@ void show_opened(Editing& editing, Opened opened) {
   }
   const OpenRequested command{opened.request};
   const std::vector<std::filesystem::path> contours = opened.request.contours;
+  const OpenRequest& asked = opened.request;
+  const bool nothing_else = asked.case_file.empty() && asked.volume_source.empty() && asked.template_source.empty() &&
+                            asked.labels.empty() && !asked.demo;
+  if (!contours.empty() && nothing_else) {
+    for (const auto& path : contours) editing.out.send(OpenContours{path});
+    return;
+  }
   if (opened.labels && !opened.volume && !opened.opened_case) {
     editing.log.is_done(command);
     return show_labels(editing, opened);

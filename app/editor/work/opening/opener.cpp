@@ -12,6 +12,9 @@
 #include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
+#include "core/mesh/curve_io.h"
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/slicer_curves.h"
 #include "core/template_making/label_body.h"
 #include "core/volume/label_likeness.h"
 #include "core/volume/read_labels.h"
@@ -79,7 +82,9 @@ std::string name_of(const OpenRequest& request) {
   const std::string source = !request.case_file.empty()       ? request.case_file.string()
                              : !request.volume_source.empty() ? request.volume_source
                              : !request.labels.empty()        ? request.labels.string()
-                                                              : request.template_source;
+                             : request.template_source.empty() && !request.contours.empty()
+                                 ? request.contours.front().string()
+                                 : request.template_source;
   // A folder may be given with a slash at its end.
   const fs::path path = fs::path(source).lexically_normal();
   return (path.has_filename() ? path : path.parent_path()).filename().string();
@@ -270,6 +275,16 @@ std::string whole_path(const fs::path& path) {
   return path.is_absolute() || !names_file(path.string()) ? path.string() : absolute_path(path).string();
 }
 
+/// Whether a file holds drawn curves and no surface.
+bool is_contour_file(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return false;
+  const std::string name = lower_case(path.filename().string());
+  if (name.ends_with(".mrk.json")) return read_slicer_curves(path).has_value();
+  if (name.ends_with(".vtp")) return !read_mesh_file(path) && read_curves(path);
+  return holds_contours(path);
+}
+
 }  // namespace
 
 Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
@@ -280,6 +295,8 @@ Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
     if (!folder && ends_with_any(path, {case_extension})) {
       if (!request.case_file.empty()) return fail(path.string(), "is a second case; open one case at a time");
       request.case_file = absolute_path(path);  // as studies name it
+    } else if (is_contour_file(path)) {
+      request.contours.push_back(absolute_path(path));
     } else if (!folder && ends_with_any(path, mesh_extensions())) {
       if (!request.template_source.empty()) return fail(path.string(), "is a second template; open one at a time");
       request.template_source = whole_path(path);

@@ -252,8 +252,8 @@ void draw_crossings(const UiContext& ui, const ViewMap& map, const Contour& curv
     const double before = normal.dot(a) - at_mm, after = normal.dot(b) - at_mm;
     if ((before < 0) == (after < 0)) continue;
     if (const auto px = map.to_px(a + before / (before - after) * (b - a))) {
-      draw.AddCircleFilled(on_screen(*px), ui.theme.px(4), IM_COL32(0, 0, 0, 160));
-      draw.AddCircleFilled(on_screen(*px), ui.theme.px(3), colour);
+      draw.AddCircleFilled(on_screen(*px), ui.theme.px(3), IM_COL32(0, 0, 0, 160));
+      draw.AddCircleFilled(on_screen(*px), ui.theme.px(2), colour);
     }
   }
 }

@@ -161,7 +161,11 @@ std::vector<KeyRow> rows_of_case() {
        "done, next of the study",
        {{key::enter}, {key::keypad_enter}},
        [](const KeyMoment&) -> Given { return OpenNextCase{}; }},
-      {"Escape", "cancels a drag, stops a fit", {{key::escape}}, [](const KeyMoment&) -> Given { return Escape{}; }},
+      // Ctrl is down while a contour is drawn.
+      {"Escape",
+       "cancels a drag, stops a fit",
+       {{key::escape}, {key::escape, true}},
+       [](const KeyMoment&) -> Given { return Escape{}; }},
       {"Ctrl+Z",
        "undo, or stops a fit",
        {{'Z', true}},

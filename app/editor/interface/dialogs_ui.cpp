@@ -62,15 +62,16 @@ void draw_keys(const UiContext& ui, Outbox& out) {
   struct Row {
     std::string keys, does;
   };
-  static const std::array<Row, 9> mouse_rows{{{"Left-drag on the outline", "the tool"},
-                                              {"Wheel", "slices; while dragging: \xcf\x83"},
-                                              {"Ctrl+wheel", "zoom"},
-                                              {"Middle-drag", "pan"},
-                                              {"Right-drag", "window and level"},
-                                              {"Shift+mouse", "cross-hair"},
-                                              {"Double-click", "one view, or all four"},
-                                              {"Left-drag beside the mesh", "turns the 3D view"},
-                                              {"Alt while painting", "erases"}}};
+  static const std::array<Row, 10> mouse_rows{{{"Left-drag on the outline", "the tool"},
+                                               {"Ctrl+left-drag", "draws a contour"},
+                                               {"Wheel", "slices; while dragging: \xcf\x83"},
+                                               {"Ctrl+wheel", "zoom"},
+                                               {"Middle-drag", "pan"},
+                                               {"Right-drag", "window and level"},
+                                               {"Shift+mouse", "cross-hair"},
+                                               {"Double-click", "one view, or all four"},
+                                               {"Left-drag beside the mesh", "turns the 3D view"},
+                                               {"Alt while painting", "erases"}}};
   const Theme& theme = ui.theme;
   std::vector<Row> rows(mouse_rows.begin(), mouse_rows.end());
   for (const KeyRow& row : key_rows(ui.state.models.shown)) rows.push_back({row.keys, row.does});

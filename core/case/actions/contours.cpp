@@ -55,8 +55,8 @@ Result<EditReport> apply_contours(const SetContours& action, StructureEdit& edit
     all.push_back(std::make_shared<const ContourSet>(std::move(set)));
     return EditReport{};
   }
-  for (auto& one : all)
-    if (one.get() == known) one = std::make_shared<const ContourSet>(std::move(set));
+  *std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.get() == known; }) =
+      std::make_shared<const ContourSet>(std::move(set));
   return EditReport{};
 }
 

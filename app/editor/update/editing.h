@@ -9,7 +9,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/update/models.h"
 #include "app/editor/update/shown_case.h"
-#include "app/editor/work/contour_fits.h"
+#include "app/editor/work/contours/contour_fits.h"
 #include "app/editor/work/exports.h"
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/label_surfaces.h"

@@ -1,4 +1,4 @@
-#include "app/editor/work/contour_fits.h"
+#include "app/editor/work/contours/contour_fits.h"
 
 #include <algorithm>
 #include <mutex>

@@ -98,14 +98,15 @@ class RecipeWork {
       progress.report(done++ / static_cast<double>(cases->size()));
       MeasuredShape shape;
       for (std::size_t k = 0; k < structures.size(); ++k) {
-        if (one.of_structure[k].empty()) continue;
-        const auto mesh = read_mesh_file(one.of_structure[k]);
+        const ShapeSource& source = one.of_structure[k];
+        if (source.file.empty()) continue;
+        const auto mesh = read_shape(source);
         if (!mesh) {
           warnings_.push_back(mesh.error().sentence() + " (left out)");
           continue;
         }
-        if (auto added = add_structure(shape, structures[k], *mesh); !added)
-          return fail(one.of_structure[k].string(), added.error().what);
+        if (auto added = add_structure(shape, structures[k], **mesh); !added)
+          return fail(source.file.string(), added.error().what);
       }
       if (shape.structures.empty()) continue;
       if (auto measured = measure_one(one.name, {}, {}, std::move(shape)); !measured) return measured;

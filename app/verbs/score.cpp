@@ -15,6 +15,7 @@
 #include "core/model/shape_files.h"
 #include "core/model/statismo.h"
 #include "core/model/structure_files.h"
+#include "core/session/case_file.h"
 #include "core/template/template.h"
 
 // The verb `score`: subjects against a model that stays as it is.
@@ -76,14 +77,15 @@ Result<NewShape> joined_shape(const ShapeModel& model, const fs::path& folder) {
   shape.mesh.triangles = model.topology ? model.topology->triangles() : Triangles();
   for (std::size_t k = 0; k < names.size(); ++k) {
     const StructurePart& part = model.parts[k];
-    const fs::path& file = cases->front().of_structure[k];
-    if (file.empty()) return fail(folder.string(), "has no " + names[k] + ", which the model has");
-    const auto read = read_mesh_file(file);
-    if (!read) return fail(read.error());
+    const ShapeSource& source = cases->front().of_structure[k];
+    if (source.file.empty()) return fail(folder.string(), "has no " + names[k] + ", which the model has");
+    const auto shape_read = read_shape(source);
+    if (!shape_read) return fail(shape_read.error());
+    const MeshFile* read = shape_read->get();
     if (read->points.rows() != part.vertices)
-      return fail(file.string(), "has " + std::to_string(read->points.rows()) + " vertices and the model's " +
-                                     names[k] + " " + std::to_string(part.vertices) +
-                                     "; give a fit of the model's template");
+      return fail(source.name({}), "has " + std::to_string(read->points.rows()) + " vertices and the model's " +
+                                       names[k] + " " + std::to_string(part.vertices) +
+                                       "; give a fit of the model's template");
     shape.mesh.points.middleRows(part.first_vertex, part.vertices) = read->points;
   }
   return shape;
@@ -115,7 +117,7 @@ Result<std::vector<NewShape>> read_new_shapes(const ScoreJob& job, const ShapeMo
     from = k;
     Progress own(progress, 1 / count);
     if (progress.cancelled()) return fail("", "the scores were cancelled");
-    if (!model.parts.empty() && fs::is_directory(path, error)) {
+    if (!model.parts.empty() && (fs::is_directory(path, error) || is_case_file(path))) {
       add(joined_shape(model, path));
     } else if (!fs::is_directory(path, error) && !is_mesh_name(path) && looks_like_volume(path)) {
       if (mean == nullptr) mean = mean_of(model);

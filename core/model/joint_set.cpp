@@ -22,7 +22,7 @@ Result<OneStructure> read_structure(const std::vector<CaseFiles>& cases, std::si
                                     bool without_doubtful, Progress* progress) {
   std::vector<ShapeSource> sources;
   for (const CaseFiles& one : cases)
-    if (!one.of_structure[structure].empty()) sources.push_back({one.of_structure[structure], {}, false});
+    if (!one.of_structure[structure].file.empty()) sources.push_back(one.of_structure[structure]);
   OneStructure result;
   std::vector<DoubtfulShape> doubtful;
   TrainingSetBuilder builder(sources.size());
@@ -93,7 +93,8 @@ OneCase joined_case(const CaseFiles& files, const std::vector<StructurePart>& pa
   OneCase one{files.name, {}, {}};
   one.shape.points.setZero(3 * (parts.back().first_vertex + parts.back().vertices));
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    const std::string file = files.of_structure[k].string();
+    const ShapeSource& source = files.of_structure[k];
+    const std::string file = source.file.empty() ? std::string() : source.name({});
     const auto found = of[k].column.find(file);
     one.shape.has.push_back(found != of[k].column.end());
     if (one.shape.has.back()) {

@@ -150,6 +150,12 @@ Result<ShapesOfFile> read_shapes_of(const fs::path& file, std::mutex& one_image)
   return read_shapes_of(file);
 }
 
+Result<std::shared_ptr<const MeshFile>> read_shape(const ShapeSource& source) {
+  const auto shapes = read_shapes_of(source.file);
+  if (!shapes) return fail(shapes.error());
+  return shapes->shape({source.structure, source.frame}, source.file.string());
+}
+
 Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& files, const std::string& group) {
   std::vector<ShapeSource> sources;
   for (const fs::path& file : files) {

@@ -11,6 +11,9 @@
 #include "core/base/nearest_names.h"
 #include "core/base/text.h"
 #include "core/mesh/mesh_io.h"
+#include "core/model/shape_folder.h"
+#include "core/model/study.h"
+#include "core/session/case_file.h"
 
 namespace homolog {
 
@@ -54,10 +57,14 @@ class Finder {
       return fail(folder.string(), "holds no _world.particles of ShapeWorks; leave --world out");
     if (!of_shapeworks && holds(ShapeWorksFrame::world))
       return fail(folder.string(), "holds _world.particles but no _local.particles; use --world");
+    std::vector<fs::path> worked_on;
     const fs::path whole = folder.has_filename() ? folder : folder.parent_path();
     for (const fs::path& entry : *entries) {
       std::error_code ignored;
-      if (fs::is_directory(entry, ignored)) {
+      if (is_case_file(entry)) {
+        const bool has_meshes = fs::is_directory(folder / file_stem(entry), ignored);
+        if (!of_shapeworks && (!has_meshes || goes_on_after_fit(entry))) worked_on.push_back(entry);
+      } else if (fs::is_directory(entry, ignored)) {
         if (of_shapeworks) continue;
         const auto files = entries_of(entry);
         if (!files) return fail(files.error());
@@ -69,13 +76,44 @@ class Finder {
         return added;
       }
     }
+    for (const fs::path& file : worked_on)
+      if (auto added = add_case(file); !added) return added;
+    return {};
+  }
+
+  /// The structures that a case file holds, in place of meshes of that case.
+  Result<void> add_case(const fs::path& file) {
+    const auto shapes = read_shapes_of(file);
+    if (!shapes) return fail(shapes.error());
+    for (const ShapesOfStructure& one : shapes->structures) {
+      others_.insert(one.name);
+      const auto found = std::find(structures_.begin(), structures_.end(), lower_case(one.name));
+      if (found == structures_.end() || one.frames.empty()) continue;
+      ShapeSource& there = files_of(file_stem(file))[static_cast<std::size_t>(found - structures_.begin())];
+      if (!there.structure.empty() && there.file != file)
+        return fail(file.string(), "has the name of " + there.file.string() + "; rename one of the cases");
+      there = {file, {}, false};
+      there.structure = one.id;
+    }
+    return {};
+  }
+
+  Result<void> add_study(const fs::path& file) {
+    const auto read = read_study(file);
+    if (!read) return fail(read.error());
+    std::set<fs::path> files;
+    for (const StudyCase& one : read->study.cases)
+      if (is_case_file(one.file) && files.insert(one.file).second)
+        if (auto added = add_case(one.file); !added) return added;
+    if (files.empty()) return fail(file.string(), "has no case file; name the folder of its meshes");
     return {};
   }
 
   /// Errors: a structure that no case has.
   Result<void> check(const std::string& folder, const std::vector<std::string>& structures) const {
     for (std::size_t k = 0; k < structures.size(); ++k) {
-      if (std::any_of(cases_.begin(), cases_.end(), [&](const auto& one) { return !one.second[k].empty(); })) continue;
+      if (std::any_of(cases_.begin(), cases_.end(), [&](const auto& one) { return !one.second[k].file.empty(); }))
+        continue;
       std::vector<std::string> others(others_.begin(), others_.end());
       if (others.empty())
         return fail(folder, "has no case with a mesh of " + structures[k] +
@@ -100,8 +138,7 @@ class Finder {
     others_.insert(structure);
     const auto found = std::find(structures_.begin(), structures_.end(), lower_case(structure));
     if (found == structures_.end()) return {};
-    auto& files = cases_.try_emplace(case_name, structures_.size()).first->second;
-    fs::path& there = files[static_cast<std::size_t>(found - structures_.begin())];
+    fs::path& there = files_of(case_name)[static_cast<std::size_t>(found - structures_.begin())].file;
     if (!there.empty() && there.parent_path() != file.parent_path())
       return fail(file.string(),
                   "is of case " + case_name + " as " + there.string() + " is; rename one of the folders");
@@ -125,15 +162,19 @@ class Finder {
     return add_file(name.substr(0, name.size() - longest.size() - 1), longest, file);
   }
 
+  std::vector<ShapeSource>& files_of(const std::string& case_name) {
+    return cases_.try_emplace(case_name, structures_.size()).first->second;
+  }
+
   std::vector<std::string> structures_;  ///< in lower case
   ShapeWorksFrame frame_;
-  std::map<std::string, std::vector<fs::path>> cases_;
+  std::map<std::string, std::vector<ShapeSource>> cases_;
   std::set<std::string> others_;  ///< names of all structures that are there
 };
 
 }  // namespace
 
-Result<std::vector<CaseFiles>> structure_files(const std::vector<fs::path>& folders,
+Result<std::vector<CaseFiles>> structure_files(const std::vector<fs::path>& files,
                                                const std::vector<std::string>& structures, ShapeWorksFrame frame,
                                                std::size_t least) {
   if (structures.size() < least)
@@ -143,9 +184,12 @@ Result<std::vector<CaseFiles>> structure_files(const std::vector<fs::path>& fold
     if (!seen.insert(lower_case(name)).second)
       return fail("--structures", "names " + name + " twice; name each structure once");
   Finder finder(structures, frame);
-  for (const fs::path& folder : folders)
-    if (auto added = finder.add(folder); !added) return fail(added.error());
-  if (auto all = finder.check(folders.front().string(), structures); !all) return fail(all.error());
+  for (const fs::path& file : files) {
+    const bool is_study = file.string().ends_with(".study.json");
+    auto added = is_study ? finder.add_study(file) : is_case_file(file) ? finder.add_case(file) : finder.add(file);
+    if (!added) return fail(added.error());
+  }
+  if (auto all = finder.check(files.front().string(), structures); !all) return fail(all.error());
   return finder.cases();
 }
 

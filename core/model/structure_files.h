@@ -5,26 +5,29 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/model/shape_files.h"
 #include "core/model/structure_parts.h"
 
 namespace homolog {
 
-/// The files of one case, one for each structure that was asked for; empty where it has none.
+/// The shapes of one case, one for each structure that was asked for; without a file where it has none.
 struct CaseFiles {
   std::string name;
-  std::vector<std::filesystem::path> of_structure;
+  std::vector<ShapeSource> of_structure;
 };
 
 /// Which of ShapeWorks' two files of a shape: in the scan, or as ShapeWorks aligned them.
 enum class ShapeWorksFrame { local, world };
 
-/// The meshes of these structures in folders, case by case in the order of the cases' names. A folder is
-/// - one of cases, CASE/STRUCTURE.ply [fit_set.h] or of another format that keeps vertices, or such a CASE itself,
-/// - or one of ShapeWorks' with several domains, SUBJECT_DOMAIN_local.particles and _world.particles.
+/// The shapes of these structures, case by case in the order of the cases' names. Each of `files` is
+/// - a folder of cases, CASE/STRUCTURE.ply [fit_set.h] or of another format that keeps vertices, or such a CASE itself.
+///   A case file CASE.homolog beside CASE is taken in its place where it was worked on after the fit,
+/// - a folder of ShapeWorks' with several domains, SUBJECT_DOMAIN_local.particles and _world.particles,
+/// - a case file, or a study, which stands for its case files.
 /// Names of structures are found in any case; a mesh .ply is taken before others of its name. Errors: fewer than
 /// `least` structures, one twice, one that no case has (with the nearest names), two files of one case and structure,
-/// ShapeWorks' files of the other frame alone, a folder that cannot be read.
-Result<std::vector<CaseFiles>> structure_files(const std::vector<std::filesystem::path>& folders,
+/// ShapeWorks' files of the other frame alone, a folder, a case or a study that cannot be read.
+Result<std::vector<CaseFiles>> structure_files(const std::vector<std::filesystem::path>& files,
                                                const std::vector<std::string>& structures,
                                                ShapeWorksFrame frame = ShapeWorksFrame::local, std::size_t least = 2);
 

@@ -224,10 +224,12 @@ void draw_label_choice(const UiContext& ui, const LabelDialog& dialog, Outbox& o
   const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * theme.px(8)) / columns);
   for (std::size_t k = 0; k < dialog.labels.size(); ++k) {
     if (k % columns > 0) ImGui::SameLine(0, theme.px(8));
-    const Part part(std::to_string(dialog.labels[k]), "label");
-    if (button(theme, format("Label %d", dialog.labels[k]),
-               fits ? "Fits this label in all cases" : "Takes this label of all cases", {}, width))
-      choose(dialog.labels[k], false);
+    const Segment& one = dialog.labels[k];
+    const std::string words = label_words(one);
+    const Part part(std::to_string(one.value), "label");
+    if (button(theme, one.name.empty() ? format("Label %d", one.value) : one.name,
+               (fits ? "Fits " : "Takes ") + words + (fits ? " in all cases" : " of all cases"), {}, width))
+      choose(one.value, false);
   }
   ImGui::EndChild();
   if (button(theme, "All labels together", "Takes all labels of each map as one organ", {},

@@ -9,6 +9,7 @@
 #include "app/editor/state/files/file_browser.h"
 #include "app/editor/state/open_request.h"
 #include "app/editor/state/view_geometry.h"
+#include "core/volume/segmentation.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {
@@ -113,7 +114,7 @@ struct SpacingDialog {
 /// Label maps hold several labels: one is chosen for all cases that wait, or for their template.
 struct LabelDialog {
   std::string map;  ///< name of the first such file
-  std::vector<int> labels;
+  std::vector<Segment> labels;
   std::filesystem::path template_file;  ///< where the template is to go; empty: cases are to be fitted
 };
 

@@ -98,7 +98,7 @@ Result<StudyTemplate> make_study_template(const std::vector<StudyCase>& cases, c
     if (!labels) return fail(labels.error());
     if (labels->label == 0) {
       result.map = labels->map.name;
-      result.labels = std::move(labels->held);
+      result.labels = std::move(labels->segments);
       return result;
     }
     std::ranges::move(labels->warnings, std::back_inserter(result.warnings));

@@ -9,6 +9,7 @@
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/model/study.h"
+#include "core/volume/segmentation.h"
 
 namespace homolog {
 
@@ -19,7 +20,7 @@ struct StudyTemplate {
   std::size_t begun = 0;           ///< cases that wait and begin with it now
   std::vector<std::string> stays;  ///< names of waiting cases that somebody worked on: they keep their template
   std::string map;                 ///< of which labels one has to be chosen; empty: none has
-  std::vector<int> labels;         ///< that this map holds
+  std::vector<Segment> labels;     ///< that this map holds
   std::vector<std::string> warnings;
 };
 

@@ -37,6 +37,10 @@ Result<CaseLabels> read_case_labels(const StudyCase& one, const FitSettings& set
   for (const auto& [value, voxels] : labels_of(*labels.map.volume, 0))
     if (value != 0) labels.held.push_back(value);
   const auto& held = labels.held;
+  for (const int value : held) {
+    const Segment* known = read->segmentation.find(value);
+    labels.segments.push_back(known != nullptr ? *known : Segment{{}, value});
+  }
   if (held.empty())
     return fail(labels.map.name, "holds no label; segment the organ in it, or take the case off the study");
   if (held.size() == 1 || all) {

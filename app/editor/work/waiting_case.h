@@ -8,6 +8,7 @@
 #include "core/base/progress.h"
 #include "core/model/study.h"
 #include "core/session/session.h"
+#include "core/volume/segmentation.h"
 
 namespace homolog {
 
@@ -17,8 +18,9 @@ bool was_worked_on(EditSession& session);
 /// The label map of a case that waits, and which of its labels the template belongs to.
 struct CaseLabels {
   NamedLabels map;
-  int label = 0;          ///< 0: one of `held` has to be chosen first; every_label: all together
-  std::vector<int> held;  ///< the labels that the map holds
+  int label = 0;                  ///< 0: one of `held` has to be chosen first; every_label: all together
+  std::vector<int> held;          ///< the labels that the map holds
+  std::vector<Segment> segments;  ///< of each of them what the map says
   std::vector<std::string> warnings;
 };
 

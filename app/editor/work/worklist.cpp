@@ -265,7 +265,7 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   if (!labels) return fail(labels.error());
   if (labels->label == 0) {
     done.map = labels->map.name;
-    done.labels = std::move(labels->held);
+    done.labels = std::move(labels->segments);
     return std::string();
   }
   settings.all_labels = labels->label == every_label;

@@ -13,6 +13,7 @@
 #include "app/editor/work/worker.h"
 #include "core/model/study.h"
 #include "core/template/template.h"
+#include "core/volume/segmentation.h"
 
 namespace homolog {
 
@@ -24,7 +25,7 @@ struct WorklistDone {
   std::string doubt;                  ///< why a person has to look at it; empty: no doubt
   std::string fault;                  ///< why it could not be fitted, as a sentence; empty: it was
   std::string map;                    ///< of which labels one has to be chosen first; empty: none has
-  std::vector<int> labels;            ///< that this map holds
+  std::vector<Segment> labels;        ///< that this map holds
   std::optional<StudyTemplate> made;  ///< a template of the label maps of `study`
   std::filesystem::path study;
   std::vector<std::string> warnings;  ///< sentences

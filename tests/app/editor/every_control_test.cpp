@@ -204,7 +204,7 @@ std::vector<ShownDialog> all_dialogs(const fs::path& folder) {
           {"This case was not saved", QuitDialog{}},
           {"The study was not saved", QuitDialog{folder / "a.study.json"}},
           {"How large is a voxel?", SpacingDialog{}},
-          {"Which label is the organ?", LabelDialog{"labels.nii", {1, 4}}}};
+          {"Which label is the organ?", LabelDialog{"labels.nii", {{"liver", 1}, {"", 4}}}}};
 }
 
 }  // namespace

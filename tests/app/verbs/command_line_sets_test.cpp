@@ -1,4 +1,5 @@
 #include "core/mesh/mesh_io.h"
+#include "core/model/structure_files.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"
 #include "core/structures/set_map.h"
@@ -399,6 +400,55 @@ TEST_CASE("a fit of a set has the same bytes whatever the threads, and a case th
   REQUIRE(run(folder, "fit body.set.json --mask other.seg.nrrd -o one --jobs 1").status == 0);
   for (const char* name : {"other/kidney_left.ply", "other/kidney_right.ply", "other.seg.nrrd"})
     CHECK(read_whole_file(folder.path / "many" / name).value() == read_whole_file(folder.path / "one" / name).value());
+}
+
+TEST_CASE("a joint model takes a case that was worked on after the fit in place of its meshes") {
+  const BodyFolder folder;
+  REQUIRE(run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 300 -o k.set.json").status ==
+          0);
+  fs::copy(folder.path / "body.seg.nrrd", folder.path / "twin.seg.nrrd");
+  REQUIRE(run(folder, "fit k.set.json --mask body.seg.nrrd twin.seg.nrrd -o fits").status == 0);
+  const std::string both = " --structures kidney_left,kidney_right --no-align -o ";
+  const Ran same = run(folder, "model fits" + both + "m.h5");
+  CHECK(same.status == 1);
+  CHECK(same.errors.find("is the same shape as all others") != std::string::npos);
+
+  // 6 mm at one place of the second structure, 2 mm at one of the first.
+  const fs::path edited = folder.path / "fits/twin.homolog";
+  const Document document = test::must(read_case(edited)).session.document();
+  REQUIRE(document.structures.size() == 2);
+  std::string lines_of_case = read_whole_file(edited).value();
+  for (const std::size_t k : {0, 1}) {
+    const Vec3 at = document.structures[k]->shapes.begin()->second->points->row(7);
+    const double up_mm = k == 0 ? 2 : 6;
+    Json pull{{"tool", "pull"}, {"at", {at.x(), at.y(), at.z()}}, {"to", {at.x(), at.y(), at.z() + up_mm}}};
+    pull.update({{"sigma_mm", 8}, {"of", document.structures[k]->id}});
+    lines_of_case += pull.dump() + "\n";
+  }
+  REQUIRE(write_whole_file(edited, lines_of_case));
+  const Ran ran = run(folder, "model fits" + both + "m.h5 --csv tables --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["shapes"] == 2);
+  for (const std::string cases : {"fits/body.homolog fits/twin.homolog", "fits/fits.study.json"}) {
+    CAPTURE(cases);
+    const Ran named = run(folder, "model " + cases + both + "n.h5 --csv others");
+    REQUIRE_MESSAGE(named.status == 0, named.errors);
+    const auto variance = [&](const char* table) {
+      const std::string text = read_whole_file(folder.path / table / "variances.csv").value();
+      return std::stod(text.substr(text.find("\n1,") + 3));
+    };
+    CHECK(variance("others") == doctest::Approx(variance("tables")).epsilon(1e-5));  // a case keeps its fit in float
+  }
+  const auto cases = structure_files({folder.path / "fits"}, {"kidney_left", "kidney_right"});
+  REQUIRE(cases);
+  CHECK((*cases)[0].of_structure[1].file.filename() == "kidney_right.ply");
+  CHECK((*cases)[1].of_structure[0].file.filename() == "twin.homolog");
+  for (const std::size_t k : {0, 1}) {
+    const auto moved = read_shape((*cases)[1].of_structure[k]), before = read_shape((*cases)[0].of_structure[k]);
+    REQUIRE(moved);
+    REQUIRE(before);
+    CHECK(((*moved)->points - (*before)->points).row(7).norm() == doctest::Approx(k == 0 ? 2 : 6).epsilon(0.05));
+  }
 }
 
 TEST_CASE("a fit of a set refuses what it cannot use, in a sentence") {

@@ -60,7 +60,8 @@ void take_fitted(EditorState& state, const WorklistDone& done) {
 
 /// A map holds several labels, and none was chosen: nothing more is done until one is. `template_file`: of the template
 /// that was to be made; empty: cases were to be fitted.
-void ask_for_label(Editing& editing, const std::string& map, std::vector<int> labels, const fs::path& template_file) {
+void ask_for_label(Editing& editing, const std::string& map, std::vector<Segment> labels,
+                   const fs::path& template_file) {
   editing.work.worklist.cancel();
   if (editing.state.dialog)
     add_notice(editing.state, map + " holds several labels. Ask again, and choose one.", false);

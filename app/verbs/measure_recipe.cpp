@@ -289,29 +289,18 @@ class RecipeWork {
     std::string text = "name";
     for (const auto& [there, column] : {std::pair(frames, ",frame"), {groups, ",group"}, {!modes_.empty(), ",mode,sd"}})
       if (there) text += column;
-    for (const std::size_t k : recipe_.measurements)
-      text +=
-          ',' + csv_field(recipe_.steps[k].name + (recipe_.steps[k].unit == "1" ? "" : ' ' + recipe_.steps[k].unit));
-    text += '\n';
-    const auto add_values = [&](const std::vector<MeasuredNumber>& values) {
-      for (const MeasuredNumber& one : values) {
-        char number[40] = "";
-        if (one.value) std::snprintf(number, sizeof number, "%.9g", *one.value);
-        text += std::string(",") + number;
-      }
-      text += '\n';
-    };
+    text += measurement_columns(recipe_) + '\n';
     for (const MeasuredCase& one : cases_) {
       text += csv_field(one.name);
       if (frames) text += ',' + (one.frame ? std::to_string(*one.frame) : "");
       if (groups) text += ',' + csv_field(one.group);
       if (!modes_.empty()) text += ",,";
-      add_values(one.values);
+      text += measurement_cells(one.values) + '\n';
     }
     for (const ModeValues& one : modes_) {
       text += std::string("model") + (frames ? "," : "") + (groups ? "," : "");
       text += ',' + std::to_string(one.mode) + ',' + std::to_string(static_cast<int>(one.sd));
-      add_values(one.values);
+      text += measurement_cells(one.values) + '\n';
     }
     return text;
   }

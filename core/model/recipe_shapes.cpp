@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <utility>
 
 #include "core/mesh/mirror.h"
+#include "core/model/model_files.h"
 #include "core/model/procrustes.h"
 
 namespace homolog {
@@ -67,6 +69,41 @@ Result<MeasuredShape> measured_shape(const ShapeModel& model, const Points& poin
     shape.structures.push_back(std::move(*structure));
   }
   return shape;
+}
+
+MeasuredShape measured_shape(const Document& document, const std::string& structure) {
+  MeasuredShape measured{{}, document.scan.image.get(), document.frame};
+  const Structure* first = document.structure(structure);
+  const auto add = [&](const Structure& of, const Shape& shape) {
+    MeasuredStructure one{of.name.empty() ? of.id : of.name, {of.the_template->topology, *shape.points}, {}, {}};
+    for (const auto& [name, place_mm] : shape.landmarks) one.landmarks.push_back({name, place_mm});
+    for (Landmark& landmark : carried_landmarks(*of.the_template, *shape.points))
+      if (!shape.landmarks.contains(landmark.name)) one.landmarks.push_back(std::move(landmark));
+    one.regions = *of.paint.regions;
+    measured.structures.push_back(std::move(one));
+  };
+  add(*first, *first->shape(document.frame));
+  for (const auto& other : document.structures)
+    if (const Shape* shape = other->shape(document.frame); shape != nullptr && other.get() != first)
+      add(*other, *shape);
+  return measured;
+}
+
+std::string measurement_columns(const Recipe& recipe) {
+  std::string text;
+  for (const std::size_t k : recipe.measurements)
+    text += ',' + csv_field(recipe.steps[k].name + (recipe.steps[k].unit == "1" ? "" : ' ' + recipe.steps[k].unit));
+  return text;
+}
+
+std::string measurement_cells(const std::vector<MeasuredNumber>& values) {
+  std::string text;
+  for (const MeasuredNumber& one : values) {
+    char number[40] = "";
+    if (one.value) std::snprintf(number, sizeof number, "%.9g", *one.value);
+    text += std::string(",") + number;
+  }
+  return text;
 }
 
 Result<std::vector<ModeValues>> measure_modes(const Recipe& recipe, const ShapeModel& model, int modes,

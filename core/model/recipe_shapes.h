@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/progress.h"
+#include "core/case/document.h"
 #include "core/measure/recipe/measuring.h"
 #include "core/model/shape_files.h"
 #include "core/model/shape_model.h"
@@ -35,6 +36,16 @@ class Lenders {
 /// A shape of a model as what is measured: of a joint model each structure by its name. `points`: n×3 of the model.
 /// Errors: faces that are no surface.
 Result<MeasuredShape> measured_shape(const ShapeModel& model, const Points& points);
+
+/// A case as what is measured, at the frame that it shows: the structure of an id (empty: the first) and then the
+/// others that have a mesh there, each with its template's landmarks and regions. A landmark that was placed in the
+/// image lies there, the others where the mesh has carried them. The image is the case's own, which must outlive it.
+/// The structure must have a mesh.
+MeasuredShape measured_shape(const Document& document, const std::string& structure);
+
+/// The heads of a recipe's columns in a table, and the values of a shape in them: a comma before each.
+std::string measurement_columns(const Recipe& recipe);
+std::string measurement_cells(const std::vector<MeasuredNumber>& values);
 
 /// The measurements of one shape of a model.
 struct ModeValues {

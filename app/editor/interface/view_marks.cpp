@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/editor/interface/landmark_marks.h"
+#include "app/editor/interface/measurement_marks.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/widgets.h"
@@ -408,6 +409,7 @@ void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
     draw_contours(ui, map, draw);
     if (ui.has_shape()) {
       draw_landmarks(ui, map, draw);
+      draw_measurement_marks(ui, map, draw);
       if (kind_of(ui.state.hand.tool).marks == ToolMarks::handles) draw_placement_handles(ui, map, draw);
       if (ui.state.found.finding) draw_finding(ui, map, draw);
     }

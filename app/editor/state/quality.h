@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "app/editor/state/findings.h"
@@ -29,5 +30,9 @@ struct QualityFigures {
   bool operator==(const QualityFigures&) const = default;
 };
 QualityFigures quality_figures(const ShapeView& shown);
+/// The same of a structure by its id, which has a mesh at the document's frame.
+inline QualityFigures quality_of(const Document& document, const std::string& structure) {
+  return quality_figures(*document.view(structure));
+}
 
 }  // namespace homolog

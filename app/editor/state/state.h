@@ -14,6 +14,7 @@
 #include "app/editor/state/findings.h"
 #include "app/editor/state/guide.h"
 #include "app/editor/state/layout.h"
+#include "app/editor/state/measurements.h"
 #include "app/editor/state/models/models_state.h"
 #include "app/editor/state/outcomes.h"
 #include "app/editor/state/settings.h"
@@ -296,6 +297,7 @@ struct EditorState {
   Automatic automatic;
   Found found;
   Saving saving;
+  Measurements measurements;
   ModelsState models;
 
   std::optional<Guide> guide;  ///< to the first case, while that is open

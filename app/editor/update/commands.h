@@ -10,6 +10,7 @@
 #include "app/editor/update/commands/contour_commands.h"
 #include "app/editor/update/commands/dialog_commands.h"
 #include "app/editor/update/commands/file_commands.h"
+#include "app/editor/update/commands/measurement_commands.h"
 #include "app/editor/update/commands/models_commands.h"
 #include "app/editor/update/commands/setting_commands.h"
 #include "app/editor/update/commands/structure_commands.h"
@@ -44,6 +45,8 @@ using AllCommands = TypeList<
     SaveCaseAs, ExportMesh, ExportLabelMap, ExportStructuresMap, ExportStructuresMeshes, ExportLandmarks,
     ExportTemplate, ExportTemplateLandmarks, ExportAllFrames, ExportPicture, ExportVolumes, ImportLandmarks,
     OpenFitModel, ImportStiffness, ImportTemplateLandmarks,
+    // what is measured by a recipe
+    ChooseRecipe, DrawMeasurement, ExportMeasurements,
     // the making of a template
     MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, ShowTemplateStage,
     // tools

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "app/editor/state/quality.h"
 #include "app/editor/update/command_log.h"
 #include "app/editor/update/commands.h"
 #include "app/editor/update/controls.h"
@@ -19,8 +20,8 @@
 #include "app/editor/work/opening/opener.h"
 #include "app/editor/work/opening/recovery.h"
 #include "app/editor/work/propagator.h"
-#include "app/editor/work/quality_monitor.h"
 #include "app/editor/work/set_fitter.h"
+#include "app/editor/work/shape_monitor.h"
 #include "app/editor/work/snaps.h"
 #include "app/editor/work/template_maker.h"
 #include "app/editor/work/worklist.h"
@@ -58,11 +59,15 @@ struct Work {
   ModelHelp model_help;
   Models models;
   Worklist worklist;
-  QualityMonitor quality;
+  ShapeMonitor<QualityFigures> quality;
+  ShapeMonitor<ShapeMeasurements> measurements;
   Recovery recovery;
   WriteReport write_report;  ///< empty: this program cannot
 
   RecoveryOffer recovery_offer = RecoveryOffer::dialog;
+  std::shared_ptr<const Recipe> measured_by;          ///< the recipe of `measurements`; null: none
+  std::shared_ptr<const Document> measured_document;  ///< that `measurements` was given last, null: none
+  std::string measured_structure;                     ///< of it, by its id
   bool fit_seen = false;                              ///< a step of the fit that goes on was shown
   std::optional<StartFit> started_fit;                ///< the fit that goes on; none while it is a refinement
   bool set_enters = false;                            ///< the structures of a set that was fitted come into the case

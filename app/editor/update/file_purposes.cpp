@@ -42,6 +42,10 @@ Command set_of(const fs::path& chosen, const EditorState&) {
   return ChooseSet{chosen.string()};
 }
 
+Command recipe_of(const fs::path& chosen, const EditorState&) {
+  return ChooseRecipe{chosen.string()};
+}
+
 Command shapes_folder(const fs::path& chosen, const EditorState& state) {
   return ExportShapes{chosen, state.models.export_extension};
 }
@@ -93,6 +97,7 @@ const std::vector<FilePurposeKind>& file_purposes() {
        {false, landmarks},
        to<ImportTemplateLandmarks>},
       {FilePurpose::open_set, "open set", "Choose a template set", {false, {".set.json"}}, set_of},
+      {FilePurpose::open_recipe, "open recipe", "Choose a recipe", {false, {".recipe.json", ".json"}}, recipe_of},
       {FilePurpose::open_model,
        "open model",
        "Choose a shape model for the fit",
@@ -156,6 +161,11 @@ const std::vector<FilePurposeKind>& file_purposes() {
        to<MakeStudyTemplate>},
       {FilePurpose::export_picture, "export picture", "Save a picture", {true, {".png"}}, to<ExportPicture>},
       {FilePurpose::export_volumes, "export volumes", "Export the volumes", {true, {".csv"}}, to<ExportVolumes>},
+      {FilePurpose::export_measurements,
+       "export measurements",
+       "Export the measurements",
+       {true, {".csv"}},
+       to<ExportMeasurements>},
       {FilePurpose::new_study, "new study", "New study", {true, {".study.json"}}, to<NewStudy>},
       {FilePurpose::save_study, "save study", "Save the study as", {true, {".study.json"}}, to<SaveStudyAs>},
       {FilePurpose::export_model, "export model", "Export the model", {true, {".h5.json", ".h5"}}, to<ExportModel>},

@@ -20,7 +20,8 @@ Work::Work(const std::function<void()>& wake)
       model_help(wake),
       models(wake),
       worklist(wake),
-      quality(wake),
+      quality(wake, "The mesh's figures", quality_of),
+      measurements(wake, "The measurements", {}),
       recovery(wake) {}
 
 bool Work::busy() const {

@@ -127,23 +127,9 @@ Result<StepValue> girth(Measuring& measuring, const RecipeStep& step) {
 }
 
 Result<StepValue> extent(Measuring& measuring, const RecipeStep& step) {
-  const Vec3 along = measuring.axis(step, "along").direction;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  const auto take = [&](const Vec3& p) {
-    low = std::min(low, p.dot(along));
-    high = std::max(high, p.dot(along));
-  };
-  if (const auto* section =
-          measuring.has(step, "of") ? std::get_if<SectionValue>(&measuring.of(step, "of")) : nullptr) {
-    for (const SectionLine& line : section->lines)
-      for (const Vec3& p : line.points) take(p);
-    return high - low;
-  }
-  const auto part = measuring.part(step, "of");
-  if (!part) return fail(part.error());
-  const Points& points = measuring.surface(part->structure).mesh().points;
-  for (const std::int32_t v : part->vertices) take(points.row(v));
-  return high - low;
+  const auto along = extent_along(measuring, step);
+  if (!along) return fail(along.error());
+  return along->high_mm - along->low_mm;
 }
 
 Result<StepValue> ratio(Measuring& measuring, const RecipeStep& step) {
@@ -166,6 +152,30 @@ Result<StepValue> asymmetry(Measuring& measuring, const RecipeStep& step) {
 }
 
 }  // namespace
+
+Result<ExtentAlong> extent_along(const Measuring& measuring, const RecipeStep& step) {
+  const Vec3 along = measuring.axis(step, "along").direction;
+  ExtentAlong extent{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  std::size_t count = 0;
+  const auto take = [&](const Vec3& p) {
+    extent.low_mm = std::min(extent.low_mm, p.dot(along));
+    extent.high_mm = std::max(extent.high_mm, p.dot(along));
+    extent.middle += p;
+    ++count;
+  };
+  const auto* section = measuring.has(step, "of") ? std::get_if<SectionValue>(&measuring.of(step, "of")) : nullptr;
+  if (section != nullptr) {
+    for (const SectionLine& line : section->lines)
+      for (const Vec3& p : line.points) take(p);
+  } else {
+    const auto part = measuring.part(step, "of");
+    if (!part) return fail(part.error());
+    const Points& points = measuring.shape().structures[part->structure].mesh.points;
+    for (const std::int32_t v : part->vertices) take(points.row(v));
+  }
+  if (count > 0) extent.middle /= static_cast<double>(count);
+  return extent;
+}
 
 const std::vector<StepKind>& length_kinds() {
   constexpr unsigned point = bits(Gives::point), plane = bits(Gives::plane), section = bits(Gives::section);

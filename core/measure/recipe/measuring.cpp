@@ -95,19 +95,17 @@ Result<PartValue> Measuring::part(const RecipeStep& step, const char* key) const
   return whole;
 }
 
+MeasuredNumber measured_number(Measuring& measuring, const Recipe& recipe, std::size_t step) {
+  const auto& value = measuring.value(step);
+  if (!value) return {std::nullopt, value.error().what};
+  if (const double number = std::get<double>(*value); std::isfinite(number)) return {number, {}};
+  return {std::nullopt, '"' + recipe.steps[step].name + "\" is no number here"};
+}
+
 std::vector<MeasuredNumber> measure(const Recipe& recipe, const MeasuredShape& shape) {
   Measuring measuring(recipe, shape);
   std::vector<MeasuredNumber> all;
-  for (const std::size_t step : recipe.measurements) {
-    const auto& value = measuring.value(step);
-    MeasuredNumber& one = all.emplace_back();
-    if (!value)
-      one.missing = value.error().what;
-    else if (const double number = std::get<double>(*value); std::isfinite(number))
-      one.value = number;
-    else
-      one.missing = '"' + recipe.steps[step].name + "\" is no number here";
-  }
+  for (const std::size_t step : recipe.measurements) all.push_back(measured_number(measuring, recipe, step));
   return all;
 }
 

@@ -36,6 +36,7 @@ struct MeasuredShape {
 struct MeasuredNumber {
   std::optional<double> value;
   std::string missing;  ///< "has no landmark "apex"": what the shape lacks; empty where there is a value
+  bool operator==(const MeasuredNumber&) const = default;
 };
 
 /// Every measurement of a recipe on one shape, in the recipe's order.
@@ -131,6 +132,9 @@ class Measuring {
   std::vector<MeasuredSurface> surfaces_;
   std::vector<std::optional<Result<StepValue>>> values_;
 };
+
+/// One measurement of the recipe at work.
+MeasuredNumber measured_number(Measuring& measuring, const Recipe& recipe, std::size_t step);
 
 /// The error of a step that the shape itself lacks something for: "has no landmark …".
 inline tl::unexpected<Error> lacks(std::string what) {

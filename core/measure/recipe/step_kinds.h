@@ -50,6 +50,14 @@ surface_kinds();  ///< numbers of surfaces: areas, volumes, thickness, an image 
 /// All of them.
 std::vector<const StepKind*> step_kinds();
 
+/// How far a part or a section of an `extent` reaches along its line.
+struct ExtentAlong {
+  double low_mm = 0, high_mm = 0;  ///< from where the line's direction has 0, through the origin
+  Vec3 middle = Vec3::Zero();      ///< the mean of its points
+};
+/// Errors: the shape lacks the structure.
+Result<ExtentAlong> extent_along(const Measuring& measuring, const RecipeStep& step);
+
 constexpr unsigned bits(Gives gives) {
   return static_cast<unsigned>(gives);
 }

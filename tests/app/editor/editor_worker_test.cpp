@@ -8,10 +8,11 @@
 #include <stdexcept>
 
 #include "app/editor/state/models/models_state.h"
+#include "app/editor/state/quality.h"
 #include "app/editor/work/models/build_study_model.h"
 #include "app/editor/work/models/study_optimiser.h"
 #include "app/editor/work/opening/opener.h"
-#include "app/editor/work/quality_monitor.h"
+#include "app/editor/work/shape_monitor.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
@@ -110,7 +111,7 @@ TEST_CASE("whatever work throws is a sentence and the next work is done") {
 
 TEST_CASE("the quality monitor measures the mesh posted last and forgets when there is none") {
   std::atomic<int> woken = 0;
-  QualityMonitor monitor([&] { ++woken; });
+  ShapeMonitor<QualityFigures> monitor([&] { ++woken; }, "The mesh's figures", quality_of);
   CHECK_FALSE(monitor.latest());
   const auto volume = [&] { return monitor.latest()->volume_ml; };
   // As a drag posts them.
@@ -136,11 +137,11 @@ TEST_CASE("the quality monitor measures the mesh posted last and forgets when th
 
 TEST_CASE("a mesh that cannot be measured ends in a sentence and the next is measured") {
   std::atomic<int> measured = 0;
-  QualityMonitor monitor([] {},
-                         [&](const ShapeView& shown) {
-                           if (++measured == 1) throw std::bad_alloc();
-                           return quality_figures(shown);
-                         });
+  ShapeMonitor<QualityFigures> monitor([] {}, "The mesh's figures",
+                                       [&](const Document& shown, const std::string& of) {
+                                         if (++measured == 1) throw std::bad_alloc();
+                                         return quality_of(shown, of);
+                                       });
   monitor.post(std::make_shared<const Document>(ball_document(20)));
   monitor.finish();
   CHECK_FALSE(monitor.latest());

@@ -20,6 +20,8 @@
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/slicer_curves.h"
+#include "core/model/model_files.h"
+#include "core/model/recipe_shapes.h"
 #include "core/session/unsaved_cases.h"
 #include "core/structures/set_map.h"
 #include "core/structures/template_set.h"
@@ -341,6 +343,18 @@ void ExportVolumes::run(Editing& editing) const {
                [table = volume_table(volume_curve(*structure), frame_seconds)](const auto& to, Progress&) {
                  return write_whole_file(to, table);
                });
+}
+
+void ExportMeasurements::run(Editing& editing) const {
+  const auto document = std::make_shared<const Document>(as_done(editing));
+  if (!active_shape(editing.state, *document)) return no_mesh_to_export(editing);
+  const auto& recipe = editing.state.measurements.recipe;
+  if (recipe == nullptr) return add_notice(editing.state, "Choose a recipe first: it says what to measure.");
+  const std::string name = case_name(editing.shown.snapshot().file, *document);
+  write_beside(editing, path, [document, recipe, name, of = editing.state.look.structure](const auto& to, Progress&) {
+    return write_whole_file(to, "name" + measurement_columns(*recipe) + '\n' + csv_field(name) +
+                                    measurement_cells(measure(*recipe, measured_shape(*document, of))) + '\n');
+  });
 }
 
 void ImportLandmarks::run(Editing& editing) const {

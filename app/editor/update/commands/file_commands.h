@@ -134,6 +134,11 @@ struct ExportVolumes : FileCommand {
   static constexpr const char* key = "export volumes";
   void run(Editing& editing) const;
 };
+/// Writes the measurements of the shown mesh as a table of one row, as `measure` does.
+struct ExportMeasurements : FileCommand {
+  static constexpr const char* key = "export measurements";
+  void run(Editing& editing) const;
+};
 /// Places the landmarks of a file whose names are the template's.
 struct ImportLandmarks : FileCommand {
   static constexpr const char* key = "import landmarks";

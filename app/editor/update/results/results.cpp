@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/editor/update/results/assistance.h"
+#include "app/editor/update/results/measurements.h"
 #include "app/editor/update/results/opening.h"
 #include "app/editor/update/results/optimisation.h"
 #include "app/editor/update/results/quitting.h"
@@ -233,6 +234,7 @@ bool take_results(Editing& editing, double seconds) {
   changed |= take_worklist(editing);
   update_quit(editing);
   changed |= update_quality(editing);
+  changed |= update_measurements(editing);
   changed |= take_stage(editing);
   changed |= update_label_surface(editing);
   changed |= take_observers(editing);
@@ -254,6 +256,7 @@ void settle(Editing& editing) {
   work.exports.finish();
   take_written(editing);
   work.quality.finish();
+  work.measurements.finish();
   while (work.recovery.busy()) {
     work.recovery.finish();
     take_recovery(editing);
@@ -270,7 +273,8 @@ std::optional<double> next_move_seconds(const EditorState& state, const Work& wo
                     : brush != nullptr       ? brush->waits_until
                                              : std::nullopt;
   if (held) next = std::min(next.value_or(*held - now), std::max(*held - now, 0.0));
-  if (const auto rest = work.quality.rest_seconds()) next = std::min(next.value_or(*rest), *rest);
+  for (const auto rest : {work.quality.rest_seconds(), work.measurements.rest_seconds()})
+    if (rest) next = std::min(next.value_or(*rest), *rest);
   if (state.hints_until && !state.hints_over)
     next = std::min(next.value_or(*state.hints_until - now), std::max(*state.hints_until - now, 0.0));
   for (const Notice& notice : state.notices)

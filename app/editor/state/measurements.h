@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/case/document.h"
+#include "core/measure/recipe/measured_lines.h"
+#include "core/measure/recipe/recipe.h"
+
+namespace homolog {
+
+/// The title of the section that lists what a recipe measures.
+inline constexpr const char* measurements_section = "Measurements";
+
+/// By which recipe the shown mesh is measured.
+struct Measurements {
+  std::string source;                    ///< the name of a recipe that ships, or a file; empty: none
+  std::shared_ptr<const Recipe> recipe;  ///< null: none, or it is not read yet
+  std::string of_template;               ///< the source of the template that a recipe was looked for beside
+  std::set<std::string> drawn;           ///< the measurements that are drawn on the mesh, by their names
+};
+
+/// What a recipe gives of a mesh: for each of its measurements, in their order.
+struct ShapeMeasurements {
+  std::shared_ptr<const Recipe> recipe;
+  std::vector<MeasuredNumber> numbers;
+  std::vector<MeasuredLines> lines;  ///< empty where there is no number
+  bool operator==(const ShapeMeasurements&) const = default;
+};
+/// Of the structure of an id, which has a mesh at the document's frame.
+ShapeMeasurements shape_measurements(const std::shared_ptr<const Recipe>& recipe, const Document& document,
+                                     const std::string& structure);
+
+/// "31.2 mm", "84.0°", "1.07": a value as the window shows it. `unit`: of its step.
+std::string value_with_unit(double value, const std::string& unit);
+
+}  // namespace homolog

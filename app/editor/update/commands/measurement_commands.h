@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "app/editor/update/commands/logged.h"
+#include "app/editor/update/commands/setting.h"
+
+namespace homolog {
+
+class Fields;
+struct Editing;
+
+// What is measured of the shown mesh by a recipe.
+
+/// Measures by another recipe: the name of one that ships, or a file.
+struct ChooseRecipe {
+  static constexpr const char* key = "choose recipe";
+  static constexpr Logged logged = Logged::when_done;
+  std::string source;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Draws a measurement on the mesh, or no more.
+struct DrawMeasurement {
+  static constexpr const char* key = "draw measurement";
+  std::string name;
+  bool drawn = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+
+}  // namespace homolog

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "app/editor/work/worker.h"
+#include "core/case/document.h"
+
+namespace homolog {
+
+/// Measures the shown mesh beside the window; the latest mesh posted wins. It rests between meshes that follow each
+/// other closely, as during a drag. Called from the window's thread only.
+template <class Figures>
+class ShapeMonitor {
+ public:
+  /// Of a structure of a document, by its id; it has a mesh there.
+  using Measure = std::function<Figures(const Document&, const std::string& of)>;
+  /// `wake` is called from the thread after every new result; `subject` begins the sentence of an error.
+  ShapeMonitor(std::function<void()> wake, std::string subject, Measure measure)
+      : subject_(std::move(subject)), figures_of_(std::move(measure)), worker_(std::move(wake)) {}
+  /// Measures otherwise from now on; the figures so far are forgotten.
+  void measure_by(Measure measure) {
+    post(nullptr);
+    figures_of_ = std::move(measure);
+  }
+
+  /// A document without a mesh (or null) forgets the figures so far.
+  /// `of`: the structure; empty: the first.
+  void post(std::shared_ptr<const Document> document, std::string of = {}) {
+    of_ = std::move(of);
+    if (document && document->view(of_)) {
+      next_ = std::move(document);
+      return;
+    }
+    worker_.cancel();
+    next_.reset();
+    latest_.reset();
+    error_.clear();
+  }
+  /// Takes in what was measured, and measures the mesh posted last when it has rested. True where the figures changed.
+  bool update() {
+    const bool changed = take();
+    if (next_ && !worker_.busy() && Clock::now() >= rested_) measure();
+    return changed;
+  }
+  /// Whether the mesh posted last is not measured yet.
+  bool busy() const { return next_ != nullptr || worker_.busy(); }
+  /// Seconds until it has rested; nothing where no mesh waits for that.
+  std::optional<double> rest_seconds() const {
+    if (!next_ || worker_.busy()) return std::nullopt;
+    return std::max(0.0, std::chrono::duration<double>(rested_ - Clock::now()).count());
+  }
+  /// Of the latest mesh that is measured; nothing before the first.
+  const std::optional<Figures>& latest() const { return latest_; }
+  /// Why the mesh posted last could not be measured; empty where it was.
+  const std::string& error() const { return error_; }
+  /// Waits until the mesh posted last is measured.
+  void finish() {
+    while (next_ || worker_.busy()) {
+      if (!worker_.busy()) measure();
+      worker_.finish();
+    }
+    take();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  /// A drag posts meshes faster than they are measured; this leaves the processor to drawing it.
+  static constexpr int share_of_rest = 9;
+  struct Measured {
+    Figures figures;
+    Clock::duration took{};
+  };
+
+  void measure() {
+    worker_.queue(
+        subject_,
+        [document = std::exchange(next_, nullptr), of = of_, figures_of = figures_of_](Progress&) -> Result<Measured> {
+          const auto begun = Clock::now();
+          Figures figures = figures_of(*document, of);
+          return Measured{std::move(figures), Clock::now() - begun};
+        });
+  }
+  bool take() {
+    const auto before = latest_;
+    const std::string error_before = error_;
+    while (auto done = worker_.take()) {
+      latest_.reset();
+      error_ = *done ? std::string() : done->error().sentence();
+      if (!*done) continue;
+      rested_ = Clock::now() + share_of_rest * (*done)->took;
+      latest_ = std::move((*done)->figures);
+    }
+    return latest_ != before || error_ != error_before;
+  }
+
+  std::string subject_;
+  Measure figures_of_;
+  Worker<Measured> worker_;
+  std::shared_ptr<const Document> next_;
+  std::string of_;  ///< of `next_`
+  Clock::time_point rested_{};
+  std::optional<Figures> latest_;
+  std::string error_;
+};
+
+}  // namespace homolog

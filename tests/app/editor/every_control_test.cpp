@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "app/editor/update/file_purposes.h"
+#include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
@@ -38,6 +39,9 @@ struct BallScene {
     ball.landmarks = {{"north", Vec3(0, 0, 40)}, {"south", Vec3(0, 0, -40)}, {"west", Vec3(40, 0, 0)}};
     const fs::path file = folder.path / "ball.ply";
     REQUIRE(write_mesh_file(ball, file));
+    REQUIRE(write_whole_file(folder.path / "ball.recipe.json", R"({"homolog_recipe": 1, "measurements": [
+      {"name": "across", "kind": "distance", "from": {"kind": "landmark", "landmark": "north"},
+       "to": {"kind": "landmark", "landmark": "south"}}]})"));
     VolumeGeometry grid;
     grid.dims = {60, 60, 60};
     grid.spacing_mm.setConstant(1.6);
@@ -269,7 +273,8 @@ TEST_CASE("every control of the case does something") {
   Driver driver(scene.document, {1280, 2400, 1});
   driver.app().send(open_labels(scene.label));
   driver.settle();
-  for (const char* section : {"Template", "Place", "Export"}) {
+  driver.app().send(ChooseRecipe{(scene.folder.path / "ball.recipe.json").string()});
+  for (const char* section : {"Template", "Place", "Measurements", "Export"}) {
     driver.app().send(OpenSection{section, true});
     driver.settle();
   }
@@ -278,8 +283,9 @@ TEST_CASE("every control of the case does something") {
   driver.app().send(ChooseTool{MouseTool::grab});  // so that the first tool is another
   driver.settle();
   Operator hands(driver);
-  for (const char* part : {"tool strip", "side panel/Correspondence", "side panel/Deform", "side panel/Place",
-                           "side panel/Template", "side panel/Export", "side panel/Case", "axial", "top bar"})
+  for (const char* part :
+       {"tool strip", "side panel/Correspondence", "side panel/Deform", "side panel/Place", "side panel/Template",
+        "side panel/Measurements", "side panel/Export", "side panel/Case", "axial", "top bar"})
     hands.operate(part);
   CHECK(hands.operated() > 120);
   CHECK_MESSAGE(hands.dead().empty(), "These do nothing:", hands.dead());

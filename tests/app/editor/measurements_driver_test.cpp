@@ -86,7 +86,7 @@ TEST_CASE("a measurement is drawn by its eye and one that cannot be taken names 
   driver.click("side panel/Measurements");
   driver.settle();
   CHECK_FALSE(driver.control("to the apex/eye").enabled);
-  CHECK(driver.control("to the apex/eye").tip == "The mesh has no landmark \"apex\".");
+  CHECK(driver.control("to the apex/eye").tip.starts_with("The mesh has no landmark \"apex\""));
   CHECK_FALSE(driver.control("content/eye").enabled);
   CHECK_FALSE(driver.shows("across  80.0 mm"));
   driver.click("across/eye");

@@ -10,6 +10,7 @@
 
 #include "app/editor/update/controls.h"
 #include "core/base/files.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
@@ -88,7 +89,8 @@ void check_screen(Driver& driver, const std::string& name) {
 
 /// The case with these sections open and all others closed.
 void open_only(Driver& driver, const std::vector<std::string>& open) {
-  for (const char* title : {"Case", "Cine", "Template", "Place", "Deform", "Correspondence", "Export"})
+  for (const char* title :
+       {"Case", "Cine", "Template", "Place", "Deform", "Correspondence", measurements_section, "Export"})
     driver.state().preferences.sections_open[title] = std::ranges::find(open, title) != open.end();
 }
 
@@ -122,6 +124,17 @@ TEST_CASE("golden pictures of the sections") {
     name[0] = static_cast<char>(std::tolower(name[0]));
     check_screen(driver, "section_" + name);
   }
+}
+
+TEST_CASE("golden picture of measurements in the panel and on the mesh") {
+  const auto gl = test::context_or_skip();
+  if (!gl) return;
+  Driver driver(new_document("", nullptr, test::must(load_template(built_in_source(Organ::vertebra)))), usual);
+  open_only(driver, {measurements_section});
+  driver.settle();  // the recipe of the template is read
+  for (const char* name : {"anterior height", "endplate angle", "canal width"})
+    driver.app().send(DrawMeasurement{name, true});
+  check_screen(driver, "section_measurements");
 }
 
 TEST_CASE("golden picture of the section of a cine") {

@@ -5,6 +5,7 @@
 
 #include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
+#include "core/measure/recipe/measured_lines.h"
 #include "core/measure/recipe/measuring.h"
 #include "core/measure/recipe/step_kinds.h"
 #include "core/mesh/icosphere.h"
@@ -252,6 +253,48 @@ TEST_CASE("the page on recipes names every kind") {
     for (const StepMember& member : kind->members)
       CHECK_MESSAGE(tells(page, "`" + std::string(member.key) + "`"), member.key);
   }
+}
+
+TEST_CASE("the lines of a measurement are as long as it says and lie where it was taken") {
+  const Mesh ball = posed_mesh(other_pose, icosphere(4, 20));
+  const Vec3 centre = other_pose.translation;
+  const std::vector<Landmark> places{
+      {"a", centre + Vec3(20, 0, 0)}, {"b", centre + Vec3(0, 20, 0)}, {"c", centre + Vec3(0, 0, 20)}};
+  const Recipe recipe = test::must(parse_recipe(R"({"homolog_recipe":1,"elements":[
+    {"name":"a","kind":"landmark"},{"name":"b","kind":"landmark"},{"name":"c","kind":"landmark"},
+    {"name":"ball","kind":"sphere","of":{"kind":"whole"}},
+    {"name":"middle","kind":"centre","of":"ball"},
+    {"name":"to a","kind":"line","through":["middle","a"]},
+    {"name":"b to c","kind":"line","through":["b","c"]}],"measurements":[
+    {"name":"points","kind":"distance","from":"a","to":"b"},
+    {"name":"lines","kind":"distance","from":"to a","to":"b to c"},
+    {"name":"point and line","kind":"distance","from":"a","to":"b to c"},
+    {"name":"corner","kind":"angle","at":"middle","from":"a","to":"b"},
+    {"name":"way","kind":"length","through":["a","b"]},
+    {"name":"girth","kind":"girth","of":{"kind":"section","plane":{"kind":"plane","at":"middle","across":"to a"}}},
+    {"name":"width","kind":"extent","along":"to a"},
+    {"name":"radius","kind":"radius","of":"ball"},
+    {"name":"both","kind":"sum","of":["points","width"]},
+    {"name":"content","kind":"volume"}]})"));
+  MeasuredShape shape;
+  shape.structures.push_back({"", ball, places, {}});
+  Measuring measuring(recipe, shape);
+  const auto drawn_mm = [&](std::size_t k) {
+    double sum = 0;
+    for (const auto& line : lines_of_measurement(measuring, recipe, recipe.measurements[k]).lines)
+      for (std::size_t p = 1; p < line.size(); ++p) sum += (line[p] - line[p - 1]).norm();
+    return sum;
+  };
+  for (const std::size_t k : {0U, 1U, 2U, 4U, 5U, 6U, 8U}) {
+    const MeasuredNumber number = measured_number(measuring, recipe, recipe.measurements[k]);
+    REQUIRE_MESSAGE(number.value.has_value(), number.missing);
+    CHECK_MESSAGE(drawn_mm(k) == doctest::Approx(*number.value).epsilon(1e-9),
+                  recipe.steps[recipe.measurements[k]].name);
+  }
+  CHECK(drawn_mm(3) == doctest::Approx(40).epsilon(0.01));               // two arms from the middle
+  CHECK(drawn_mm(7) == doctest::Approx(3 * 2 * pi * 20).epsilon(0.01));  // three circles about the ball
+  CHECK(lines_of_measurement(measuring, recipe, recipe.measurements[9]).lines.empty());
+  CHECK((lines_of_measurement(measuring, recipe, recipe.measurements[7]).at - centre).norm() < 0.05);
 }
 
 }  // namespace homolog

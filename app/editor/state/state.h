@@ -11,10 +11,10 @@
 
 #include "app/editor/state/dialogs.h"
 #include "app/editor/state/drag.h"
-#include "app/editor/state/findings.h"
+#include "app/editor/state/figures/findings.h"
+#include "app/editor/state/figures/measurements.h"
 #include "app/editor/state/guide.h"
 #include "app/editor/state/layout.h"
-#include "app/editor/state/measurements.h"
 #include "app/editor/state/models/models_state.h"
 #include "app/editor/state/outcomes.h"
 #include "app/editor/state/settings.h"

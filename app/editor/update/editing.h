@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "app/editor/state/quality.h"
+#include "app/editor/state/figures/quality.h"
 #include "app/editor/update/command_log.h"
 #include "app/editor/update/commands.h"
 #include "app/editor/update/controls.h"

@@ -7,8 +7,8 @@
 #include <new>
 #include <stdexcept>
 
+#include "app/editor/state/figures/quality.h"
 #include "app/editor/state/models/models_state.h"
-#include "app/editor/state/quality.h"
 #include "app/editor/work/models/build_study_model.h"
 #include "app/editor/work/models/study_optimiser.h"
 #include "app/editor/work/opening/opener.h"

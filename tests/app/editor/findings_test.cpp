@@ -1,6 +1,6 @@
-#include "app/editor/state/findings.h"
+#include "app/editor/state/figures/findings.h"
 
-#include "app/editor/state/quality.h"
+#include "app/editor/state/figures/quality.h"
 #include "core/measure/compare.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/state/quality.h"
+#include "app/editor/state/figures/quality.h"
 #include "app/editor/state/view_geometry.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/imgui_context.h"

@@ -1,4 +1,4 @@
-#include "app/editor/state/findings.h"
+#include "app/editor/state/figures/findings.h"
 
 #include <algorithm>
 #include <map>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/state/findings.h"
+#include "app/editor/state/figures/findings.h"
 #include "core/case/document.h"
 
 namespace homolog {

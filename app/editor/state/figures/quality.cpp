@@ -1,4 +1,4 @@
-#include "app/editor/state/quality.h"
+#include "app/editor/state/figures/quality.h"
 
 #include <algorithm>
 #include <cmath>

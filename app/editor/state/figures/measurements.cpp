@@ -1,4 +1,4 @@
-#include "app/editor/state/measurements.h"
+#include "app/editor/state/figures/measurements.h"
 
 #include <array>
 #include <cstdio>

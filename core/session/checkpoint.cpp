@@ -1,26 +1,22 @@
 #include "core/session/checkpoint.h"
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <span>
 #include <type_traits>
 
 #include "core/base/colour.h"
 #include "core/base/hash.h"
 #include "core/base/json.h"
-#include "core/base/limits.h"
-#include "core/base/same_values.h"
 #include "core/case/action_json.h"
 #include "core/case/actions/contours.h"
 #include "core/case/actions/fields.h"
 #include "core/case/members.h"
 #include "core/case/packed.h"
-#include "core/case/placing.h"
 #include "core/deform/deformer.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mirror.h"
 #include "core/session/case_lines.h"
+#include "core/session/sound_document.h"
 
 namespace homolog {
 
@@ -48,63 +44,6 @@ std::shared_ptr<const Array> unpacked_array(const Json& value, Eigen::Index rows
   const auto numbers = unpacked<double>(value.get_ref<const std::string&>(), static_cast<std::size_t>(rows * columns));
   if (!numbers) throw Unusable{};
   return std::make_shared<const Array>(Eigen::Map<const Array>(numbers->data(), rows, columns));
-}
-
-bool same_landmarks(const std::vector<Landmark>& a, const std::vector<Landmark>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const Landmark& x, const Landmark& y) { return x.name == y.name && x.position == y.position; });
-}
-
-bool same_template(const Template& a, const Template& b) {
-  return &a == &b || (a.source == b.source && a.topology->triangles() == b.topology->triangles() &&
-                      a.points == b.points && a.stiffness == b.stiffness && a.stiffness_base == b.stiffness_base &&
-                      a.regions == b.regions && same_landmarks(a.landmarks, b.landmarks));
-}
-
-// Members of a document and of what it holds are compared, written, read and checked by their types [members.h].
-
-bool same(const auto& a, const auto& b) {
-  return a == b;
-}
-
-template <class Array>
-bool same(const std::shared_ptr<const Array>& a, const std::shared_ptr<const Array>& b) {
-  return same_values(a, b);
-}
-
-bool same(const std::shared_ptr<const Volume>& a, const std::shared_ptr<const Volume>& b) {
-  return a == b;
-}
-
-bool same(const std::shared_ptr<const Template>& a, const std::shared_ptr<const Template>& b) {
-  return a == b || (a && b && same_template(*a, *b));
-}
-
-bool same(const ContourSets& a, const ContourSets& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const auto& x, const auto& y) { return x == y || *x == *y; });
-}
-
-bool same(const Shapes& a, const Shapes& b);
-bool same(const Structures& a, const Structures& b);
-
-template <Described Owner>
-bool same(const Owner& a, const Owner& b) {
-  return std::apply([&](const auto&... member) { return (same(a.*member.of, b.*member.of) && ...); }, members_of(a));
-}
-
-bool same(const Shapes& a, const Shapes& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
-    const Shape &one = *x.second, &other = *y.second;
-    return x.first == y.first && same(one, other) &&
-           (one.reference == one.placed) == (other.reference == other.placed) &&
-           (one.points == one.reference) == (other.points == other.reference);
-  });
-}
-
-bool same(const Structures& a, const Structures& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const auto& x, const auto& y) { return x == y || same(*x, *y); });
 }
 
 // A case changes its template in two ways: it turns it into that of the other side, and it names landmarks.
@@ -141,6 +80,8 @@ bool left_out(const auto&) {
 bool left_out(const ContourSets& contours) {
   return contours.empty();
 }
+
+// Members of a document and of what it holds are written and read by their types [members.h].
 
 /// Writes members that a checkpoint keeps. Points that are those of an earlier member are written as its name.
 class MemberWriter {
@@ -363,76 +304,6 @@ Document document_of(const Json& json, const Document& start, const CaseTemplate
   return document;
 }
 
-bool is_positive(double value) {
-  return value > 0 && std::isfinite(value);
-}
-
-bool is_sound(const Regions& regions, Eigen::Index vertices) {
-  const std::size_t numbers = regions.of_vertex.size(), most = regions.list.size();
-  return (numbers == 0 || numbers == static_cast<std::size_t>(vertices)) && most <= 255 &&
-         std::all_of(regions.of_vertex.begin(), regions.of_vertex.end(), [&](auto number) { return number <= most; }) &&
-         std::all_of(regions.list.begin(), regions.list.end(),
-                     [](const Region& region) { return is_positive(region.factor); });
-}
-
-bool possible(int count) {
-  return count >= 0;
-}
-
-bool possible(const std::string&) {
-  return true;
-}
-
-bool possible(const Similarity& placement) {
-  return check_placement(placement).has_value();
-}
-
-bool possible(const std::map<std::string, Vec3>& landmarks) {
-  return std::all_of(landmarks.begin(), landmarks.end(),
-                     [](const auto& landmark) { return all_in_reach(landmark.second); });
-}
-
-template <class Array>
-bool possible(const std::shared_ptr<const Array>& values) {
-  return !values || all_in_reach(*values);
-}
-
-bool is_sound(const Shape& shape) {
-  const auto all = [&](const auto&... member) { return (possible(shape.*member.of) && ...); };
-  return std::apply(all, shape_members) && shape.placed && shape.reference && shape.points;
-}
-
-bool is_sound(const Paint& paint) {
-  return is_positive(paint.base) && paint.stiffness && paint.stiffness->allFinite() &&
-         (paint.stiffness->array() > 0).all() && is_sound(*paint.regions, paint.stiffness->size());
-}
-
-bool is_sound(const ContourSet& set) {
-  return !set.id.empty() && set.off_mm >= 0 && is_in_reach(set.off_mm) && check_curves(set.curves).has_value();
-}
-
-bool is_sound(const LandmarkRules& rules) {
-  return rules.pull >= LandmarkPull::off && rules.pull <= LandmarkPull::warp &&
-         rules.rule >= LandmarkRule::closed_form && rules.rule <= LandmarkRule::by_size;
-}
-
-/// Whether a document is one that actions can make: a line that was damaged may be read and hold anything.
-bool is_sound(const Document& document) {
-  const auto frame_exists = [&](int frame) { return frame >= 0 && frame < document.scan.frames(); };
-  const auto structure_is_sound = [&](const auto& structure) {
-    return structure->shape(document.frame) != nullptr && is_sound(structure->paint) &&
-           is_sound(structure->landmarks) &&
-           std::all_of(structure->contours.begin(), structure->contours.end(),
-                       [&](const auto& set) { return frame_exists(set->frame) && is_sound(*set); }) &&
-           std::all_of(structure->shapes.begin(), structure->shapes.end(),
-                       [&](const auto& one) { return frame_exists(one.first) && is_sound(*one.second); });
-  };
-  return frame_exists(document.frame) && document.scheme >= Scheme::anchored && document.scheme <= Scheme::raw &&
-         document.paper_events >= 1 && document.paper_events <= 1000 && document.even_spacing >= 0 &&
-         document.even_spacing <= 1 && !document.structures.empty() &&
-         std::all_of(document.structures.begin(), document.structures.end(), structure_is_sound);
-}
-
 /// Names the solver by its result on a small fixed problem. Where a later solver gives other points, checkpoints of an
 /// earlier one do not hold.
 const std::string& name_of_solver() {
@@ -469,10 +340,6 @@ std::uint32_t start_check(const Document& start) {
 }
 
 }  // namespace
-
-bool same_document(const Document& a, const Document& b) {
-  return same(a, b);
-}
 
 std::optional<std::string> checkpoint_line(const Document& start, const Document& document, std::uint32_t lines_check,
                                            const CaseTemplates& templates) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/session/case_templates.h"
+#include "core/session/same_document.h"
 
 namespace homolog {
 
@@ -24,8 +25,5 @@ std::optional<std::string> checkpoint_line(const Document& start, const Document
 /// damaged.
 std::optional<Document> read_checkpoint(const std::string& line, const Document& start, std::uint32_t lines_check,
                                         const CaseTemplates& templates = {});
-
-/// Whether two documents of one start are the same to the last bit.
-bool same_document(const Document& a, const Document& b);
 
 }  // namespace homolog

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "app/editor/work/opening/demo.h"
+#include "core/mesh/formats/formats.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/study.h"
@@ -156,9 +157,10 @@ TEST_CASE("a mesh file that does not keep what a shape model needs says so when 
   const OrganScan scan;
   Driver driver(scan.document());
   driver.click("side panel/Export");
-  CHECK(driver.control("Export/Mesh…")
-            .tip.find(".ply, .vtk, .vtp, .obj or .particles. Without numbering: .stl. "
-                      "Without faces: .particles") != std::string::npos);
+  const std::string tip = driver.control("Export/Mesh…").tip;
+  CHECK(tip.find(" or .particles. Without numbering: .stl. Without faces: .particles") != std::string::npos);
+  for (const std::string& kept : mesh_format_extensions(&MeshFormat::keeps_numbers))
+    CHECK(tip.find(kept) < tip.find("Without numbering"));
   const auto said_of = [&](const char* name) {
     driver.state().notices.clear();
     driver.click("Export/Mesh…");

@@ -8,6 +8,7 @@
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/rims.h"
 #include "core/model/statismo.h"
 #include "core/session/case_file.h"
 #include "core/volume/contours.h"
@@ -100,6 +101,9 @@ Json json_of(const SurfaceDistance& distance) {
 Json describe(const Mesh& mesh) {
   const MeshQuality quality = mesh_quality(mesh);
   const Box box = bounds_of(mesh.points);
+  Json rims = Json::array();
+  for (const Rim& rim : mesh.topology->rims())
+    rims.push_back({{"vertices", rim.size()}, {"length_mm", rim_length_mm(rim, mesh.points)}});
   return {
       {"kind", "mesh"},
       {"vertices", mesh.topology->vertices()},
@@ -107,6 +111,7 @@ Json describe(const Mesh& mesh) {
       {"components", mesh.topology->components()},
       {"genus", mesh.topology->genus()},
       {"closed", mesh.topology->closed()},
+      {"rims", std::move(rims)},
       {"oriented", true},  // Topology holds no other
       {"bounds_mm", Json::array({json_of(box.min()), json_of(box.max())})},
       {"edge_length_mm",

@@ -115,9 +115,11 @@ Report report_of_fit(const FitTarget& target, const Template& the_template, cons
                      const FitJudgement& judgement, bool partial, double seconds) {
   const Agreement& agreement = judgement.agreement;
   Report report;
-  report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", agreement.dice}};
+  const auto dice_of = [&](const Agreement& one) { return judgement.rim ? Json() : Json(one.dice); };
+  report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", dice_of(agreement)}};
+  if (judgement.rim) report.values["rim_mm"] = {{"mean", judgement.rim->mean_mm}, {"p95", judgement.rim->p95_mm}};
   const Agreement& inside = judgement.inside_scan;
-  report.values["inside_scan"] = {{"assd_mm", inside.assd_mm}, {"hd95_mm", inside.hd95_mm}, {"dice", inside.dice}};
+  report.values["inside_scan"] = {{"assd_mm", inside.assd_mm}, {"hd95_mm", inside.hd95_mm}, {"dice", dice_of(inside)}};
   report.values["beyond_share"] = judgement.beyond_share;
   if (target.mask) {
     const MaskRead& mask = *target.mask;
@@ -162,7 +164,7 @@ FittedCase case_of(const FitJob& options, const FitShared& shared, const fs::pat
   FitFigures figures;
   figures.mean_mm = options.partial ? judgement.target.mean_mm : judgement.inside_scan.assd_mm;
   figures.p95_mm = options.partial ? judgement.target.p95_mm : judgement.inside_scan.hd95_mm;
-  if (!options.partial) figures.dice = judgement.inside_scan.dice;
+  if (!options.partial && !judgement.rim) figures.dice = judgement.inside_scan.dice;
   if (options.partial)
     figures.missing_share = static_cast<double>(fit.outliers.size()) / static_cast<double>(fit.mesh.points.rows());
   for (const std::string& warning : judgement.warnings) figures.warnings.push_back(reason_of_doubt({warning}));

@@ -103,6 +103,7 @@ Result<Report> run_measure(const ShapesVerb& options, Progress& progress) {
                      {"area_mm2", or_null(sizes[k].area_mm2)},
                      {"centroid_size_mm", sizes[k].centroid_size_mm},
                      {"distances_mm", std::move(between)}});
+    if (sizes[k].volume_capped_ml) cases.back()["volume_capped_ml"] = *sizes[k].volume_capped_ml;
     if (!all->groups.empty()) cases.back()["group"] = all->groups[k];
     volumes.push_back(sizes[k].volume_ml);
     areas.push_back(sizes[k].area_mm2);

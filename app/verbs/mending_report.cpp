@@ -36,6 +36,18 @@ GenusRule genus_rule(const std::string& text) {
   return rule;
 }
 
+void add_holes_option(CLI::App& verb, std::string& holes) {
+  verb.add_option("--holes", holes,
+                  "Of a surface. small: holes with a rim of up to half its diagonal are closed; all; keep: none is")
+      ->check(CLI::IsMember({"small", "all", "keep"}))
+      ->capture_default_str();
+}
+
+double longest_rim_share(const std::string& holes) {
+  if (holes == "keep") return -1;
+  return holes == "small" ? small_rim_share : std::numeric_limits<double>::infinity();
+}
+
 void add_genus_option(CLI::App& verb, std::string& genus, const std::string& help) {
   verb.add_option("--genus", genus, help)
       ->check(CLI::IsMember({"auto", "keep"}) | CLI::Range(0, 1000))

@@ -17,6 +17,10 @@ Json json_of(const Rebuilt& rebuilt);
 GenusRule genus_rule(const std::string& text);
 void add_genus_option(CLI::App& verb, std::string& genus, const std::string& help);
 
+/// `--holes small|all|keep`, and the share of the diagonal up to which the rim of a hole is closed by it.
+void add_holes_option(CLI::App& verb, std::string& holes);
+double longest_rim_share(const std::string& holes);
+
 /// What is wrong with a mesh that was made, each a sentence about `path`.
 std::vector<std::string> faults_of(const MeshFile& file, const std::filesystem::path& path);
 

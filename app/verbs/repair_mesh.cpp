@@ -28,11 +28,6 @@ struct RepairJob {
 
 constexpr int fewest_vertices = 100, most_vertices = 20000;  ///< of a surface that is rebuilt, where nobody says
 
-double longest_rim_share(const std::string& holes) {
-  if (holes == "keep") return -1;
-  return holes == "small" ? small_rim_share : std::numeric_limits<double>::infinity();
-}
-
 /// Whether a part has more tunnels than the rule leaves.
 bool needs_rebuilding(const Mesh& part, const GenusRule& rule) {
   MeshFaults faults;
@@ -73,6 +68,7 @@ Result<Cut> tunnels_cut(const Mesh& surface, const RepairJob& job, Progress& pro
     }
     MeshTemplateOptions making;
     making.genus = rule;
+    making.longest_rim_share = longest_rim_share("all");
     making.vertices = vertices_of(job, groups[k], surface_area_mm2(groups[k]) / area_mm2);
     auto made = make_mesh_template({groups[k].points, groups[k].topology->triangles()}, making, &of_group);
     if (!made) return fail(made.error());
@@ -135,10 +131,7 @@ void add_repair_mesh(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "repair-mesh", "A manifold mesh from a broken one, with a report of what was mended");
   verb->add_option("IN", job->in, "A surface (STL, PLY, …)")->required();
   verb->add_option("-o,--output", job->out, "The mesh to write")->required();
-  verb->add_option("--holes", job->holes,
-                   "small: holes with a rim of up to half the surface's diagonal are closed; all; keep: none is")
-      ->check(CLI::IsMember({"small", "all", "keep"}))
-      ->capture_default_str();
+  add_holes_option(*verb, job->holes);
   add_genus_option(
       *verb, job->genus,
       "Tunnels of each part. keep: all stay; a number: the narrowest are cut until so many are left; auto: "

@@ -176,6 +176,7 @@ Result<MadeTemplate> from_mesh(const TemplateJob& options, Progress& progress) {
   making.genus = genus_rule(options.genus);
   making.closing_mm = options.closing_mm;
   making.opening_mm = options.opening_mm;
+  making.longest_rim_share = longest_rim_share(options.holes);
   auto made = make_mesh_template(*surface, making, &progress);
   if (!made) return fail(options.in.string(), made.error().what);
   Json provenance{{"source", options.in.filename().string()}, {"vertices", options.vertices}};
@@ -277,7 +278,7 @@ void check_effect(const TemplateJob& options, const CLI::App& verb) {
   if (options.keep_vertices) {
     if (options.in.empty() || !keeps_numbers(options.in))
       throw CLI::ValidationError("--keep-vertices", "has no effect here: it is for a mesh whose format keeps vertices");
-    for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})
+    for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus", "--holes"})
       refuse_without_effect(verb, name, "templates whose vertices are spread anew");
   }
   const bool of_many = !options.consensus.empty() || !options.best_of.empty();
@@ -286,6 +287,8 @@ void check_effect(const TemplateJob& options, const CLI::App& verb) {
                                "is not for --tube, whose rings are alike in all subjects");
   if (of_many || options.tube || is_mesh_name(options.in))
     refuse_without_effect(verb, "--parts", "a template of one label map without --tube");
+  if (of_many || options.tube || !is_mesh_name(options.in))
+    refuse_without_effect(verb, "--holes", "a template of one surface");
   if (!options.consensus.empty()) refuse_without_effect(verb, "--opening-mm", "a template of one subject");
   if (!of_many) refuse_without_effect(verb, "--flip-mirrored", "--consensus and --best-of");
   if (options.tube)
@@ -334,6 +337,7 @@ void add_template(CLI::App& app, CommandLine& asked) {
   add_genus_option(*verb, options->genus,
                    "Tunnels. auto: cut those narrower than 0.035 of the organ's size (of a surface, where it has more "
                    "than 16); keep: cut none; a number: cut the narrowest until so many are left");
+  add_holes_option(*verb, options->holes);
   verb->add_option("--parts", options->parts,
                    "Of a label in several parts: largest; all: a mesh of as many pieces, the largest first")
       ->check(CLI::IsMember({"largest", "all"}))

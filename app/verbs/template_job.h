@@ -22,7 +22,7 @@ struct TemplateJob {
   std::optional<double> level;  ///< of soft masks
   int vertices = 2500;
   std::optional<double> closing_mm, opening_mm;
-  std::string genus = "auto", parts = "largest";
+  std::string genus = "auto", parts = "largest", holes = "small";
   bool keep_vertices = false;
   bool tube = false, capped = false;
   int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;

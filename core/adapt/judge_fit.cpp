@@ -23,6 +23,12 @@ constexpr double most_missing = 0.6;     ///< of the mesh: of less nobody can te
 constexpr double told_beyond = 0.02;     ///< of the boundary's area, beyond a template's cut
 constexpr double most_share = 0.04, most_mean_share = 0.01;  ///< of the diagonal
 
+/// The agreement as far as it counts: Dice of two open surfaces would be that of caps which nobody has seen.
+Agreement counting(Agreement agreement, const std::optional<RimDistance>& rim) {
+  if (rim) agreement.dice = 1;
+  return agreement;
+}
+
 bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
   const double diagonal_mm = bounds_of(boundary.surface.points).diagonal().norm();
   return agreement.dice < least_dice || agreement.hd95_mm > most_share * diagonal_mm ||
@@ -141,6 +147,25 @@ double share_beyond(const Boundary& boundary, const std::vector<ScanBorder>& tem
   return all > 0 ? beyond / all : 0;
 }
 
+/// Of a closed boundary's area: what lies off an open mesh and off its flat cap, as where the organ goes on beyond the
+/// mesh's rim.
+double share_beyond_rim(const Boundary& boundary, const Mesh& mesh) {
+  constexpr double off_share = 0.02;  ///< of the diagonal: farther off is beyond
+  const Mesh& surface = boundary.surface;
+  const double far_mm = off_share * bounds_of(surface.points).diagonal().norm();
+  const SurfaceSearch open(mesh), closed(capped(mesh));
+  double beyond = 0, all = 0;
+  const Triangles& triangles = surface.topology->triangles();
+  for (std::int32_t face = 0; face < triangles.rows(); ++face) {
+    const Vec3 middle = surface.points(triangles.row(face), Eigen::all).colwise().mean().transpose();
+    const double area = area_normal(surface, face).norm();
+    all += area;
+    if (!boundary.shows(middle) || closed.nearest(middle).distance_mm <= far_mm) continue;
+    if (on_rim(*mesh.topology, open.nearest(middle).at)) beyond += area;
+  }
+  return all > 0 ? beyond / all : 0;
+}
+
 /// The mean doubt of the vertices that the scan shows; of all where it shows none. mm
 double mean_doubt_mm(const FitResult& fit) {
   std::vector<char> unseen(static_cast<std::size_t>(fit.doubt_mm.size()), 0);
@@ -150,6 +175,15 @@ double mean_doubt_mm(const FitResult& fit) {
   for (Eigen::Index i = 0; i < fit.doubt_mm.size(); ++i)
     if (unseen[static_cast<std::size_t>(i)] == 0) sum_mm += fit.doubt_mm[i], ++count;
   return count > 0 ? sum_mm / count : fit.doubt_mm.mean();
+}
+
+/// Judges where an open mesh ends.
+void judge_rims(const Boundary& boundary, const FitResult& fit, FitJudgement& judgement) {
+  if (long_rims(fit.mesh).empty()) return;
+  if (boundary.surface.topology->closed())
+    judgement.beyond_rim_share = share_beyond_rim(boundary, fit.mesh);
+  else if (!long_rims(boundary.surface).empty())
+    judgement.rim = rim_distance(fit.mesh, boundary.surface);
 }
 
 /// Judges what the boundary shows of a partial fit.
@@ -187,14 +221,19 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   FitJudgement judgement;
   judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
   judge_inside(boundary, fit, judgement);
+  judge_rims(boundary, fit, judgement);
   if (fit.doubt_mm.size() > 0)
     judgement.doubt_share = mean_doubt_mm(fit) / std::sqrt(surface_area_mm2(boundary.surface));
   const bool too_little = judgement.beyond_share > most_missing;
   judgement.doubtful = fit.mirrored || fit.half_turned || too_little || judgement.doubt_share > most_doubt_share ||
-                       is_doubtful(judgement.inside_scan, boundary);
+                       is_doubtful(counting(judgement.inside_scan, judgement.rim), boundary);
   const bool cut_off = !options.partial && the_template.topology->closed() && is_cut_open(boundary.surface);
   if (cut_off) judgement.doubtful = true;
   if (options.partial) judge_partial(boundary, fit, judgement);
+  const bool rims_apart =
+      judgement.rim && judgement.rim->mean_mm > most_mean_share * bounds_of(boundary.surface.points).diagonal().norm();
+  const bool goes_on = judgement.beyond_rim_share > told_beyond;
+  if (!options.partial && (rims_apart || goes_on)) judgement.doubtful = true;
   judgement.warnings = boundary.warnings;
   judgement.warnings.insert(judgement.warnings.end(), fit.warnings.begin(), fit.warnings.end());
   if (fit.mirrored)
@@ -208,6 +247,17 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
     judgement.warnings.emplace_back(
         "the surface is open, so parts of the organ seem to be missing; use --partial, or close the surface with "
         "repair-mesh --holes all");
+  if (rims_apart)
+    judgement.warnings.emplace_back(
+        "the rims do not lie on each other; give a surface that ends where the template does, or landmarks");
+  if (goes_on) {
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "the template is open and the target goes on beyond its rim, with %.0f %% of its surface; give a "
+                  "surface that ends where the template does, or use a template of the whole",
+                  100 * judgement.beyond_rim_share);
+    judgement.warnings.emplace_back(text);
+  }
   if (too_little) {
     char text[160];
     std::snprintf(text, sizeof text,
@@ -232,9 +282,11 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   if (faults.any())
     judgement.warnings.push_back("the template itself has " + faults.words() +
                                  ", so its fits have faults too; make it again from a surface without faults");
-  else if (judgement.doubtful && (!(fit.mirrored || fit.half_turned || cut_off || too_little) ||
-                                  judgement.inside_scan.dice < hardly_any_dice))
-    judgement.warnings.push_back(poor_fit(judgement.inside_scan, judgement.doubt_share, options.partial));
+  else if (judgement.doubtful &&
+           (!(fit.mirrored || fit.half_turned || cut_off || too_little || rims_apart || goes_on) ||
+            counting(judgement.inside_scan, judgement.rim).dice < hardly_any_dice))
+    judgement.warnings.push_back(
+        poor_fit(counting(judgement.inside_scan, judgement.rim), judgement.doubt_share, options.partial));
   else if (tangled)
     judgement.warnings.emplace_back(
         "some triangles are turned or pass through each other, because the organ differs too much from the template "

@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/adapt/fit.h"
 #include "core/measure/compare.h"
+#include "core/mesh/rims.h"
 #include "core/template/template.h"
 
 namespace homolog {
@@ -32,11 +34,15 @@ struct FitJudgement {
   /// the scan cuts nothing off.
   Agreement inside_scan;
   double beyond_share = 0;  ///< of the mesh's area: beyond the scan's borders, where it follows the template
-  /// By what the scan shows: Dice below 0.9, a mean distance above 1 % of the boundary's diagonal, a 95 % distance
-  /// above 4 %, a mean doubt above 6 % of the root of its area, more than 60 % of the mesh beyond the scan, an open
-  /// surface for a closed template, or mirrored. A partial fit: `sound_mm` or the target's mean distance above 1 %, the
-  /// mean doubt of what is there above 6 % of the root of the mesh's area, more than 60 % missing, or mirrored.
+  /// By what the scan shows: Dice below 0.9 (of rims that belong to each other: apart by more than 1 % of the diagonal
+  /// on average), a mean distance above 1 % of the boundary's diagonal, a 95 % distance above 4 %, a mean doubt above 6
+  /// % of the root of its area, more than 60 % of the mesh beyond the scan, an open surface for a closed template, or
+  /// mirrored. A partial fit: `sound_mm` or the target's mean distance above 1 %, the mean doubt of what is there above
+  /// 6 % of the root of the mesh's area, more than 60 % missing, or mirrored.
   bool doubtful = false;
+  /// Both the mesh and the boundary have a rim: Dice, which would need a cap, is left out then.
+  std::optional<RimDistance> rim;
+  double beyond_rim_share = 0;        ///< of a closed boundary's area: beyond an open mesh's rim and off its flat cap
   double sound_mm = 0;                ///< of a partial fit: mean distance of the vertices that are no outliers
   TargetDistance target;              ///< of a partial fit
   double doubt_share = 0;             ///< the fit's mean doubt within the scan, by the root of the boundary's area

@@ -1,27 +1,10 @@
 #include "core/deform/tangential.h"
 
-#include <algorithm>
-
-#include "core/base/nearest_on_segment.h"
 #include "core/deform/surface_walk.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/rims.h"
 
 namespace homolog {
-
-namespace {
-
-/// The point of a closed polyline (vertex indices) nearest to `x`.
-Vec3 nearest_on_loop(const std::vector<std::int32_t>& loop, const Points& points, const Vec3& x) {
-  Vec3 best = points.row(loop.front());
-  for (std::size_t k = 0; k < loop.size(); ++k) {
-    const Vec3 a = points.row(loop[k]), b = points.row(loop[(k + 1) % loop.size()]);
-    const Vec3 candidate = a + nearest_on_segment(x, a, b) * (b - a);
-    if ((candidate - x).squaredNorm() < (best - x).squaredNorm()) best = candidate;
-  }
-  return best;
-}
-
-}  // namespace
 
 Points tangential(const Mesh& mesh, const Points& offset) {
   const Topology& topology = *mesh.topology;
@@ -47,7 +30,7 @@ Points on_rims(const Mesh& mesh, const Points& points) {
   for (const auto& loop : mesh.topology->rims())
     for (const std::int32_t i : loop)
       if (points.row(i) != mesh.points.row(i))
-        brought.row(i) = nearest_on_loop(loop, mesh.points, points.row(i).transpose()).transpose();
+        brought.row(i) = nearest_on_rims({loop}, mesh.points, points.row(i).transpose()).position.transpose();
   return brought;
 }
 

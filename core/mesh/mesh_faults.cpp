@@ -89,6 +89,7 @@ void smooth_faults(Mesh& mesh) {
       for (int corner = 0; corner < 3; ++corner) vertices.insert(triangles(face, corner));
     Points moved = smooth.points;
     for (const std::int32_t v : vertices) {
+      if (mesh.topology->on_rim(v)) continue;  // the rim would shrink
       Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
       const auto ring = mesh.topology->one_ring(v);
       for (const std::int32_t next : ring) middle += smooth.points.row(next) / static_cast<double>(ring.size());

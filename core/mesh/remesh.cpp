@@ -22,6 +22,11 @@ struct Traits : OpenMesh::DefaultTraits {
 using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
 using OpenMesh::Vec3d;
 
+/// Onto the surface, and onto its rims.
+struct SurfaceProjection {
+  const Projection &surface, &rim;
+};
+
 HalfEdgeMesh half_edges_of(const Mesh& mesh) {
   HalfEdgeMesh result;
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
@@ -46,7 +51,7 @@ Mesh mesh_of(HalfEdgeMesh& half_edges) {
     for (const auto v : f.vertices()) triangles(f.idx(), corner++) = v.idx();
   }
   auto topology = Topology::make(mesh.points.rows(), std::move(triangles));
-  assert(topology && "splits, collapses and flips keep a closed manifold closed and manifold");
+  assert(topology && "splits, collapses and flips keep a manifold manifold, and its rims");
   mesh.topology = *topology;
   return mesh;
 }
@@ -75,12 +80,14 @@ bool may_move(const HalfEdgeMesh& mesh, HalfEdgeMesh::VertexHandle vertex, HalfE
   return true;
 }
 
-/// Makes one vertex of an edge's two, in its middle; false where that would fold the surface, change its topology or
-/// make an edge longer than `limit_mm`.
+/// Makes one vertex of an edge's two, in its middle, or on the rim where one of them is of the rim; false where that
+/// would fold the surface, change its topology or make an edge longer than `limit_mm`.
 bool collapse(HalfEdgeMesh& mesh, OpenMesh::EdgeHandle edge, double limit_mm) {
-  const auto h = mesh.halfedge_handle(edge, 0);
+  auto h = mesh.halfedge_handle(edge, 0);
+  if (mesh.is_boundary(mesh.from_vertex_handle(h))) h = mesh.opposite_halfedge_handle(h);
   const auto from = mesh.from_vertex_handle(h), to = mesh.to_vertex_handle(h);
-  const Vec3d middle = mesh.calc_edge_midpoint(edge);
+  const bool to_rim = mesh.is_boundary(to) && !mesh.is_boundary(from);
+  const Vec3d middle = to_rim ? Vec3d(mesh.point(to)) : mesh.calc_edge_midpoint(edge);
   if (!mesh.is_collapse_ok(h) || !may_move(mesh, from, to, middle, limit_mm) ||
       !may_move(mesh, to, from, middle, limit_mm))
     return false;
@@ -97,10 +104,10 @@ void collapse_short_edges(HalfEdgeMesh& mesh, double least_mm, double limit_mm) 
   mesh.garbage_collection();
 }
 
-/// Flips edges where that brings the valences nearer to six, unless the surface would fold there.
+/// Flips edges where that brings the valences nearer to six (four on a rim), unless the surface would fold there.
 void even_valences(HalfEdgeMesh& mesh) {
   const auto excess = [&](HalfEdgeMesh::VertexHandle v, int change) {
-    return std::abs(static_cast<int>(mesh.valence(v)) + change - 6);
+    return std::abs(static_cast<int>(mesh.valence(v)) + change - (mesh.is_boundary(v) ? 4 : 6));
   };
   for (const auto edge : mesh.edges()) {
     if (!mesh.is_flip_ok(edge)) continue;
@@ -120,10 +127,23 @@ void even_valences(HalfEdgeMesh& mesh) {
   }
 }
 
-/// Every vertex to the area-weighted centre of the faces around it, along the surface only, then back onto it.
-void relax_tangentially(HalfEdgeMesh& mesh, const Projection& project) {
+/// Half way from a vertex of a rim to the middle between its neighbours there: a whole step would swing to and fro.
+Vec3d relaxed_on_rim(const HalfEdgeMesh& mesh, HalfEdgeMesh::VertexHandle v) {
+  const auto out = mesh.halfedge_handle(v);  // on the rim where the vertex is
+  const Vec3d after = mesh.point(mesh.to_vertex_handle(out)),
+              before = mesh.point(mesh.from_vertex_handle(mesh.prev_halfedge_handle(out)));
+  return 0.5 * mesh.point(v) + 0.25 * (before + after);
+}
+
+/// Every vertex to the area-weighted centre of the faces around it, along the surface only, then back onto it. One of a
+/// rim goes along the rim.
+void relax_tangentially(HalfEdgeMesh& mesh, const SurfaceProjection& project) {
   std::vector<Vec3d> moved(mesh.n_vertices());
   for (const auto v : mesh.vertices()) {
+    if (mesh.is_boundary(v)) {
+      moved[static_cast<std::size_t>(v.idx())] = relaxed_on_rim(mesh, v);
+      continue;
+    }
     Vec3d normal(0, 0, 0), centre(0, 0, 0);
     double area = 0;
     for (const auto f : v.faces()) {
@@ -138,12 +158,12 @@ void relax_tangentially(HalfEdgeMesh& mesh, const Projection& project) {
   }
   for (const auto v : mesh.vertices()) {
     const Vec3d& p = moved[static_cast<std::size_t>(v.idx())];
-    const Vec3 on_surface = project(Vec3(p[0], p[1], p[2]));
+    const Vec3 at(p[0], p[1], p[2]), on_surface = mesh.is_boundary(v) ? project.rim(at) : project.surface(at);
     mesh.set_point(v, Vec3d(on_surface.x(), on_surface.y(), on_surface.z()));
   }
 }
 
-void one_round(HalfEdgeMesh& mesh, double edge_mm, const Projection& project) {
+void one_round(HalfEdgeMesh& mesh, double edge_mm, const SurfaceProjection& project) {
   split_long_edges(mesh, edge_mm * 4 / 3);
   collapse_short_edges(mesh, edge_mm * 4 / 5, edge_mm * 4 / 3);
   even_valences(mesh);
@@ -151,7 +171,7 @@ void one_round(HalfEdgeMesh& mesh, double edge_mm, const Projection& project) {
 }
 
 /// The count is settled; only the spread still improves.
-void spread_evenly(HalfEdgeMesh& mesh, const Projection& project, int rounds) {
+void spread_evenly(HalfEdgeMesh& mesh, const SurfaceProjection& project, int rounds) {
   for (int round = 0; round < rounds; ++round) {
     even_valences(mesh);
     relax_tangentially(mesh, project);
@@ -195,8 +215,10 @@ double spread_edge_mm(double area_mm2, Eigen::Index vertices) {
   return std::sqrt(area_mm2 * 2 / (std::sqrt(3.0) * static_cast<double>(vertices)));
 }
 
-Mesh remesh_to_count(const Mesh& mesh, int vertices, const Projection& project, Progress* progress) {
-  assert(mesh.topology->closed() && vertices >= 4);
+Mesh remesh_to_count(const Mesh& mesh, int vertices, const Projection& project_surface, Progress* progress,
+                     const Projection& project_rim) {
+  assert((mesh.topology->closed() || project_rim) && vertices >= 4);
+  const SurfaceProjection project{project_surface, project_rim};
   const auto wanted = static_cast<std::size_t>(vertices);
   HalfEdgeMesh half_edges = half_edges_of(mesh);
   double area_mm2 = 0;

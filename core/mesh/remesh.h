@@ -15,7 +15,9 @@ double spread_edge_mm(double area_mm2, Eigen::Index vertices);
 
 /// The same surface with `vertices` spread evenly (≥ 4; exactly so many where the topology allows), triangles near
 /// equilateral, genus kept [Botsch and Kobbelt 2004, A Remeshing Approach to Multiresolution Modeling]. Every vertex
-/// lies where `project` says. The mesh must be closed. A cancelled run gives some mesh of the surface.
-Mesh remesh_to_count(const Mesh& mesh, int vertices, const Projection& project, Progress* progress = nullptr);
+/// lies where `project` says. Rims stay rims: their vertices are spread evenly along them and lie where `project_rim`
+/// says; a closed mesh needs none. A cancelled run gives some mesh of the surface.
+Mesh remesh_to_count(const Mesh& mesh, int vertices, const Projection& project, Progress* progress = nullptr,
+                     const Projection& project_rim = {});
 
 }  // namespace homolog

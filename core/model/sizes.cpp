@@ -42,7 +42,7 @@ Result<ShapeSizes> sizes_of(const MeshFile& mesh, std::shared_ptr<const Topology
   const Mesh shape{faces, mesh.points};
   double twice_area = 0;
   for (Eigen::Index face = 0; face < mesh.triangles.rows(); ++face) twice_area += area_normal(shape, face).norm();
-  sizes.volume_ml = enclosed_volume_ml(shape);
+  (faces->closed() ? sizes.volume_ml : sizes.volume_capped_ml) = enclosed_volume_ml(shape);
   sizes.area_mm2 = twice_area / 2;
   sizes.inward = inside_out(shape).value_or("");
   return sizes;
@@ -89,11 +89,14 @@ Spread spread_of(const std::vector<std::optional<double>>& values) {
 std::string sizes_table(const std::vector<std::string>& names, const std::vector<ShapeSizes>& shapes,
                         const std::vector<std::string>& groups) {
   const std::vector<LandmarkPair> pairs = landmark_pairs(shapes);
-  std::string table = "case,volume_ml,area_mm2";
+  const bool open = std::ranges::any_of(shapes, [](const ShapeSizes& one) { return one.volume_capped_ml.has_value(); });
+  std::string table = open ? "case,volume_ml,volume_capped_ml,area_mm2" : "case,volume_ml,area_mm2";
   for (const auto& [from, to] : pairs) table += ',' + csv_field(from + " to " + to + " mm");
   table += groups.empty() ? ",centroid_size_mm\n" : ",centroid_size_mm,group\n";
   for (std::size_t k = 0; k < shapes.size(); ++k) {
-    table += csv_field(names[k]) + number_field(shapes[k].volume_ml) + number_field(shapes[k].area_mm2);
+    table += csv_field(names[k]) + number_field(shapes[k].volume_ml);
+    if (open) table += number_field(shapes[k].volume_capped_ml);
+    table += number_field(shapes[k].area_mm2);
     for (const LandmarkPair& pair : pairs) table += number_field(distance_mm(shapes[k], pair));
     table += number_field(shapes[k].centroid_size_mm);
     if (!groups.empty()) table += ',' + csv_field(groups[k]);

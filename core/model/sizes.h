@@ -16,11 +16,12 @@ namespace homolog {
 
 /// The size of one shape, and where its landmarks lie.
 struct ShapeSizes {
-  std::optional<double> volume_ml;  ///< enclosed, boundary loops capped flat; none for points alone
-  std::optional<double> area_mm2;   ///< of the surface; none for points alone
-  std::string inward;               ///< why the volume is negative [inside_out.h]; empty: it is not
-  std::vector<Landmark> landmarks;  ///< LPS mm
-  double centroid_size_mm = 0;      ///< root of the sum of squared distances of the vertices from their mean
+  std::optional<double> volume_ml;         ///< enclosed; none for points alone and for an open surface
+  std::optional<double> volume_capped_ml;  ///< of an open surface: with its rims capped flat
+  std::optional<double> area_mm2;          ///< of the surface; none for points alone
+  std::string inward;                      ///< why the volume is negative [inside_out.h]; empty: it is not
+  std::vector<Landmark> landmarks;         ///< LPS mm
+  double centroid_size_mm = 0;             ///< root of the sum of squared distances of the vertices from their mean
 };
 
 /// `faces`: of the shape before, used again where this one has the same; becomes those of this one. Errors: faces that
@@ -40,8 +41,8 @@ struct Spread {
 };
 Spread spread_of(const std::vector<std::optional<double>>& values);
 
-/// CSV: a row a shape with its name, volume_ml, area_mm2, the distance of every pair, centroid_size_mm and, where
-/// `groups` has one for each, its group; what is not known stays empty.
+/// CSV: a row a shape with its name, volume_ml, volume_capped_ml where a shape is open, area_mm2, the distance of every
+/// pair, centroid_size_mm and, where `groups` has one for each, its group; what is not known stays empty.
 std::string sizes_table(const std::vector<std::string>& names, const std::vector<ShapeSizes>& shapes,
                         const std::vector<std::string>& groups = {});
 

@@ -9,6 +9,7 @@
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/remesh.h"
+#include "core/mesh/rims.h"
 #include "core/mesh/surface_search.h"
 #include "core/template_making/solid_voxels.h"
 
@@ -36,7 +37,7 @@ class Meshing {
   Meshing(const MeshTemplateOptions& options, Progress* progress) : options_(options), progress_(progress) {}
 
   Result<MeshTemplate> run(const MeshFile& surface) {
-    auto repair = repaired(surface);
+    auto repair = repaired(surface, {options_.longest_rim_share});
     if (!repair) return fail(repair.error());
     made_.warnings = surface.warnings;
     made_.mended = repair->mended;
@@ -74,6 +75,10 @@ class Meshing {
 
   /// From voxels, as a label is.
   Result<void> rebuild() {
+    if (!surface_.topology->closed())
+      return fail("",
+                  "is open, and would have to be rebuilt from voxels, which closes its rim; mend it by repair-mesh, "
+                  "leave out --closing-mm, --opening-mm and --genus, or close it by --holes all");
     // Parts far away would make the voxels coarse and the work long, and are left out in the end.
     const SolidVoxels solid = solid_voxels(together_, solid_detail(surface_, options_.vertices), progress_);
     if (progress_ && progress_->cancelled()) return {};
@@ -145,7 +150,10 @@ Mesh spread_over(const Mesh& surface, int vertices, Progress* progress) {
     hint = nearest.at.face;
     return nearest.position;
   };
-  Mesh spread = remesh_to_count(surface, vertices, project, progress);
+  const auto project_rim = [&surface](const Vec3& p) {
+    return nearest_on_rims(surface.topology->rims(), surface.points, p).position;
+  };
+  Mesh spread = remesh_to_count(surface, vertices, project, progress, project_rim);
   smooth_faults(spread);
   return renumbered_from_top(spread);
 }

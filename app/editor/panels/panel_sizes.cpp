@@ -75,10 +75,15 @@ std::string or_dash(const std::optional<double>& value, const char* pattern) {
 }
 
 /// The figures of one shape: ml, cm², mm.
+/// The window shows an open ventricle's volume too, as its curve does: the base counts as closed flat.
+std::optional<double> shown_volume_ml(const ShapeSizes& sizes) {
+  return sizes.volume_ml ? sizes.volume_ml : sizes.volume_capped_ml;
+}
+
 std::array<std::string, 3> figures_of(const ShapeSizes& sizes, const std::optional<LandmarkPair>& pair) {
   auto area_cm2 = sizes.area_mm2;
   if (area_cm2) *area_cm2 /= 100;
-  return {or_dash(sizes.volume_ml, "%.1f"), or_dash(area_cm2, "%.1f"),
+  return {or_dash(shown_volume_ml(sizes), "%.1f"), or_dash(area_cm2, "%.1f"),
           pair ? or_dash(distance_mm(sizes, *pair), "%.1f") : ""};
 }
 
@@ -87,7 +92,7 @@ void draw_spreads(const FigureTable& table, const std::vector<ShapeSizes>& sizes
                   const std::optional<LandmarkPair>& pair) {
   std::array<std::vector<std::optional<double>>, 3> values;
   for (const ShapeSizes& one : sizes) {
-    values[0].push_back(one.volume_ml);
+    values[0].push_back(shown_volume_ml(one));
     values[1].push_back(one.area_mm2 ? std::optional(*one.area_mm2 / 100) : std::nullopt);
     values[2].push_back(pair ? distance_mm(one, *pair) : std::nullopt);
   }

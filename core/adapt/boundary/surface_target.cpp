@@ -1,6 +1,7 @@
 #include "core/adapt/boundary/surface_target.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/mesh/mesh_quality.h"
@@ -18,7 +19,8 @@ SurfaceTarget::SurfaceTarget(const Boundary& boundary, Eigen::Index vertices)
     : boundary_(boundary),
       search_(boundary.surface),
       normals_(vertex_normals(boundary.surface)),
-      size_mm_(std::sqrt(surface_area_mm2(boundary.surface))) {
+      size_mm_(std::sqrt(surface_area_mm2(boundary.surface))),
+      rims_(long_rims(boundary.surface)) {
   const Mesh& surface = boundary.surface;
   const Eigen::Index count = surface.points.rows();
   VertexScalars area = VertexScalars::Zero(count);
@@ -55,17 +57,58 @@ std::optional<SurfaceTarget::Counterpart> SurfaceTarget::counterpart(const Vec3&
     }
   }
   if (!found || !boundary_.shows(found->position)) return std::nullopt;
+  if (rims_count() && on_rim(*boundary_.surface.topology, found->at)) return std::nullopt;
   if (partial() && ((found->position - p).norm() > reach_mm_ || !boundary_.is_own(found->at.face) ||
                     on_rim(*boundary_.surface.topology, found->at)))
     return std::nullopt;
   return Counterpart{found->position, normal_at(found->at).stableNormalized()};
 }
 
+void SurfaceTarget::know_rims(const Mesh& mesh) {
+  if (std::exchange(knows_rims_, true) || rims_.empty()) return;
+  mesh_rims_ = long_rims(mesh);
+  on_mesh_rim_.assign(static_cast<std::size_t>(mesh.points.rows()), 0);
+  for (const Rim& rim : mesh_rims_)
+    for (const std::int32_t i : rim) on_mesh_rim_[static_cast<std::size_t>(i)] = 1;
+}
+
+void SurfaceTarget::pull_rims(const Mesh& mesh, Points& sum, VertexScalars& weights) const {
+  double length_mm = 0;
+  Eigen::Index count = 0;
+  for (const Rim& rim : rims_) length_mm += rim_length_mm(rim, boundary_.surface.points);
+  for (const Rim& rim : mesh_rims_) count += std::ssize(rim);
+  const double length_a_vertex = length_mm / static_cast<double>(count);
+  const Points& there = boundary_.surface.points;
+  for (const Rim& rim : rims_)
+    for (std::size_t k = 0; k < rim.size(); ++k) {
+      const Vec3 before = there.row(rim[(k + rim.size() - 1) % rim.size()]), p = there.row(rim[k]),
+                 after = there.row(rim[(k + 1) % rim.size()]);
+      if (!boundary_.shows(p)) continue;
+      const RimPlace own = nearest_on_rims(mesh_rims_, mesh.points, p);
+      if (partial() && (own.position - p).norm() > reach_mm_) continue;
+      const double counts = ((p - before).norm() + (after - p).norm()) / 2 / length_a_vertex;
+      for (std::size_t end = 0; end < 2; ++end) {
+        const double weight = (end == 0 ? 1 - own.share : own.share) * counts;
+        sum.row(own.between[end]) += weight * (p - own.position).transpose();
+        weights[own.between[end]] += weight;
+      }
+    }
+}
+
 TargetPull SurfaceTarget::nearest(const Mesh& mesh) {
+  know_rims(mesh);
   TargetPull pull{mesh.points, VertexScalars::Zero(mesh.points.rows()), Points::Zero(mesh.points.rows(), 3)};
   const Points normals = vertex_normals(mesh);
   in_parallel(mesh.points.rows(), [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
+      if (on_mesh_rim(i)) {
+        const Vec3 p = mesh.points.row(i), there = nearest_on_rims(rims_, boundary_.surface.points, p).position;
+        if (!boundary_.shows(p) || !boundary_.shows(there) || (there - p).norm() > reach_mm_) continue;
+        pull.targets.row(i) = there.transpose();
+        pull.normals.row(i) = normals.row(i);
+        pull.weights[i] = 1;
+        continue;
+      }
       const auto there = counterpart(mesh.points.row(i), normals.row(i), likely_faces_[static_cast<std::size_t>(i)]);
       if (!there) continue;
       pull.targets.row(i) = there->position.transpose();
@@ -111,6 +154,7 @@ TargetPull SurfaceTarget::pull(const Mesh& mesh, double share) {
   const double area_a_vertex = area_mm2_ / static_cast<double>(mesh.points.rows());
   for (const Sample& sample : samples_) {
     const auto& own = sample.on_mesh;
+    if (rims_count() && on_rim(*mesh.topology, own.at)) continue;
     // Of normals that go on over edges: a sample that lies nearest to a corner is as near to several faces, and which
     // of them is named hangs on rounding.
     const Vec3 facing = own.at.interpolate(*mesh.topology, normals).transpose().stableNormalized();
@@ -123,6 +167,7 @@ TargetPull SurfaceTarget::pull(const Mesh& mesh, double share) {
       pull.weights[corners[c]] += weight;
     }
   }
+  if (rims_count()) pull_rims(mesh, sum, pull.weights);
   for (Eigen::Index i = 0; i < sum.rows(); ++i)
     if (pull.weights[i] > 0) pull.targets.row(i) = mesh.points.row(i) + sum.row(i) / pull.weights[i];
   pull.weights = pull.weights.cwiseMin(1);

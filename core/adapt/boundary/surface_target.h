@@ -7,6 +7,7 @@
 
 #include "core/adapt/boundary/boundary.h"
 #include "core/adapt/target.h"
+#include "core/mesh/rims.h"
 #include "core/mesh/surface_search.h"
 
 namespace homolog {
@@ -14,7 +15,9 @@ namespace homolog {
 /// The surface of a label or of a mesh as a target. It looks in both directions. Every vertex looks for the nearest
 /// boundary point that faces the same way. Every sample of the boundary looks for the nearest place of the mesh that
 /// faces the same way, and pulls the corners there. One direction alone would miss parts of the boundary that no vertex
-/// is near.
+/// is near. Where both the mesh and the surface have a rim [rims.h], rims belong to rims: a vertex of the one looks for
+/// the nearest place of the other alone, and samples along the surface's rim pull the mesh's. Nothing else is drawn to
+/// a rim, so that what one surface has beyond the other's rim does not count.
 class SurfaceTarget : public Target {
  public:
   /// `boundary` outlives the target; `vertices`: of the meshes to come, which decides the number of samples.
@@ -48,6 +51,11 @@ class SurfaceTarget : public Target {
   };
   bool partial() const { return std::isfinite(reach_mm_); }
   Vec3 normal_at(const SurfacePoint& at) const;
+  /// Before a mesh is looked at: which of its vertices belong to the rim. They stay the same from call to call.
+  void know_rims(const Mesh& mesh);
+  bool rims_count() const { return !mesh_rims_.empty(); }
+  bool on_mesh_rim(Eigen::Index i) const { return rims_count() && on_mesh_rim_[static_cast<std::size_t>(i)] != 0; }
+  void pull_rims(const Mesh& mesh, Points& sum, VertexScalars& weights) const;
   struct Counterpart {
     Vec3 position, normal;
   };
@@ -61,6 +69,10 @@ class SurfaceTarget : public Target {
   double organ_mm_ = std::numeric_limits<double>::infinity(), reach_mm_ = std::numeric_limits<double>::infinity();
   std::optional<SurfaceSearch> mesh_;       ///< refitted from call to call
   std::vector<std::int32_t> likely_faces_;  ///< of the boundary, per vertex
+  std::vector<Rim> rims_;                   ///< of the boundary
+  bool knows_rims_ = false;
+  std::vector<Rim> mesh_rims_;     ///< of the meshes; empty where rims do not count
+  std::vector<char> on_mesh_rim_;  ///< per vertex
 };
 
 }  // namespace homolog

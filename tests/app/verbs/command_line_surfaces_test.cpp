@@ -2,6 +2,7 @@
 #include <fstream>
 #include <limits>
 
+#include "core/mesh/clip.h"
 #include "core/mesh/mesh_repair.h"
 #include "tests/ball_folder.h"
 
@@ -190,6 +191,101 @@ TEST_CASE("a folder of landmarks may lack some cases and hold others") {
   CHECK(many.json()["cases"][1]["landmarks_used"] == 0);
   CHECK(many.errors.find("places: holds \"godo.json\", which belongs to no case") != std::string::npos);
   CHECK(many.errors.find("other.nii.gz: has no landmark file") != std::string::npos);
+}
+
+namespace {
+
+/// A cup: a ball that is cut open above, `growth` times as large along x.
+MeshFile cup(double growth, double radius_mm = 20) {
+  Mesh ball = icosphere(4, radius_mm);
+  ball.points.col(0) *= growth;
+  const Mesh open = clipped(ball, Vec3(0.1, 0, 1).normalized(), radius_mm / 3).value();
+  MeshFile file;
+  file.points = open.points;
+  file.triangles = open.topology->triangles();
+  return file;
+}
+
+}  // namespace
+
+TEST_CASE("a surface with a rim goes all the way from a template to a model and no cap is invented") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path / "cups");
+  for (int k = 0; k < 4; ++k)
+    REQUIRE(write_mesh_file(cup(1.1 + 0.1 * k), folder.path / "cups" / ("c" + std::to_string(k) + ".ply")));
+  REQUIRE(write_mesh_file(cup(1.3), folder.path / "open.ply"));
+
+  const Ran made = run(folder, "template open.ply -o T.ply --vertices 800 --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  CHECK(made.errors.empty());
+  CHECK(made.json()["closed"] == false);
+  REQUIRE(made.json()["rims"].size() == 1);
+  const double rim_mm = run(folder, "info open.ply --json").json()["rims"][0]["length_mm"].get<double>();
+  CHECK(made.json()["rims"][0]["length_mm"].get<double>() == doctest::Approx(rim_mm).epsilon(0.01));
+  CHECK(made.json()["mended"]["holes"] == 0);
+  CHECK(run(folder, "template open.ply -o C.ply --vertices 800 --holes all --json").json()["closed"] == true);
+
+  const Ran fits = run(folder, "fit T.ply --mesh cups -o fits --json");
+  REQUIRE_MESSAGE(fits.status == 0, fits.errors);
+  for (const Json& one : fits.json()["cases"]) {
+    CHECK(one["rim_mm"]["mean"].get<double>() < 0.05);
+    CHECK(one["assd_mm"].get<double>() < 0.1);
+    CHECK(one["dice"].is_null());
+    CHECK(one["turned_triangles"] == 0);
+  }
+
+  const Ran measured = run(folder, "measure fits/c0.ply fits/c3.ply --csv t.csv --json");
+  REQUIRE_MESSAGE(measured.status == 0, measured.errors);
+  const Json cases = measured.json()["cases"];
+  CHECK(cases[0]["volume_ml"].is_null());
+  CHECK(measured.json()["volume_ml"]["count"] == 0);
+  CHECK(cases[1]["volume_capped_ml"].get<double>() / cases[0]["volume_capped_ml"].get<double>() ==
+        doctest::Approx(1.4 / 1.1).epsilon(0.02));
+  CHECK(cases[0]["area_mm2"].get<double>() ==
+        doctest::Approx(run(folder, "info cups/c0.ply --json").json()["area_mm2"].get<double>()).epsilon(0.01));
+  CHECK(read_whole_file(folder.path / "t.csv")->starts_with("case,volume_ml,volume_capped_ml,area_mm2"));
+
+  const Ran model = run(folder, "model fits/*.ply -o m.h5 --json");
+  REQUIRE_MESSAGE(model.status == 0, model.errors);
+  const Ran evaluated = run(folder, "evaluate fits/*.ply --json");
+  REQUIRE_MESSAGE(evaluated.status == 0, evaluated.errors);
+}
+
+TEST_CASE("an open template on a closed organ is doubtful and the sentence says what to give") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh_file(cup(1.3), folder.path / "open.ply"));
+  const Mesh ball = icosphere(4, 20);
+  MeshFile whole;
+  whole.points = ball.points;
+  whole.points.col(0) *= 1.3;
+  whole.triangles = ball.topology->triangles();
+  REQUIRE(write_mesh_file(whole, folder.path / "whole.ply"));
+  REQUIRE(run(folder, "template open.ply -o T.ply --vertices 800").status == 0);
+  const Ran fit = run(folder, "fit T.ply --mesh whole.ply -o f.ply --json");
+  REQUIRE(fit.status == 0);
+  CHECK(fit.json()["doubtful"] == true);
+  CHECK(fit.errors.find("the template is open and the target goes on beyond its rim") != std::string::npos);
+}
+
+TEST_CASE("a sheet's thickness over its bone is measured along the sheet's normals") {
+  const TemporaryFolder folder;
+  fs::create_directories(folder.path / "cases" / "k1");
+  const Mesh bone = icosphere(4, 20);
+  MeshFile file;
+  file.points = bone.points;
+  file.triangles = bone.topology->triangles();
+  REQUIRE(write_mesh_file(file, folder.path / "cases" / "k1" / "bone.ply"));
+  REQUIRE(write_mesh_file(cup(1, 22.5), folder.path / "cases" / "k1" / "cartilage.ply"));
+  REQUIRE(write_whole_file(folder.path / "r.json", R"({"homolog_recipe": 1, "name": "Cartilage", "measurements": [
+    {"name": "thickness", "kind": "thickness", "of": {"kind": "whole", "structure": "cartilage"},
+     "to": {"kind": "whole", "structure": "bone"}, "at_most_mm": 8},
+    {"name": "covered", "kind": "area", "of": {"kind": "whole", "structure": "cartilage"}}]})"));
+  const Ran ran = run(folder, "measure cases --recipe r.json --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json values = ran.json()["cases"][0]["values"];
+  CHECK(values["thickness"].get<double>() == doctest::Approx(2.5).epsilon(0.01));
+  const double height_mm = 22.5 + 22.5 / 3;
+  CHECK(values["covered"].get<double>() == doctest::Approx(2 * 3.14159 * 22.5 * height_mm).epsilon(0.01));
 }
 
 }  // namespace homolog

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+/// A boundary loop, as vertices in turn [Topology::rims].
+using Rim = std::vector<std::int32_t>;
+
+/// A rim longer than this share of the diagonal of a surface's bounding box is where the surface ends. A shorter one is
+/// a hole in it. A femur cut through its shaft comes to 0.2.
+inline constexpr double least_rim_share = 0.1;
+
+/// The length around a rim, mm.
+double rim_length_mm(const Rim& rim, const Points& points);
+
+/// The rims longer than `share` of the mesh's diagonal.
+std::vector<Rim> long_rims(const Mesh& mesh, double share = least_rim_share);
+
+/// A place on a rim: between two of its neighbouring vertices, `share` of the way from the first to the second.
+struct RimPlace {
+  std::array<std::int32_t, 2> between{};
+  double share = 0;
+  Vec3 position = Vec3::Zero();
+};
+
+/// The place of the rims that is nearest to `p`, all in mm. `rims`: at least one.
+RimPlace nearest_on_rims(const std::vector<Rim>& rims, const Points& points, const Vec3& p);
+
+/// How far the rims of two surfaces lie apart, mm: mean over both lengths together, and the larger of the two
+/// directions' 95th percentiles.
+struct RimDistance {
+  double mean_mm = 0, p95_mm = 0;
+};
+
+/// Both meshes have rims longer than least_rim_share; those count. LPS mm.
+RimDistance rim_distance(const Mesh& a, const Mesh& b);
+
+}  // namespace homolog

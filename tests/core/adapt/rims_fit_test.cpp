@@ -1,0 +1,129 @@
+#include "core/mesh/rims.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/adapt/fit.h"
+#include "core/adapt/judge_fit.h"
+#include "core/mesh/clip.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/template_making/mesh_template.h"
+#include "core/template_making/template_file.h"
+#include "tests/adapting.h"
+#include "tests/shapes.h"
+
+using namespace homolog;
+
+namespace {
+
+/// Semi-axes of the egg that is cut, mm, and the height of the cut.
+constexpr double long_mm = 40, wide_mm = 30, deep_mm = 22, cut_mm = 18;
+
+/// An egg with a dent, whose vertices are numbered alike at every growth.
+Mesh dented_egg(double growth) {
+  Mesh egg = icosphere(5, 1);
+  for (Eigen::Index i = 0; i < egg.points.rows(); ++i) {
+    const Vec3 p = egg.points.row(i);
+    const double dent = 1 - 0.35 * std::exp(-4 * (p - Vec3(1, 0, -0.2)).squaredNorm());
+    egg.points.row(i) = dent * growth * Vec3(wide_mm * p.x(), deep_mm * p.y(), long_mm * p.z()).transpose();
+  }
+  return egg;
+}
+
+Mesh open_egg(double growth = 1) {
+  return clipped(dented_egg(growth), Vec3::UnitZ(), growth * cut_mm).value();
+}
+
+MeshFile file_of(const Mesh& mesh) {
+  return {mesh.points, mesh.topology->triangles()};
+}
+
+}  // namespace
+
+TEST_CASE("the rim of an open surface has its length and a pinhole is none") {
+  const Mesh tube = shapes::open_cylinder(10, 100, 10, 30);
+  const auto rims = long_rims(tube);
+  REQUIRE(rims.size() == 2);
+  for (const Rim& rim : rims) {
+    CHECK(rim.size() == 100);
+    CHECK(rim_length_mm(rim, tube.points) == doctest::Approx(2 * std::numbers::pi * 10).epsilon(0.001));
+  }
+  const Mesh ball = icosphere(4, 20);
+  const Triangles all = ball.topology->triangles();
+  const Mesh pierced{Topology::make(ball.points.rows(), all.topRows(all.rows() - 1)).value(), ball.points};
+  CHECK(pierced.topology->rims().size() == 1);
+  CHECK(long_rims(pierced).empty());
+  const Vec3 beside(11, 0, 40);
+  const RimPlace place = nearest_on_rims(rims, tube.points, beside);
+  CHECK(std::abs(place.position.head<2>().norm() - 10) < 0.01);
+}
+
+TEST_CASE("two rings lie as far apart as one is wider") {
+  const RimDistance apart =
+      rim_distance(shapes::open_cylinder(10, 100, 10, 30), shapes::open_cylinder(10, 100, 10.5, 30));
+  CHECK(apart.mean_mm == doctest::Approx(0.5).epsilon(0.02));
+  CHECK(apart.p95_mm == doctest::Approx(0.5).epsilon(0.02));
+}
+
+TEST_CASE("a template of an open surface ends where that ends and no cap is invented") {
+  const Mesh open = open_egg();
+  const MeshTemplate made = make_mesh_template(file_of(open), {.vertices = 1500}).value();
+  CHECK(made.mesh.points.rows() == 1500);
+  CHECK(made.mended.holes == 0);
+  REQUIRE(made.mesh.topology->rims().size() == 1);
+  const Rim& rim = made.mesh.topology->rims().front();
+  const double length_mm = rim_length_mm(rim, made.mesh.points);
+  CHECK(length_mm == doctest::Approx(rim_length_mm(open.topology->rims().front(), open.points)).epsilon(0.005));
+  CHECK(rim_distance(made.mesh, open).p95_mm < 0.1);
+  CHECK(surface_area_mm2(made.mesh) == doctest::Approx(surface_area_mm2(open)).epsilon(0.01));
+  // The vertices of the rim are as far from each other as those beside them.
+  const double edge_mm = mean_edge_mm(*made.mesh.topology, made.mesh.points);
+  CHECK(length_mm / static_cast<double>(rim.size()) == doctest::Approx(edge_mm).epsilon(0.15));
+  CHECK(mesh_quality(made.mesh).min_angle_deg > 25);
+
+  // Holes that are to be closed are.
+  const MeshTemplate closed = make_mesh_template(file_of(open), {.vertices = 1500, .longest_rim_share = 10}).value();
+  CHECK(closed.mesh.topology->closed());
+  CHECK(closed.mended.holes == 1);
+}
+
+TEST_CASE("an open surface is not rebuilt from voxels which would close it") {
+  const auto made = make_mesh_template(file_of(open_egg()), {.vertices = 1500, .closing_mm = 2});
+  REQUIRE_FALSE(made);
+  CHECK(made.error().what.find("is open, and would have to be rebuilt") != std::string::npos);
+  CHECK(made.error().what.find("--holes all") != std::string::npos);
+}
+
+TEST_CASE("a template with a rim is fitted rim to rim and its vertices lie as near their places as a closed one's") {
+  const Mesh open = open_egg(), target = open_egg(1.25);
+  const auto the_template = make_template(file_of(open), "open").value();
+  const FitResult fit = fit_to_boundary(*the_template, mesh_boundary(target)).value();
+  const FitJudgement judgement = judge_fit(*the_template, mesh_boundary(target), {}, fit);
+  REQUIRE(judgement.rim);
+  CHECK(judgement.rim->mean_mm < 0.05);
+  CHECK(judgement.rim->p95_mm < 0.2);
+  CHECK(judgement.agreement.assd_mm < 0.1);
+  CHECK_FALSE(judgement.doubtful);
+  CHECK(fit.turned_triangles == 0);
+  const auto closed_template = make_template(file_of(dented_egg(1)), "closed").value();
+  const FitResult closed = fit_to_boundary(*closed_template, mesh_boundary(dented_egg(1.25))).value();
+  const double off_mm = mean_distance(fit.mesh.points, target.points),
+               closed_off_mm = mean_distance(closed.mesh.points, dented_egg(1.25).points);
+  CHECK(off_mm < closed_off_mm + 0.2);
+}
+
+TEST_CASE("an open template on an organ that goes on beyond its rim is doubtful and says so") {
+  const auto the_template = make_template(file_of(open_egg()), "open").value();
+  const Boundary whole = mesh_boundary(dented_egg(1));
+  const FitResult fit = fit_to_boundary(*the_template, whole).value();
+  const FitJudgement judgement = judge_fit(*the_template, whole, {}, fit);
+  CHECK(judgement.beyond_rim_share > 0.02);
+  CHECK(judgement.doubtful);
+  CHECK(std::ranges::any_of(judgement.warnings, [](const std::string& warning) {
+    return warning.find("goes on beyond its rim") != std::string::npos;
+  }));
+}

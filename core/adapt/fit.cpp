@@ -3,6 +3,7 @@
 #include "core/adapt/boundary/cut_faces.h"
 #include "core/adapt/cut_template.h"
 #include "core/adapt/fitting.h"
+#include "core/mesh/rims.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {
@@ -78,9 +79,20 @@ Result<FitResult> fit_cut_template(const Template& the_template, const Boundary&
   return result;
 }
 
+/// Rims belong to rims, so both must have as many. Where one of the two has none, the fit is judged [judge_fit].
+Result<void> check_rims(const Template& the_template, const Boundary& boundary) {
+  const auto own = long_rims({the_template.topology, the_template.points}).size(),
+             there = long_rims(boundary.surface).size();
+  if (own == there || own == 0 || there == 0) return {};
+  const auto count = [](std::size_t rims) { return rims == 1 ? "one rim" : std::to_string(rims) + " rims"; };
+  return fail("", "has " + count(there) + " where the template has " + count(own) +
+                      "; close holes by repair-mesh, or give a template that is open where the surface is");
+}
+
 /// fit_to_boundary to the organ as a whole or in parts.
 Result<FitResult> fit_within(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
   if (!options.partial) {
+    if (auto alike = check_rims(the_template, boundary); !alike) return fail(alike.error());
     if (!options.allowed && !cut_borders(the_template, the_template.points).empty())
       return fit_cut_template(the_template, boundary, options);
     Fitting fitting(the_template, boundary, options);

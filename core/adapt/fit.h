@@ -61,8 +61,8 @@ VertexScalars outlier_marks(const FitResult& fit);
 /// [Erdt 2009, §2.2]: where the boundary is not known the force has next to no weight and the shape decides.
 /// With `allowed` shapes the nearest of them comes first [fit_allowed] and is the reference of what follows; the result
 /// lies on the way from there to the boundary, as far as `beyond` says.
-/// Errors: the placement given does not reach the boundary; a template or a boundary that is flat or has no size;
-/// cancelled.
+/// Errors: both have rims, but not as many; the placement given does not reach the boundary; a template or a boundary
+/// that is flat or has no size; cancelled.
 Result<FitResult> fit_to_boundary(const Template& the_template, const Boundary& boundary,
                                   const FitOptions& options = {});
 

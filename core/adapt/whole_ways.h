@@ -39,6 +39,8 @@ class WholeWays {
     bool matched = false;  ///< with the boundary as a whole, so that it is near and its own reference
   };
   std::vector<Start> starts(const Points& start, bool match) const;
+  /// These, and where the rim of a mesh at `start` (n×3) belongs, if the boundary has one too.
+  KnownMatches with_rims(KnownMatches known, const Points& start) const;
   Result<Adapted> from(const Start& start);
   /// Whether a smooth displacement alone takes the template to the boundary: 1 where the last match lies on it, 0 where
   /// the organ has a shape that no smooth displacement gives.

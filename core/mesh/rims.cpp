@@ -1,6 +1,7 @@
 #include "core/mesh/rims.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/base/nearest_on_segment.h"
@@ -31,6 +32,53 @@ std::vector<double> directed_rim_distances(const std::vector<Rim>& from, const P
   return distances;
 }
 
+/// Smooths values on a circle: the least squares of (u − values)² + neighbours_count · (differences of neighbours)².
+std::vector<double> smooth_on_circle(const std::vector<double>& values) {
+  constexpr double neighbours_count = 4, negligible = 1e-12;
+  const double decay = (1 + 2 * neighbours_count - std::sqrt(1 + 4 * neighbours_count)) / (2 * neighbours_count);
+  const auto n = static_cast<std::ptrdiff_t>(values.size());
+  const auto reach = static_cast<std::ptrdiff_t>(std::log(negligible) / std::log(decay));
+  std::vector<double> smooth(values.size());
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    double sum = 0, weights = 0;
+    for (std::ptrdiff_t d = -reach; d <= reach; ++d) {
+      const double weight = std::pow(decay, static_cast<double>(std::abs(d)));
+      sum += weight * values[static_cast<std::size_t>(((k + d) % n + n) % n)];
+      weights += weight;
+    }
+    smooth[static_cast<std::size_t>(k)] = sum / weights;
+  }
+  return smooth;
+}
+
+/// A rim as a way around, mm from its first vertex.
+class WayAround {
+ public:
+  WayAround(const Rim& rim, const Points& points) : rim_(rim), points_(points), at_{0} {
+    for (const double edge_mm : rim_edges_mm(rim, points)) at_.push_back(at_.back() + edge_mm);
+  }
+  double length_mm() const { return at_.back(); }
+  /// Where along it the place nearest to `p` is.
+  double nearest_mm(const Vec3& p) const {
+    const RimPlace place = nearest_on_rims({rim_}, points_, p);
+    const auto k = static_cast<std::size_t>(std::ranges::find(rim_, place.between[0]) - rim_.begin());
+    return at_[k] + place.share * (at_[k + 1] - at_[k]);
+  }
+  Vec3 place(double mm) const {
+    mm -= std::floor(mm / length_mm()) * length_mm();
+    const auto after = std::upper_bound(at_.begin() + 1, at_.end() - 1, mm);
+    const auto k = static_cast<std::size_t>(after - at_.begin()) - 1;
+    const double edge_mm = at_[k + 1] - at_[k], share = edge_mm > 0 ? (mm - at_[k]) / edge_mm : 0;
+    const Vec3 a = points_.row(rim_[k]), b = points_.row(rim_[(k + 1) % rim_.size()]);
+    return a + share * (b - a);
+  }
+
+ private:
+  const Rim& rim_;
+  const Points& points_;
+  std::vector<double> at_;  ///< of each vertex, and once more of the first
+};
+
 double length_of_all_mm(const std::vector<Rim>& rims, const Points& points) {
   double length_mm = 0;
   for (const Rim& rim : rims) length_mm += rim_length_mm(rim, points);
@@ -39,11 +87,42 @@ double length_of_all_mm(const std::vector<Rim>& rims, const Points& points) {
 
 }  // namespace
 
+std::vector<double> rim_edges_mm(const Rim& rim, const Points& points) {
+  std::vector<double> edges_mm;
+  for (std::size_t k = 0; k < rim.size(); ++k)
+    edges_mm.push_back((points.row(rim[k]) - points.row(rim[(k + 1) % rim.size()])).norm());
+  return edges_mm;
+}
+
 double rim_length_mm(const Rim& rim, const Points& points) {
   double length_mm = 0;
-  for (std::size_t k = 0; k < rim.size(); ++k)
-    length_mm += (points.row(rim[k]) - points.row(rim[(k + 1) % rim.size()])).norm();
+  for (const double edge_mm : rim_edges_mm(rim, points)) length_mm += edge_mm;
   return length_mm;
+}
+
+std::vector<Vec3> spread_on_rim(const Rim& rim, const Points& points, const std::vector<double>& rest_mm,
+                                const Rim& onto, const Points& there) {
+  const WayAround way(onto, there);
+  double rest_length_mm = 0;
+  for (const double edge_mm : rest_mm) rest_length_mm += edge_mm;
+  const double ratio = way.length_mm() / rest_length_mm;
+  // How far each vertex is ahead of an even spread. It rises and falls, and comes back to where it began.
+  std::vector<double> nearest_mm, ahead_mm;
+  for (const std::int32_t i : rim) nearest_mm.push_back(way.nearest_mm(points.row(i)));
+  double along_mm = 0, ahead = nearest_mm.front();
+  for (std::size_t k = 0; k < rim.size(); ++k) {
+    ahead_mm.push_back(ahead);
+    const double step_mm = nearest_mm[(k + 1) % rim.size()] - nearest_mm[k] - ratio * rest_mm[k];
+    ahead += step_mm - std::round(step_mm / way.length_mm()) * way.length_mm();
+  }
+  const bool around = std::abs(ahead - ahead_mm.front()) < way.length_mm() / 2;
+  if (around) ahead_mm = smooth_on_circle(ahead_mm);
+  std::vector<Vec3> places;
+  for (std::size_t k = 0; k < rim.size(); ++k) {
+    places.push_back(way.place(around ? ahead_mm[k] + ratio * along_mm : nearest_mm[k]));
+    along_mm += rest_mm[k];
+  }
+  return places;
 }
 
 std::vector<Rim> long_rims(const Mesh& mesh, double share) {

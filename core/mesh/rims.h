@@ -31,6 +31,15 @@ struct RimPlace {
 /// The place of the rims that is nearest to `p`, all in mm. `rims`: at least one.
 RimPlace nearest_on_rims(const std::vector<Rim>& rims, const Points& points, const Vec3& p);
 
+/// The lengths of a rim's edges, each from a vertex to the next, mm.
+std::vector<double> rim_edges_mm(const Rim& rim, const Points& points);
+
+/// Of each vertex of a rim a place on another surface's rim, in order along it: about where it is nearest, and spread
+/// as the edges `rest_mm` are [rim_edges_mm]. The nearest places alone leave out what lies in a bay. The nearest places
+/// where a way around the one does not lead around the other. All LPS mm.
+std::vector<Vec3> spread_on_rim(const Rim& rim, const Points& points, const std::vector<double>& rest_mm,
+                                const Rim& onto, const Points& there);
+
 /// How far the rims of two surfaces lie apart, mm: mean over both lengths together, and the larger of the two
 /// directions' 95th percentiles.
 struct RimDistance {

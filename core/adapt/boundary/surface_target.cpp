@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/base/statistics.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {
@@ -68,8 +69,33 @@ void SurfaceTarget::know_rims(const Mesh& mesh) {
   if (std::exchange(knows_rims_, true) || rims_.empty()) return;
   mesh_rims_ = long_rims(mesh);
   on_mesh_rim_.assign(static_cast<std::size_t>(mesh.points.rows()), 0);
-  for (const Rim& rim : mesh_rims_)
+  for (const Rim& rim : mesh_rims_) {
+    rim_rest_mm_.push_back(rim_edges_mm(rim, mesh.points));
     for (const std::int32_t i : rim) on_mesh_rim_[static_cast<std::size_t>(i)] = 1;
+  }
+}
+
+void SurfaceTarget::nearest_on_rim(const Mesh& mesh, TargetPull& pull) const {
+  const Points& there = boundary_.surface.points;
+  const Points normals = vertex_normals(mesh);
+  for (std::size_t r = 0; r < mesh_rims_.size(); ++r) {
+    const Rim& rim = mesh_rims_[r];
+    const auto away_mm = [&](const Rim& other) {
+      return mean_of(rim, [&](std::int32_t i) {
+        const Vec3 p = mesh.points.row(i);
+        return (nearest_on_rims({other}, there, p).position - p).norm();
+      });
+    };
+    const Rim& onto = *std::ranges::min_element(rims_, {}, away_mm);
+    const std::vector<Vec3> places = spread_on_rim(rim, mesh.points, rim_rest_mm_[r], onto, there);
+    for (std::size_t k = 0; k < rim.size(); ++k) {
+      const Vec3 p = mesh.points.row(rim[k]);
+      if (!boundary_.shows(p) || !boundary_.shows(places[k]) || (places[k] - p).norm() > reach_mm_) continue;
+      pull.targets.row(rim[k]) = places[k].transpose();
+      pull.normals.row(rim[k]) = normals.row(rim[k]);
+      pull.weights[rim[k]] = 1;
+    }
+  }
 }
 
 void SurfaceTarget::pull_rims(const Mesh& mesh, Points& sum, VertexScalars& weights) const {
@@ -101,14 +127,7 @@ TargetPull SurfaceTarget::nearest(const Mesh& mesh) {
   const Points normals = vertex_normals(mesh);
   in_parallel(mesh.points.rows(), [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
-      if (on_mesh_rim(i)) {
-        const Vec3 p = mesh.points.row(i), there = nearest_on_rims(rims_, boundary_.surface.points, p).position;
-        if (!boundary_.shows(p) || !boundary_.shows(there) || (there - p).norm() > reach_mm_) continue;
-        pull.targets.row(i) = there.transpose();
-        pull.normals.row(i) = normals.row(i);
-        pull.weights[i] = 1;
-        continue;
-      }
+      if (on_mesh_rim(i)) continue;
       const auto there = counterpart(mesh.points.row(i), normals.row(i), likely_faces_[static_cast<std::size_t>(i)]);
       if (!there) continue;
       pull.targets.row(i) = there->position.transpose();
@@ -116,6 +135,7 @@ TargetPull SurfaceTarget::nearest(const Mesh& mesh) {
       pull.weights[i] = 1;
     }
   });
+  if (rims_count()) nearest_on_rim(mesh, pull);
   return pull;
 }
 
@@ -171,6 +191,10 @@ TargetPull SurfaceTarget::pull(const Mesh& mesh, double share) {
   for (Eigen::Index i = 0; i < sum.rows(); ++i)
     if (pull.weights[i] > 0) pull.targets.row(i) = mesh.points.row(i) + sum.row(i) / pull.weights[i];
   pull.weights = pull.weights.cwiseMin(1);
+  // A rim has few vertices. While the mesh moves as a whole it tells more than as many others.
+  constexpr double rim_counts_at_first = 10;
+  for (const Rim& rim : mesh_rims_)
+    for (const std::int32_t i : rim) pull.weights[i] *= share + rim_counts_at_first * (1 - share);
   return pull;
 }
 

@@ -55,6 +55,7 @@ class SurfaceTarget : public Target {
   void know_rims(const Mesh& mesh);
   bool rims_count() const { return !mesh_rims_.empty(); }
   bool on_mesh_rim(Eigen::Index i) const { return rims_count() && on_mesh_rim_[static_cast<std::size_t>(i)] != 0; }
+  void nearest_on_rim(const Mesh& mesh, TargetPull& pull) const;
   void pull_rims(const Mesh& mesh, Points& sum, VertexScalars& weights) const;
   struct Counterpart {
     Vec3 position, normal;
@@ -71,8 +72,9 @@ class SurfaceTarget : public Target {
   std::vector<std::int32_t> likely_faces_;  ///< of the boundary, per vertex
   std::vector<Rim> rims_;                   ///< of the boundary
   bool knows_rims_ = false;
-  std::vector<Rim> mesh_rims_;     ///< of the meshes; empty where rims do not count
-  std::vector<char> on_mesh_rim_;  ///< per vertex
+  std::vector<Rim> mesh_rims_;                    ///< of the meshes; empty where rims do not count
+  std::vector<std::vector<double>> rim_rest_mm_;  ///< of each: its edges on the first mesh, which is the template's
+  std::vector<char> on_mesh_rim_;                 ///< per vertex
 };
 
 }  // namespace homolog

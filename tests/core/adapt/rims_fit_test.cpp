@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "core/adapt/fit.h"
 #include "core/adapt/judge_fit.h"
+#include "core/base/statistics.h"
 #include "core/mesh/clip.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"
@@ -67,6 +69,38 @@ TEST_CASE("two rings lie as far apart as one is wider") {
       rim_distance(shapes::open_cylinder(10, 100, 10, 30), shapes::open_cylinder(10, 100, 10.5, 30));
   CHECK(apart.mean_mm == doctest::Approx(0.5).epsilon(0.02));
   CHECK(apart.p95_mm == doctest::Approx(0.5).epsilon(0.02));
+}
+
+TEST_CASE("the vertices of a rim spread into a bay that the nearest places leave out") {
+  // A circle, and one of the same radius with a bay 6 mm deep and 3 mm wide.
+  constexpr int vertices = 60, finer = 1200;
+  const auto circle = [](int count, auto radius_at) {
+    Points points(count, 3);
+    for (int k = 0; k < count; ++k) {
+      const double u = 2 * std::numbers::pi * k / count;
+      points.row(k) = radius_at(u) * Eigen::RowVector3d(std::cos(u), std::sin(u), 0);
+    }
+    return points;
+  };
+  const auto in_turn = [](int count) {
+    Rim rim(static_cast<std::size_t>(count));
+    std::iota(rim.begin(), rim.end(), 0);
+    return rim;
+  };
+  const Points plain = circle(vertices, [](double) { return 20.0; });
+  const Points bay = circle(finer, [](double u) { return 20 - 6 * std::exp(-std::pow((u - 3) / 0.1, 2)); });
+  const Rim rim = in_turn(vertices), onto = in_turn(finer);
+  const std::vector<double> rest_mm = rim_edges_mm(rim, plain);
+  Points spread = plain;
+  for (int round = 0; round < 20; ++round) {
+    const auto places = spread_on_rim(rim, spread, rest_mm, onto, bay);
+    for (std::size_t k = 0; k < places.size(); ++k) spread.row(static_cast<Eigen::Index>(k)) = places[k].transpose();
+  }
+  const double deepest_mm = spread.rowwise().norm().minCoeff();
+  CHECK(deepest_mm < 15.5);
+  const auto edges_mm = rim_edges_mm(rim, spread);
+  CHECK(*std::ranges::max_element(edges_mm) < 1.5 * mean_of(edges_mm));
+  CHECK((spread.row(0) - plain.row(0)).norm() < 1.5);  // far from the bay it hardly slides
 }
 
 TEST_CASE("a template of an open surface ends where that ends and no cap is invented") {

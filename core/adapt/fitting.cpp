@@ -161,8 +161,12 @@ Result<void> Fitting::place() {
     shape_.mesh = {reference_.topology, placed_.points};
     return show(placed_.points, 0.1);
   }
-  shape_.mesh = {reference_.topology, warp_to_boundary(reference_.topology, placed_.points, placed_.landmarks,
-                                                       whole() ? round_ : 0, target_)};
+  // Vertices stick where they are nearest, so a rim that lies far off has to be near before they are drawn.
+  const KnownMatches known =
+      whole() ? with_rims(placed_.landmarks, {reference_.topology, placed_.points}, boundary_, target_)
+              : placed_.landmarks;
+  shape_.mesh = {reference_.topology,
+                 warp_to_boundary(reference_.topology, placed_.points, known, whole() ? round_ : 0, target_)};
   if (!shape_.mesh.points.allFinite() || !(placed_.placement.scale > 0))
     return fail("", "the template cannot be placed on the surface: one of them is flat or has no size; check both");
   return show(shape_.mesh.points, 0);

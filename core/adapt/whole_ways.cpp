@@ -36,6 +36,25 @@ double believed(double strain_ratio) {
 
 }  // namespace
 
+KnownMatches with_rims(KnownMatches known, const Mesh& mesh, const Boundary& boundary, Target& target) {
+  if (long_rims(boundary.surface).empty()) return known;
+  constexpr double noise_share = 0.015, as_sure_as = 10;  // of the diagonal, of so many places
+  std::vector<std::int32_t> on_rim;
+  for (const Rim& rim : long_rims(mesh)) on_rim.insert(on_rim.end(), rim.begin(), rim.end());
+  if (on_rim.empty()) return known;
+  const Points to = target.nearest(mesh).targets(on_rim, Eigen::all);
+  const auto count = std::ssize(on_rim);
+  // What they are off by along the rim they share, so that many tell no more than some.
+  const double noise_mm = noise_share * bounds_of(mesh.points).diagonal().norm() *
+                          std::sqrt(std::max(1.0, static_cast<double>(count) / as_sure_as));
+  KnownMatches all{Points(known.from.rows() + count, 3), Points(known.from.rows() + count, 3),
+                   VertexScalars(known.from.rows() + count)};
+  all.from << known.from, mesh.points(on_rim, Eigen::all);
+  all.to << known.to, to;
+  all.noise_mm << known.noise_mm, VertexScalars::Constant(count, noise_mm);
+  return all;
+}
+
 WholeWays::WholeWays(const Template& the_template, const Boundary& boundary, Target& target, FitSteps& steps,
                      const PlacedTemplate& placed, double roundness, PartsOfWork& parts)
     : reference_(the_template),
@@ -96,7 +115,8 @@ Result<Adapting> WholeWays::kept() {
 std::vector<WholeWays::Start> WholeWays::starts(const Points& start, bool match) const {
   std::vector<Start> all{{start}};
   if (!match) return all;
-  const KnownMatches known = with_rims(placed_.known_on(*reference_.topology, start), start);
+  const KnownMatches known =
+      with_rims(placed_.known_on(*reference_.topology, start), {reference_.topology, start}, boundary_, target_);
   const CoherentMatch coherent(reference_.points, {reference_.topology, start}, boundary_.surface);
   // A template without extent in some direction has no smooth displacement.
   const auto add = [&](Points points) {
@@ -111,25 +131,6 @@ std::vector<WholeWays::Start> WholeWays::starts(const Points& start, bool match)
       add(ways.mean());
     }
   }
-  return all;
-}
-
-KnownMatches WholeWays::with_rims(KnownMatches known, const Points& start) const {
-  if (long_rims(boundary_.surface).empty()) return known;
-  constexpr double noise_share = 0.015, as_sure_as = 10;  // of the diagonal, of so many places
-  std::vector<std::int32_t> on_rim;
-  for (const Rim& rim : long_rims({reference_.topology, start})) on_rim.insert(on_rim.end(), rim.begin(), rim.end());
-  if (on_rim.empty()) return known;
-  const Points to = target_.nearest({reference_.topology, start}).targets(on_rim, Eigen::all);
-  const auto count = std::ssize(on_rim);
-  // What they are off by along the rim they share, so that many tell no more than some.
-  const double noise_mm = noise_share * bounds_of(start).diagonal().norm() *
-                          std::sqrt(std::max(1.0, static_cast<double>(count) / as_sure_as));
-  KnownMatches all{Points(known.from.rows() + count, 3), Points(known.from.rows() + count, 3),
-                   VertexScalars(known.from.rows() + count)};
-  all.from << known.from, start(on_rim, Eigen::all);
-  all.to << known.to, to;
-  all.noise_mm << known.noise_mm, VertexScalars::Constant(count, noise_mm);
   return all;
 }
 

@@ -13,6 +13,9 @@ struct PartsOfWork {
   std::size_t done = 0, all = 1;
 };
 
+/// These, and where the rim of a mesh belongs, if the boundary has one too. LPS mm. `target`: of this boundary.
+KnownMatches with_rims(KnownMatches known, const Mesh& mesh, const Boundary& boundary, Target& target);
+
 /// Ways of a template onto the boundary of a whole organ: from where it is placed, and from matches of it with the
 /// boundary as a whole. What is kept is the plain way, the mean of those from matches, or a mean of both.
 class WholeWays {
@@ -39,8 +42,6 @@ class WholeWays {
     bool matched = false;  ///< with the boundary as a whole, so that it is near and its own reference
   };
   std::vector<Start> starts(const Points& start, bool match) const;
-  /// These, and where the rim of a mesh at `start` (n×3) belongs, if the boundary has one too.
-  KnownMatches with_rims(KnownMatches known, const Points& start) const;
   Result<Adapted> from(const Start& start);
   /// Whether a smooth displacement alone takes the template to the boundary: 1 where the last match lies on it, 0 where
   /// the organ has a shape that no smooth displacement gives.

@@ -10,14 +10,14 @@
 #include "app/editor/update/commands/contour_commands.h"
 #include "app/editor/update/commands/dialog_commands.h"
 #include "app/editor/update/commands/file_commands.h"
+#include "app/editor/update/commands/looks/setting_commands.h"
+#include "app/editor/update/commands/looks/view_commands.h"
 #include "app/editor/update/commands/measurement_commands.h"
 #include "app/editor/update/commands/models_commands.h"
-#include "app/editor/update/commands/setting_commands.h"
 #include "app/editor/update/commands/structure_commands.h"
 #include "app/editor/update/commands/study_commands.h"
 #include "app/editor/update/commands/template_commands.h"
 #include "app/editor/update/commands/tool_commands.h"
-#include "app/editor/update/commands/view_commands.h"
 
 namespace homolog {
 

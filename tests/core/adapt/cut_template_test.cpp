@@ -37,7 +37,9 @@ Mesh organ() {
 /// What its scan showed of it; `marked`: it says where the scan ended.
 std::shared_ptr<const Template> cut_template(bool marked) {
   const Mesh part = clipped(organ(), Vec3::UnitZ(), cut_mm).value();
-  const Mesh mesh = test::must(make_mesh_template({part.points, part.topology->triangles()}, {.vertices = 800})).mesh;
+  const Mesh mesh = test::must(make_mesh_template({part.points, part.topology->triangles()},
+                                                  {.vertices = 800, .longest_rim_share = 10}))
+                        .mesh;
   MeshFile file = template_file(mesh, {});
   std::vector<std::int32_t> cut;
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)

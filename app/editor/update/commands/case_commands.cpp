@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "app/editor/update/commands/setting.h"
+#include "app/editor/update/commands/looks/setting.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/assistance.h"

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "app/editor/update/commands/logged.h"
-#include "app/editor/update/commands/setting.h"
+#include "app/editor/update/commands/looks/setting.h"
 
 namespace homolog {
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "app/editor/state/models/gallery.h"
-#include "app/editor/update/commands/setting.h"
+#include "app/editor/update/commands/looks/setting.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/optimisation.h"

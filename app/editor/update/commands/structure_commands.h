@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/editor/update/commands/logged.h"
-#include "app/editor/update/commands/setting.h"
+#include "app/editor/update/commands/looks/setting.h"
 
 namespace homolog {
 

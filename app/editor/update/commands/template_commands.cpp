@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/editor/update/commands/setting.h"
+#include "app/editor/update/commands/looks/setting.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/imports.h"

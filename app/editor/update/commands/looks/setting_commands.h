@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/editor/state/models/gallery.h"
-#include "app/editor/update/commands/setting.h"
+#include "app/editor/update/commands/looks/setting.h"
 
 namespace homolog {
 

@@ -1,4 +1,4 @@
-#include "app/editor/update/commands/view_commands.h"
+#include "app/editor/update/commands/looks/view_commands.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "app/editor/update/commands/setting.h"
+#include "app/editor/update/commands/looks/setting.h"
 
 #include <array>
 #include <cstdint>

@@ -53,9 +53,9 @@ Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 Result<MeshFile> read_mesh_to_mend(const std::filesystem::path& path);
 
 /// Writes the format of the extension (binary, with double coordinates where it can), tagged SPACE=LPS where the format
-/// can, whole or not at all. PLY alone keeps landmarks and comments; VTK, VTP, VTU and Gmsh keep values of vertices. The record is
-/// in the file, or beside it where the format has no place for it; one that lies there and is of no more use is
-/// removed.
+/// can, whole or not at all. PLY alone keeps landmarks and comments; VTK, VTP, VTU and Gmsh keep values of vertices.
+/// The record is in the file, or beside it where the format has no place for it; one that lies there and is of no more
+/// use is removed.
 Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& path);
 
 /// Whether the name ends as one of the formats that read_mesh_file takes does.

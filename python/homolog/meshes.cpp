@@ -237,11 +237,13 @@ Errors: shape, dtype, numbers that are not finite, numbers of no vertex.)")
       .def("label_map", &label_map_of, py::arg("like"), py::arg("value") = 1,
            "The voxels of a volume's grid whose centre lies inside, as a LabelMap.")
       .def("write", &write_held_mesh, py::arg("path"),
-           "Writes PLY, VTK, VTP, VTU, OBJ, GIFTI, Gmsh, STL or .particles, by the ending, whole or not at all. PLY keeps all.")
+           "Writes PLY, VTK, VTP, VTU, OBJ, GIFTI, Gmsh, STL or .particles, by the ending, whole or not at all. PLY "
+           "keeps all.")
       .def("__len__", [](const Held& self) { return self.file->points.rows(); });
   module.def(
       "read_mesh", [](const std::filesystem::path& path) { return read_held_mesh(path.string()); }, py::arg("path"),
-      "Reads a mesh (PLY, VTK, VTP, VTU, OBJ, GIFTI, Gmsh, STL, MNI, .particles), its points turned to LPS where the file says RAS.");
+      "Reads a mesh (PLY, VTK, VTP, VTU, OBJ, GIFTI, Gmsh, STL, MNI, .particles), its points turned to LPS where the "
+      "file says RAS.");
   module.def("loaded", &loaded, py::arg("path"), "read_mesh of a file that is removed afterwards.");
   module.def("load_template", &read_held_mesh, py::arg("source"),
              "A template: \"built-in:kidney\", \"built-in:vertebra\", \"built-in:ventricle\", or a mesh file.");

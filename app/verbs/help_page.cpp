@@ -186,6 +186,12 @@ std::string full_name(const CLI::App& verb) {
   return above.empty() ? verb.get_name() : above + " " + verb.get_name();
 }
 
+const CLI::App* verb_given(const CLI::App& app) {
+  const CLI::App* verb = &app;
+  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  return verb;
+}
+
 void dress_help(CLI::App& app) {
   dress_verb(app, std::make_shared<HelpFormatter>());
 }

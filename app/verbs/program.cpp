@@ -169,13 +169,6 @@ std::string embedded(const unsigned char* bytes, std::size_t size) {
   return {reinterpret_cast<const char*>(bytes), size - 1};
 }
 
-/// The verb that was given, of verbs of verbs the last; else the program itself.
-const CLI::App* verb_given(const CLI::App& app) {
-  const CLI::App* verb = &app;
-  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
-  return verb;
-}
-
 /// The command that prints the help of the verb that was given.
 std::string help_for(const CLI::App& app) {
   const std::string verb = full_name(*verb_given(app));

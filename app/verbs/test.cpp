@@ -181,12 +181,11 @@ Result<std::vector<TestAgain>> tests_again(const TestJob& job, std::vector<std::
   std::vector<TestAgain> again;
   if (const auto sure = sure_coordinates(job.cases); job.of_shape() && std::ssize(sure) < job.cases.shapes.rows()) {
     const std::string doubtful = std::to_string((job.cases.shapes.rows() - std::ssize(sure)) / 3);
-    TestJob fewer = job;
-    fewer.responses = job.responses(sure, Eigen::all).eval();
     if (sure.empty())
       warnings.emplace_back("every vertex is in more doubt than the cases scatter");
     else
-      again.push_back({"without the " + doubtful + " vertices in doubt", tests_of(fewer, progress)});
+      again.push_back(
+          {"without the " + doubtful + " vertices in doubt", tests_of(job, job.responses(sure, Eigen::all), progress)});
   }
   for (const fs::path& folder : job.options.templates) {
     TestOptions options = job.options;
@@ -198,7 +197,7 @@ Result<std::vector<TestAgain>> tests_again(const TestJob& job, std::vector<std::
       warnings.push_back(folder.string() + ": has other cases (" + std::to_string(other->cases.names.size()) +
                          " where there are " + std::to_string(job.cases.names.size()) +
                          "), so its p may differ by that");
-    again.push_back({folder.string(), tests_of(*other, progress)});
+    again.push_back({folder.string(), tests_of(*other, other->responses, progress)});
   }
   return again;
 }
@@ -240,13 +239,13 @@ Result<Report> run_test(TestOptions options, Progress& progress) {
   auto formula = read_formula(options.formula);
   if (!formula) return fail(formula.error());
   options.asked.formula = std::move(*formula);
-  options.asked.with_doubt = true;
+  options.asked.shapes.reading.vertex_doubts = true;
   progress.part(0, 0.2);
   auto prepared = test_job(options, progress);
   if (!prepared) return fail(prepared.error());
   TestJob job = std::move(*prepared);
   progress.part(0.2, options.tables.empty() ? 0.8 : 0.4);
-  const LinearTest test = tests_of(job, progress);
+  const LinearTest test = tests_of(job, job.responses, progress);
   if (progress.cancelled()) return fail("", "cancelled");
   Report report;
   report.values = report_of(job, test);

@@ -135,23 +135,9 @@ void leave_out_incomplete(std::vector<Partner>& partners, const std::vector<std:
   });
 }
 
-/// The doubt of each shape's vertices, by its name in the set.
-Result<std::map<std::string, VertexScalars>> doubts_of(const TrainingVerb& options, Progress& progress) {
-  const auto sources = shape_sources(options.files, options.reading.group);
-  if (!sources) return fail(sources.error());
-  std::map<std::string, VertexScalars> doubts;
-  const auto take = [&](const ReadShape& shape) {
-    const auto& doubt = shape.mesh->doubt_mm;
-    if (doubt && doubt->size() > 0) doubts[shape.name] = *doubt;
-    return Result<void>();
-  };
-  if (auto read = read_shapes(*sources, {options.reading.all_frames}, take, &progress); !read)
-    return fail(read.error());
-  return doubts;
-}
-
-Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSet& set, const std::vector<Partner>& partners,
-                         Progress& progress, TestCases& cases) {
+void take_shapes(const TestCasesAsked& asked, const TrainingSetRead& read, const std::vector<Partner>& partners,
+                 TestCases& cases) {
+  const TrainingSet& set = read.set;
   const auto count = static_cast<Eigen::Index>(partners.size());
   cases.shapes.resize(set.shapes.rows(), count);
   cases.sizes_mm.resize(count);
@@ -164,22 +150,19 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSet& set, co
     cases.sizes_mm[i] = centroid_size_mm(points_of(cases.shapes, i));
   }
   align(cases.shapes, asked.shapes.alignment());
-  if (!asked.with_doubt) return {};
-  const auto doubts = doubts_of(asked.shapes, progress);
-  if (!doubts) return fail(doubts.error());
+  if (!asked.shapes.reading.vertex_doubts) return;
   const Eigen::Index vertices = cases.shapes.rows() / 3;
   VertexScalars squares = VertexScalars::Zero(vertices);
   double known = 0;
   for (const Partner& one : partners) {
-    const auto doubt = doubts->find(set.names[static_cast<std::size_t>(one.shape)]);
-    const bool is_known = doubt != doubts->end() && doubt->second.size() == vertices;
+    const auto doubt = read.vertex_doubts.find(set.names[static_cast<std::size_t>(one.shape)]);
+    const bool is_known = doubt != read.vertex_doubts.end() && doubt->second.size() == vertices;
     cases.doubt_mm.push_back(is_known ? std::sqrt(doubt->second.cwiseAbs2().mean())
                                       : std::numeric_limits<double>::quiet_NaN());
     if (is_known) squares += doubt->second.cwiseAbs2();
     known += is_known ? 1 : 0;
   }
   if (known > 0) cases.vertex_doubt_mm = (squares / known).cwiseSqrt();
-  return {};
 }
 
 }  // namespace
@@ -227,7 +210,7 @@ Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progres
     return fail(cases.table.source, "leaves " + std::string(found->empty() ? "no case" : "one case") + " to be tested" +
                                         why + "; complete it, or give more shapes");
   }
-  if (auto taken = take_shapes(asked, read->set, *found, progress, cases); !taken) return fail(taken.error());
+  take_shapes(asked, *read, *found, cases);
   return cases;
 }
 

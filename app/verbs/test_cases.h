@@ -19,7 +19,6 @@ struct TestCasesAsked {
   std::filesystem::path covariates;  ///< empty: a study's own
   Formula formula;
   std::string paired;  ///< the column of the subjects; empty: unpaired
-  bool with_doubt = false;
 };
 
 /// Shapes with what is known of them, in the order in which the shapes were given.

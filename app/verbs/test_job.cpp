@@ -126,8 +126,8 @@ Result<TestJob> test_job(const TestOptions& options, Progress& progress) {
   return job;
 }
 
-LinearTest tests_of(const TestJob& job, Progress& progress) {
-  return test_terms(job.design, job.responses, job.root_weights, job.permutations, &progress);
+LinearTest tests_of(const TestJob& job, const Eigen::MatrixXd& responses, Progress& progress) {
+  return test_terms(job.design, responses, job.root_weights, job.permutations, &progress);
 }
 
 }  // namespace homolog

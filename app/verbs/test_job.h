@@ -42,7 +42,8 @@ struct TestJob {
 /// formula that gives no column; no vertex of that number; permutations of other cases.
 Result<TestJob> test_job(const TestOptions& options, Progress& progress);
 
-/// The tests of all terms. `progress` may say that it was cancelled; what is returned is nothing then.
-LinearTest tests_of(const TestJob& job, Progress& progress);
+/// The tests of all terms, of the job's responses or of some of them. Where `progress` is cancelled what is returned is
+/// nothing.
+LinearTest tests_of(const TestJob& job, const Eigen::MatrixXd& responses, Progress& progress);
 
 }  // namespace homolog

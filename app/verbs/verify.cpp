@@ -147,9 +147,7 @@ Result<Report> do_again(std::vector<std::string> arguments, Progress& progress) 
     return fail("", std::string("its command cannot be done again by this version: ") + error.what());
   }
   if (!asked.run) return fail("", "its command cannot be done again by this version");
-  const CLI::App* verb = &app;
-  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
-  return run_recorded(asked.run, *verb, progress);
+  return run_recorded(asked.run, *verb_given(app), progress);
 }
 
 /// The file that is made anew: of a folder that one which the record says.

@@ -288,8 +288,10 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
   if (!sources) return fail(sources.error());
   TrainingSetBuilder builder(sources->size());
   std::vector<DoubtfulShape> doubtful;
+  std::map<std::string, VertexScalars> vertex_doubts;
   const auto take = [&](ReadShape shape) {
     const bool is_left_out = options.without_doubtful && !shape.doubt.empty();
+    if (options.vertex_doubts && shape.mesh->doubt_mm) vertex_doubts[shape.name] = *shape.mesh->doubt_mm;
     if (!shape.doubt.empty()) doubtful.push_back({shape.name, std::move(shape.doubt)});
     if (!is_left_out) builder.add(std::move(shape.name), *shape.mesh);
     return Result<void>();
@@ -305,6 +307,7 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
   auto read = builder.finish(options.flip_mirrored);
   if (!read) return fail(too_small(read.error(), *warnings));
   (options.without_doubtful ? read->left_out : read->doubtful) = std::move(doubtful);
+  read->vertex_doubts = std::move(vertex_doubts);
   read->warnings.insert(read->warnings.begin(), warnings->begin(), warnings->end());
   if (options.without_doubtful && !options.flip_mirrored && !read->mirrored.empty()) {
     if (read->set.shapes.cols() - std::ssize(read->mirrored) < 2)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ struct TrainingOptions {
   std::string group;           ///< of a study's cases those of this group; empty: all
   /// Shapes in doubt [doubt_of_shape], a study's cases in doubt, and mirror images that are not flipped are left out.
   bool without_doubtful = false;
+  bool vertex_doubts = false;  ///< gives how far each vertex is in doubt too
 };
 
 struct TrainingSetRead {
@@ -36,6 +38,7 @@ struct TrainingSetRead {
   std::vector<std::string> groups;      ///< of each shape of the set, of a study's cases; empty: no shape has one
   std::vector<DoubtfulShape> doubtful;  ///< shapes of the set that a person has to look at
   std::vector<DoubtfulShape> left_out;  ///< the same, where they were left out as asked
+  std::map<std::string, VertexScalars> vertex_doubts{};  ///< mm, by the shape's name, where asked and its file has them
 };
 
 /// Puts shapes together into a training set, one after the other; keeps one copy of their points.

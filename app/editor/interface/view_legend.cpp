@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/interface/view_marks.h"
+#include "app/editor/interface/marks/view_marks.h"
 #include "app/editor/scene/mesh_colouring.h"
 #include "app/editor/widgets/widgets.h"
 

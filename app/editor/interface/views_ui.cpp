@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "app/editor/interface/interface.h"
+#include "app/editor/interface/marks/view_marks.h"
 #include "app/editor/interface/side_buttons.h"
-#include "app/editor/interface/view_marks.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/drawn_items.h"

@@ -51,7 +51,7 @@ struct DragStep {
 
 enum class PointerShape { arrow, hand, move, scale };
 
-/// What is drawn in the views while a tool is in hand. The interface draws it (interface/view_marks.cpp).
+/// What is drawn in the views while a tool is in hand. The interface draws it (interface/marks/view_marks.cpp).
 enum class ToolMarks {
   none,
   sigma_ring,    ///< the point of the mesh that a press would take hold of, with σ around it

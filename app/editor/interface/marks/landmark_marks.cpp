@@ -1,4 +1,4 @@
-#include "app/editor/interface/landmark_marks.h"
+#include "app/editor/interface/marks/landmark_marks.h"
 
 #include <algorithm>
 #include <cmath>

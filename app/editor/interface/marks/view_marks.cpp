@@ -1,4 +1,4 @@
-#include "app/editor/interface/view_marks.h"
+#include "app/editor/interface/marks/view_marks.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,9 @@
 #include <tuple>
 #include <vector>
 
-#include "app/editor/interface/landmark_marks.h"
-#include "app/editor/interface/measurement_marks.h"
+#include "app/editor/interface/marks/contour_marks.h"
+#include "app/editor/interface/marks/landmark_marks.h"
+#include "app/editor/interface/marks/measurement_marks.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/widgets.h"
@@ -225,72 +226,6 @@ void draw_name_at_pointer(const UiContext& ui, const ViewMap& map, ImDrawList& d
   colour_swatch(draw, theme, {low.x + pad, std::floor(low.y + (size.y - side) / 2)}, side,
                 ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], 1}));
   text_at(draw, theme.small, {low.x + side + 2 * pad, low.y + theme.px(4)}, IM_COL32(0xE6, 0xE8, 0xEB, 255), name);
-}
-
-/// A curve in a view: dashed where it only lies outside of the organ.
-void draw_curve(const ViewMap& map, const Contour& curve, bool dashed, float thick, ImU32 colour, ImDrawList& draw) {
-  constexpr double dash_px = 7;
-  double along_px = 0;
-  const std::size_t count = curve.points.size(), pieces = curve.closed ? count : count - 1;
-  auto from = map.to_px(curve.points.front());
-  for (std::size_t k = 0; k < pieces; ++k) {
-    const auto to = map.to_px(curve.points[(k + 1) % count]);
-    const double length_px = from && to ? (*to - *from).norm() : 0;
-    if (from && to && (!dashed || std::fmod(along_px + length_px / 2, 2 * dash_px) < dash_px))
-      draw.AddLine(on_screen(*from), on_screen(*to), colour, thick);
-    along_px += length_px;
-    from = to;
-  }
-}
-
-/// Where a curve that lies in another plane goes through a slice.
-void draw_crossings(const UiContext& ui, const ViewMap& map, const Contour& curve, ImU32 colour, ImDrawList& draw) {
-  const Vec3 normal = map.into_screen();
-  const double at_mm = normal.dot(map.slice().centre);
-  const std::size_t count = curve.points.size(), pieces = curve.closed ? count : count - 1;
-  for (std::size_t k = 0; k < pieces; ++k) {
-    const Vec3 &a = curve.points[k], &b = curve.points[(k + 1) % count];
-    const double before = normal.dot(a) - at_mm, after = normal.dot(b) - at_mm;
-    if ((before < 0) == (after < 0)) continue;
-    if (const auto px = map.to_px(a + before / (before - after) * (b - a))) {
-      draw.AddCircleFilled(on_screen(*px), ui.theme.px(3), IM_COL32(0, 0, 0, 160));
-      draw.AddCircleFilled(on_screen(*px), ui.theme.px(2), colour);
-    }
-  }
-}
-
-/// The contours of all structures that are shown: in slices those that lie in them, and where the others cross.
-void draw_contours(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
-  const float thick = ui.theme.px(1.5f);
-  const Vec3 normal = map.into_screen();
-  const double half_step_mm = map.is_slice() ? slice_step_mm(geometry_of(ui.document()), normal) / 2 : 0;
-  for (const auto& structure : ui.document().structures) {
-    if (!ui.state.look.structures.shows(structure->id)) continue;
-    const bool active = structure.get() == ui.structure();
-    const ImU32 colour = with_alpha(palette::contour, active ? 1.0f : 0.5f);
-    for (const auto& set : structure->contours) {
-      if (set->frame != ui.document().frame || ui.state.look.hidden_contours.contains(set->id)) continue;
-      for (const Contour& curve : set->curves) {
-        double off_mm = 0;
-        if (map.is_slice())
-          for (const Vec3& p : curve.points) off_mm = std::max(off_mm, std::abs(normal.dot(p - map.slice().centre)));
-        if (map.is_slice() && off_mm > half_step_mm) {
-          draw_crossings(ui, map, curve, colour, draw);
-          continue;
-        }
-        draw_curve(map, curve, set->outside, thick + ui.theme.px(1.5f), IM_COL32(0, 0, 0, 110), draw);
-        draw_curve(map, curve, set->outside, thick, colour, draw);
-      }
-    }
-  }
-}
-
-/// The curve that is being drawn, and where it began.
-void draw_contour_drag(const UiContext& ui, const ContourDrag& drag, const ViewMap& map, ImDrawList& draw) {
-  if (drag.points.size() > 1)
-    draw_curve(map, {.points = drag.points, .closed = drag.at_start}, false, ui.theme.px(2), palette::contour, draw);
-  if (const auto px = map.to_px(drag.points.front()))
-    draw.AddCircle(on_screen(*px), ui.theme.px(drag.at_start ? 7 : 5), palette::contour, 0, ui.theme.px(1.5f));
 }
 
 void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {

@@ -1,11 +1,11 @@
-#include "app/editor/interface/measurement_marks.h"
+#include "app/editor/interface/marks/measurement_marks.h"
 
 #include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "app/editor/interface/landmark_marks.h"
+#include "app/editor/interface/marks/landmark_marks.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {

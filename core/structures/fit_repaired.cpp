@@ -6,7 +6,7 @@
 namespace homolog {
 
 Result<RepairedFit> fit_repaired(const SetOfTemplates& set, VolumeRead& map, int frame,
-                                 const MapRepairOptions& options) {
+                                 const MapRepairOptions& options, double gap_mm) {
   constexpr double repair_share = 0.7;
   Progress unseen;
   Progress& whole = options.progress != nullptr ? *options.progress : unseen;
@@ -19,8 +19,8 @@ Result<RepairedFit> fit_repaired(const SetOfTemplates& set, VolumeRead& map, int
   result.subject = find_in_map(set.set, map, frame);
   const bool is_changed =
       std::ranges::any_of(repaired->structures, [](const RepairedStructure& one) { return one.changed_voxels > 0; });
-  if (is_changed) {
-    auto fitted = fit_set(set, result.subject, {0, &fitting, options.tell});
+  if (is_changed || gap_mm > 0) {
+    auto fitted = fit_set(set, result.subject, {gap_mm, &fitting, options.tell});
     if (!fitted) return fail(fitted.error());
     result.fitted = std::move(*fitted);
   } else {

@@ -17,8 +17,8 @@ struct RepairedFit {
 };
 
 /// Repairs the frame of a map [repair_map] and fits the set to what is proposed. All are in the set's order, by the
-/// names that are proposed. Errors: cancelled.
+/// names that are proposed. The fit leaves `gap_mm` between neighbours. Errors: cancelled.
 Result<RepairedFit> fit_repaired(const SetOfTemplates& set, VolumeRead& map, int frame,
-                                 const MapRepairOptions& options = {});
+                                 const MapRepairOptions& options = {}, double gap_mm = 0);
 
 }  // namespace homolog

@@ -58,13 +58,15 @@ std::string free_structure_id(const Document& document, const std::vector<std::s
   }
 }
 
-std::optional<SetPoints> apart_from_others(const Document& document, const std::string& of) {
+std::optional<SetPoints> apart_from_others(const Document& document, const std::string& of, double gap_mm) {
   constexpr double mostly = 0.5;
   const auto shown = document.view(of);
   if (!shown || !shown->the_template().topology->closed()) return std::nullopt;
   std::vector<Mesh> meshes{{shown->the_template().topology, *shown->shape.points}};
   std::vector<MeshPair> pairs;
-  const Box reach = bounds_of(*shown->shape.points);
+  Box reach = bounds_of(*shown->shape.points);
+  reach.min().array() -= gap_mm;
+  reach.max().array() += gap_mm;
   for (const auto& one : document.structures) {
     const Shape* shape = one->shape(document.frame);
     if (one.get() == document.structure(of) || shape == nullptr || !one->the_template->topology->closed()) continue;
@@ -77,7 +79,7 @@ std::optional<SetPoints> apart_from_others(const Document& document, const std::
   if (pairs.empty()) return std::nullopt;
   std::vector<char> yields(meshes.size());
   yields.front() = 1;
-  keep_apart(meshes, pairs, 0, yields);
+  keep_apart(meshes, pairs, gap_mm, yields);
   if (meshes.front().points == *shown->shape.points) return std::nullopt;
   return points_edit(*shown, meshes.front().points, by_keep_apart);
 }

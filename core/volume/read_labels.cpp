@@ -151,7 +151,7 @@ void take_layers(const fs::path& path, VolumeRead& read) {
   }
   read.warnings.push_back(path.string() + ": holds its segments in " + count +
                           " layers, not frames: " + layer_words(read.segmentation) +
-                          "; the first is taken unless --label names a segment of another");
+                          "; the first is taken unless you choose another (--label; in the window: Case, Layer)");
 }
 
 Result<std::vector<Segment>> choose_segments(const fs::path& path, const std::string& asked, VolumeRead& read) {

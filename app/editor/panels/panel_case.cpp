@@ -1,3 +1,4 @@
+#include <cmath>
 #include <tuple>
 
 #include "app/editor/panels/ui_context.h"
@@ -79,6 +80,21 @@ void draw_labels_frame(const UiContext& ui, Outbox& out) {
     out.send(SetLabelsFrame{shown});
 }
 
+/// Which layer is shown, of a map that has several.
+void draw_labels_layer(const UiContext& ui, Outbox& out) {
+  const ShownLabels& labels = ui.labels();
+  if (labels.layers.size() < 2) return;
+  std::string tip = format("The segments of this map overlap, so they lie in %zu layers. One is shown, and a fit goes to it",
+                           labels.layers.size());
+  for (std::size_t k = 0; k < labels.values.size(); ++k)
+    tip += (k == 0 ? ": " : ", ") + labels.label_name(labels.values[k]);
+  double layer = static_cast<double>(labels.layer) + 1;
+  bool released = false;
+  if (slider(ui.theme, "Layer", layer, {1, static_cast<double>(labels.layers.size()), "%.0f", "", false, true}, tip,
+             released))
+    out.send(ShowLabelsLayer{static_cast<std::size_t>(std::lround(layer)) - 1});
+}
+
 }  // namespace
 
 void draw_case_section(const UiContext& ui, Outbox& out) {
@@ -133,6 +149,7 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   rule(theme);
   // The same rows with a label map and without one: what lies below stays where it is when one is opened.
   figure(theme, "Labels", ui.labels().volume ? ui.labels().name : "none");
+  draw_labels_layer(ui, out);
   double opacity = 100 * ui.state.look.label_opacity;
   bool released = false;
   if (slider(theme, "Opacity", opacity, {0, 100, "%.0f", "%", false}, "Of the label map over the image", released,

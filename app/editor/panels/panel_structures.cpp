@@ -137,6 +137,23 @@ void draw_eyes(const UiContext& ui, const std::vector<const Structure*>& listed,
     out.send(ShowOnlyStructures{rows_with(ui.state.look.structures, active->id)});
 }
 
+void draw_others_opacity(const UiContext& ui, Outbox& out) {
+  double opacity = 100 * ui.state.look.structures.others_opacity;
+  bool released = false;
+  if (slider(ui.theme, "Others", opacity, {0, 100, "%.0f", "%", false},
+             "Opacity in 3D of the structures that you do not work on. At 0 only the one that you work on is drawn there",
+             released))
+    out.send(SetOthersOpacity{opacity / 100});
+}
+
+void draw_gap(const UiContext& ui, Outbox& out) {
+  double gap_mm = ui.state.automatic.gap_mm;
+  bool released = false;
+  if (slider(ui.theme, "Gap", gap_mm, {0, 5, "%.1f", "mm", false},
+             "What Keep apart and Fit the set leave between neighbours, as cartilage does", released))
+    out.send(SetStructureGap{gap_mm});
+}
+
 /// The way to the next doubtful one, and a person's word that one is right.
 void draw_judging(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
@@ -205,7 +222,10 @@ std::string structures_in_words(const UiContext& ui) {
 void draw_structures_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto& document = ui.document();
-  if (document.structures.size() < 2) return draw_set_fit(ui, out);
+  if (document.structures.size() < 2) {
+    draw_set_fit(ui, out);
+    return draw_gap(ui, out);
+  }
   const auto listed = listed_structures(ui.state.look.structures, document);
   draw_structure_filter(ui, out);
   const float rows = std::clamp(static_cast<float>(document.structures.size()), 2.0f, most_listed);
@@ -217,6 +237,7 @@ void draw_structures_section(const UiContext& ui, Outbox& out) {
   ImGui::EndChild();
   ImGui::PopStyleVar();
   draw_eyes(ui, listed, out);
+  draw_others_opacity(ui, out);
   draw_judging(ui, out);
   draw_repair(ui, out);
   draw_levels(ui, out);
@@ -225,6 +246,7 @@ void draw_structures_section(const UiContext& ui, Outbox& out) {
              "At the end of a pull or a grab the structure goes out of its neighbours, where they lie within each "
              "other. One step to undo with the gesture"))
     out.send(KeepApartAfterStrokes{apart});
+  draw_gap(ui, out);
   if (ui.labels().volume || ui.work.set_fitter.busy()) draw_set_fit(ui, out);
 }
 

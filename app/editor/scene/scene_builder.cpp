@@ -14,7 +14,7 @@ namespace {
 /// The stages before the last have far more vertices than can be told apart; the finished mesh shows its edges.
 constexpr Eigen::Index wireframe_below = 12000;
 constexpr float label_opacity = 0.35f;                           // of a label's surface: the mesh is compared with it
-constexpr float other_opacity = 0.45f, other_outline_px = 1.2f;  // of a structure that is not worked on
+constexpr float other_outline_px = 1.2f;                         // of a structure that is not worked on
 constexpr Rgb as_read_colour{1, 1, 1};                           // of one before its repair
 
 }  // namespace
@@ -185,7 +185,7 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.outline_px = other_outline_px;
     mesh.saturated_outline = false;
     mesh.surface = show.surface;
-    mesh.surface_opacity = other_opacity;
+    mesh.surface_opacity = static_cast<float>(state.look.structures.others_opacity);
     scene.meshes.push_back(std::move(mesh));
   }
   if (label_surface_ && kind == ViewKind::space && !making_) {

@@ -78,6 +78,12 @@ void follow_structures(EditorState& state, const Document& document) {
   if (!several && state.look.colouring == Colouring::structure) state.look.colouring = Colouring::vertex_hue;
 }
 
+void follow_contours(EditorState& state, const Document& document) {
+  std::erase_if(state.look.hidden_contours, [&](const std::string& id) {
+    return std::ranges::none_of(document.structures, [&](const auto& one) { return one->contour_set(id) != nullptr; });
+  });
+}
+
 bool paints_regions(const EditorState& state) {
   return state.hand.tool == MouseTool::stiffness &&
          (state.hand.brush.paints == BrushPaints::region || state.hand.brush.paints == BrushPaints::fill);
@@ -203,6 +209,9 @@ void show_document(EditorState& state, const Document& document, const Layout& l
     std::tie(state.look.window_low, state.look.window_high) = default_window(*document.scan.image);
   state.look.structure.clear();
   state.look.structures = {};
+  state.look.hidden_contours.clear();
+  state.automatic.offered = {};
+  state.found.fitted_contours.reset();
   follow_structures(state, document);
   if (const auto shown = active_shape(state, document)) {
     state.look.crosshair_mm = bounds_of(*shown->shape.points).center();

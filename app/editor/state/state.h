@@ -263,6 +263,7 @@ struct Automatic {
   OfferedContours offered;  ///< of a file, to choose from
   double model_help = 0;    ///< 0…1: how far the study's model completes every stroke
   bool keep_apart = true;   ///< at the end of a stroke the structure goes out of its neighbours
+  double gap_mm = 0;        ///< that a fit of the set and the end of a stroke leave between neighbours
 };
 
 /// What was found on the structure that is worked on. Another structure begins with nothing.
@@ -333,6 +334,8 @@ bool active_is_shown(const EditorState& state, const Document& document);
 void bring_into_view(EditorState& state, const Document& document);
 /// With several structures each has its own colour, where no other colouring was chosen.
 void follow_structures(EditorState& state, const Document& document);
+/// Opens the eyes of contours that are gone: a new one may get such an id.
+void follow_contours(EditorState& state, const Document& document);
 
 /// Whether the brush in hand paints regions, or fills them.
 bool paints_regions(const EditorState& state);

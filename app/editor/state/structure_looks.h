@@ -18,6 +18,7 @@ struct StructureLooks {
   std::string range_from;        ///< the row at which a choice with Shift begins
   std::string filter;            ///< part of a name, as it is typed
   bool worst_first = true;
+  double others_opacity = 0.45;  ///< 0…1, in 3D, of structures that are not worked on
   /// What a repair changed: the shapes as the label map had them, n×3, LPS mm; null for one that was missing there.
   std::map<std::string, std::shared_ptr<const Points>> as_read;
   bool as_read_shown = true;  ///< beside what the repair proposes

@@ -37,11 +37,11 @@ using AllCommands = TypeList<
     // structures
     ChooseStructure, ClickStructure, NextStructure, AcceptStructure, RenameLevels, ShowStructures, ShowOnlyStructures,
     LockStructures, ChooseSet, FitSet, CancelSetFit, FilterStructures, SortStructures, ShowAsRead, TakeBackRepair,
-    KeepApart, KeepApartAfterStrokes,
+    KeepApart, KeepApartAfterStrokes, SetStructureGap, SetOthersOpacity,
     // contours
     OpenContours, AddContours, CloseContours, ShowContours, SetBetweenContours, FitContours, CancelContourFit,
     // files
-    OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, CancelOpening, CancelReading, CancelWriting, SaveCase,
+    OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, ShowLabelsLayer, CancelOpening, CancelReading, CancelWriting, SaveCase,
     SaveCaseAs, ExportMesh, ExportLabelMap, ExportStructuresMap, ExportStructuresMeshes, ExportLandmarks,
     ExportTemplate, ExportTemplateLandmarks, ExportAllFrames, ExportPicture, ExportVolumes, ImportLandmarks,
     OpenFitModel, ImportStiffness, ImportTemplateLandmarks,

@@ -137,6 +137,7 @@ bool ShownCase::update_snapshot(EditorState& state) {
     begin_on_structure(state, *displayed_);
   }
   if (before->structures.size() != displayed_->structures.size()) follow_structures(state, *displayed_);
+  follow_contours(state, *displayed_);
   const auto view_before = active_shape(state, *before), view_now = active_shape(state, *displayed_);
   if (!view_before || !view_now) return view_before.has_value() != view_now.has_value();
   const Shape &was = view_before->shape, &now = view_now->shape;

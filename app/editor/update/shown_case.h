@@ -11,22 +11,19 @@
 #include <vector>
 
 #include "app/editor/picking/shown_mesh.h"
+#include "app/editor/state/label_map_layer.h"
 #include "app/editor/state/state.h"
-#include "core/mesh/colours.h"
 #include "core/session/session_thread.h"
 
 namespace homolog {
 
 /// The label map that is shown over the image.
-struct ShownLabels {
-  std::shared_ptr<const Volume> volume;  ///< null without one
+struct ShownLabels : LabelMapLayer {
   std::string name;
   std::filesystem::path file;
-  std::vector<int> values;         ///< without 0
-  std::map<int, double> sizes_mm;  ///< of each and of every_label together [organ_size_mm]
-  std::optional<int> frame;        ///< of a cine, where the map holds one frame only: the one that it belongs to
-  std::map<int, std::string> names;
-  std::shared_ptr<const std::map<int, Rgb>> colours;  ///< that the map gives; null where it gives none
+  std::optional<int> frame;           ///< of a cine, where the map holds one frame only: the one that it belongs to
+  std::vector<LabelMapLayer> layers;  ///< of the map
+  std::size_t layer = 0;              ///< that is shown
 
   /// "Label 3", or "kidney_left (3)" where it has a name.
   std::string label_name(int label) const;
@@ -81,6 +78,12 @@ class ShownCase {
   /// The case's file names them from then on.
   void show_labels(ShownLabels labels);
   void close_labels() { show_labels({}); }
+  /// Shows another layer of the map. Layers are counted from 0.
+  void show_labels_layer(std::size_t layer) {
+    if (layer >= labels_.layers.size()) return;
+    static_cast<LabelMapLayer&>(labels_) = labels_.layers[layer];
+    labels_.layer = layer;
+  }
   /// The map belongs to another frame of the cine.
   void set_labels_frame(int frame) {
     if (labels_.frame) labels_.frame = frame;

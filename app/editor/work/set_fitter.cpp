@@ -16,7 +16,7 @@ Result<SetFitted> repair_and_fit(SetFitted done, VolumeRead& read, const MapToFi
   repairing.image_frame = map.image && map.image->frames > map.frame ? map.frame : 0;
   repairing.progress = options.progress;
   repairing.tell = options.tell;
-  auto repaired = fit_repaired(*done.set, read, std::min(map.frame, read.volume.frames - 1), repairing);
+  auto repaired = fit_repaired(*done.set, read, std::min(map.frame, read.volume.frames - 1), repairing, options.gap_mm);
   if (!repaired) return fail(map.file.filename().string(), repaired.error().what);
   done.subject = std::move(repaired->subject);
   done.fitted = std::move(repaired->fitted);
@@ -52,6 +52,7 @@ Result<SetFitted> SetFitter::fit(std::shared_ptr<const SetOfTemplates> set, cons
       return fail(map.file.filename().string(), "has no label of this set; choose another set, or rename its labels");
   }
   FitSetOptions options;
+  options.gap_mm = map.gap_mm;
   options.progress = &progress;
   options.tell = [&](std::size_t structure, SetFitStep step) {
     {

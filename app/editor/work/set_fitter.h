@@ -20,6 +20,7 @@ struct MapToFit {
   std::filesystem::path file;  ///< read anew, with all its layers
   int frame = 0;
   std::shared_ptr<const Volume> image;  ///< the scan, for a repair; may be null
+  double gap_mm = 0;                    ///< that is left between neighbours
 };
 
 /// How far a structure of the set is.

@@ -29,18 +29,13 @@ class ShapeMonitor {
     figures_of_ = std::move(measure);
   }
 
-  /// A document without a mesh (or null) forgets the figures so far.
-  /// `of`: the structure; empty: the first.
+  /// `of`: the structure; empty: the first. The figures so far are forgotten where they are of another structure, and
+  /// where the document has no mesh of it (or is null).
   void post(std::shared_ptr<const Document> document, std::string of = {}) {
+    const bool has_mesh = document && document->view(of);
+    if (!has_mesh || of != of_) forget();
     of_ = std::move(of);
-    if (document && document->view(of_)) {
-      next_ = std::move(document);
-      return;
-    }
-    worker_.cancel();
-    next_.reset();
-    latest_.reset();
-    error_.clear();
+    if (has_mesh) next_ = std::move(document);
   }
   /// Takes in what was measured, and measures the mesh posted last when it has rested. True where the figures changed.
   bool update() {
@@ -77,6 +72,13 @@ class ShapeMonitor {
     Clock::duration took{};
   };
 
+  void forget() {
+    worker_.cancel();
+    next_.reset();
+    latest_.reset();
+    error_.clear();
+    rested_ = {};
+  }
   void measure() {
     worker_.queue(
         subject_,

@@ -135,6 +135,8 @@ TEST_CASE("the lines of the commands that are rows stay as logs have them") {
            R"({"do":"show radiological","radiological":true})",
            R"({"do":"use light theme","light":true})",
            R"({"do":"set label opacity","opacity":0.35})",
+           R"({"do":"set others opacity","opacity":0.35})",
+           R"({"do":"set structure gap","gap_mm":1.5})",
            R"({"do":"space glyphs","spacing_mm":7.5})",
            R"({"do":"show models","shown":true})",
            R"({"do":"set sigma","sigma_mm":6.25})",

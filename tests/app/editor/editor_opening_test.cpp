@@ -12,6 +12,7 @@
 #include "core/mesh/mesh_io.h"
 #include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
+#include "core/volume/write_segmentation.h"
 #include "tests/driver.h"
 #include "tests/globe.h"
 #include "tests/must.h"
@@ -216,6 +217,42 @@ TEST_CASE("a template that was made of a label on the image stays there and the 
   CHECK((bounds_of(*driver.document().view()->shape.points).center() - Vec3(8, -6, 5)).norm() < 0.5);
   CHECK(driver.state().look.crosshair_mm == looked_at);
   CHECK(driver.state().look.slices[0].mm_per_px == zoom);
+}
+
+TEST_CASE("of a label map whose segments overlap each layer can be shown and worked with") {
+  const Globe globe;
+  Driver driver(globe.on(globe.image("ct.nii")));
+  const auto ball_at = [](double x_mm, double radius_mm) {
+    Mesh ball = icosphere(4, radius_mm);
+    ball.points.col(0).array() += x_mm;
+    return ball;
+  };
+  VolumeRead map{label_map(ball_at(4, 14), Globe::grid(), 1), {}, {}, {label_map(ball_at(-6, 10), Globe::grid(), 1)}};
+  map.segmentation.add({.name = "lung", .value = 1, .layer = 0});
+  map.segmentation.add({.name = "tumour", .value = 1, .layer = 1});
+  const fs::path file = driver.folder() / "two.seg.nrrd";
+  REQUIRE(write_segmentation(map, file));
+  driver.app().send(open_labels(file));
+  driver.settle();
+  driver.app().send(OpenSection{"Case"});
+  driver.settle();
+  const auto made = [&](const char* name) {
+    driver.state().automatic.template_settings.mask.vertices = 500;
+    driver.app().send(MakeTemplate{driver.state().automatic.template_settings, {}});
+    driver.settle();
+    const fs::path into = driver.folder() / name;
+    driver.app().send(UseMadeTemplate{into});
+    driver.wait_until("the case has it",
+                      [&] { return driver.document().structure()->the_template->source == into.string(); });
+    driver.settle();
+    return Vec3(bounds_of(*driver.document().view()->shape.points).center());
+  };
+  CHECK((made("first.ply") - Vec3(4, 0, 0)).norm() < 0.5);
+  driver.app().send(ShowLabelsLayer{1});
+  driver.settle();
+  CHECK((made("second.ply") - Vec3(-6, 0, 0)).norm() < 0.5);
+  driver.app().send(ShowLabelsLayer{2});  // there is none
+  driver.settle();
 }
 
 TEST_CASE("a case is shown with the window that it was left with") {

@@ -225,11 +225,11 @@ TEST_CASE("of an image and its label map each is known in either order") {
     for (const auto& files : {std::vector{ct, map}, std::vector{map, ct}}) {
       const Opened both = test::must(opened(files));
       REQUIRE(both.volume);
-      REQUIRE(both.labels);
+      REQUIRE(both.labels.size() == 1);
       CHECK(both.volume->at(0, 0, 0) == 1000);
       CHECK(both.request.volume_source == ct.string());
       CHECK(both.request.labels == map);
-      CHECK(both.label_values == std::vector{label});
+      CHECK(both.labels.front().values == std::vector{label});
     }
   const auto refusal = [&](const std::vector<fs::path>& files) { return opened(files).error().sentence(); };
   const std::string remedy = "a label map by Template → Open a label map…";

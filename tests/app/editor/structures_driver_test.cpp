@@ -120,6 +120,13 @@ TEST_CASE("after a stroke the structure goes out of its neighbour, and both are 
   driver.press('Z', {.ctrl = true});
   driver.settle();
   CHECK(points_of(driver, "s2") == before);
+  driver.app().send(SetStructureGap{2});
+  driver.settle();
+  pull();
+  CHECK(depth() < -1.8);
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK(points_of(driver, "s2") == before);
   driver.app().send(KeepApartAfterStrokes{false});
   driver.settle();
   pull();

@@ -84,6 +84,10 @@ TEST_CASE("a structure of a case goes out of its neighbour and stays in the wall
   CHECK(depth_mm(moved, other, 5) < 0.1);
   CHECK(moved.points.row(0).norm() < 20);
   CHECK(share_within(moved, {wall->topology, wall->points}) == doctest::Approx(1));
+  const auto wider = apart_from_others(document, id, 2);
+  REQUIRE(wider);
+  CHECK(depth_mm(moved, other, 5) > -0.5);
+  CHECK(depth_mm({small->topology, *wider->points}, other, 5) < -1.8);
   document.structures.erase(document.structures.begin() + 1);
   CHECK_FALSE(apart_from_others(document, id));
 }

@@ -184,6 +184,13 @@ void CloseLabels::run(Editing& editing) const {
   editing.shown.close_labels();
 }
 
+void ShowLabelsLayer::spell(Fields& line) {
+  line.member("layer", layer);
+}
+void ShowLabelsLayer::run(Editing& editing) const {
+  editing.shown.show_labels_layer(layer);
+}
+
 void SetLabelsFrame::spell(Fields& line) {
   line.member("frame", frame);
 }

@@ -42,6 +42,13 @@ struct CloseLabels {
   static constexpr const char* key = "close labels";
   void run(Editing& editing) const;
 };
+/// Shows another layer of the label map, counted from 0.
+struct ShowLabelsLayer {
+  static constexpr const char* key = "show label layer";
+  std::size_t layer = 0;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
 /// The label map, which holds one frame, belongs to another frame of the cine.
 struct SetLabelsFrame {
   static constexpr const char* key = "set labels frame";

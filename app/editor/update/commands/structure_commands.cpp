@@ -28,7 +28,6 @@ void ChooseStructure::run(Editing& editing) const {
   state.look.structures.range_from = chosen->id;
   show_structure(state, editing.shown.document(), id);
   if (const auto hover = state.pointer.hover) update_hover(state, editing.controls(), hover->x_px, hover->y_px);
-  editing.work.quality.post(nullptr);
   editing.work.quality.post(editing.shown.displayed(), state.look.structure);
 }
 
@@ -75,10 +74,13 @@ void AcceptStructure::run(Editing& editing) const {
   if (more) editing.out.send(NextStructure{false, true});
 }
 
+void KeepApart::spell(Fields& line) {
+  line.member("gap_mm", gap_mm);
+}
 void KeepApart::run(Editing& editing) const {
   editing.shown.session().apply_computed(
-      [](const Document& document, const std::string& of) -> Result<std::optional<Action>> {
-        if (auto edit = apart_from_others(document, of)) return std::optional<Action>(std::move(*edit));
+      [gap_mm = gap_mm](const Document& document, const std::string& of) -> Result<std::optional<Action>> {
+        if (auto edit = apart_from_others(document, of, gap_mm)) return std::optional<Action>(std::move(*edit));
         return std::optional<Action>();
       },
       true, editing.state.look.structure);

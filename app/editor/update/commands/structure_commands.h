@@ -46,6 +46,8 @@ struct AcceptStructure {
 /// Moves the structure that is worked on out of its neighbours. Undone together with the edit before it.
 struct KeepApart {
   static constexpr const char* key = "keep apart";
+  double gap_mm = 0;  ///< that stays between them
+  void spell(Fields& line);
   void run(Editing& editing) const;
 };
 /// Gives the structure that is worked on the shape back that it had before a repair; one that was missing goes.
@@ -111,6 +113,10 @@ using SortStructures =
     Setting<"sort structures", "worst_first", &EditorState::look, &Look::structures, &StructureLooks::worst_first>;
 using KeepApartAfterStrokes =
     Setting<"keep apart after strokes", "on", &EditorState::automatic, &Automatic::keep_apart>;
+using SetStructureGap = Setting<"set structure gap", "gap_mm", &EditorState::automatic, &Automatic::gap_mm>;
+/// 0…1.
+using SetOthersOpacity =
+    Setting<"set others opacity", "opacity", &EditorState::look, &Look::structures, &StructureLooks::others_opacity>;
 using ShowAsRead =
     Setting<"show as read", "shown", &EditorState::look, &Look::structures, &StructureLooks::as_read_shown>;
 

@@ -129,27 +129,31 @@ void take_contours(Editing& editing, const std::string& name, const Contours& re
   for (const ContourRoi& roi : read.rois)
     if (!roi.contours.empty()) drawn.push_back(&roi);
   if (drawn.empty()) return add_notice(state, name + ": has no contours in any of its structures; draw some.");
+  if (drawn.size() == 1 && editing.structure() != nullptr)
+    return add_contours(editing, *drawn.front(), *editing.structure(), false);
+  Contours others = read;
+  others.rois.clear();
   bool joined = false;
-  if (drawn.size() == 1 && editing.structure() != nullptr) {
-    add_contours(editing, *drawn.front(), *editing.structure(), false);
-    joined = true;
-  } else {
-    for (const ContourRoi* roi : drawn)
-      if (const Structure* structure = called_like(document, roi->name); structure != nullptr)
-        add_contours(editing, *roi, *structure, std::exchange(joined, true));
-  }
-  if (joined) return;
-  state.automatic.offered = {name, std::make_shared<const Contours>(read)};
-  add_notice(state,
-             name + (drawn.size() == 1 ? " holds contours. Load a template, then add them in the section Contours."
-                                       : " holds " + std::to_string(drawn.size()) +
-                                             " structures. Choose those to add in the section Contours."),
-             false);
+  for (const ContourRoi* roi : drawn)
+    if (const Structure* structure = called_like(document, roi->name); structure != nullptr)
+      add_contours(editing, *roi, *structure, std::exchange(joined, true));
+    else
+      others.rois.push_back(*roi);
+  if (others.rois.empty()) return;
+  const std::string count = std::to_string(others.rois.size()) + (joined ? " more" : "");
+  state.automatic.offered = {name, std::make_shared<const Contours>(std::move(others))};
+  add_notice(
+      state,
+      name + (drawn.size() == 1 ? " holds contours. Load a template, then add them in the section Contours."
+                                : " holds " + count + " structures. Choose those to add in the section Contours."),
+      false);
 }
 
 }  // namespace
 
 void add_contours(Editing& editing, const ContourRoi& roi, const Structure& structure, bool joined) {
+  if (editing.state.look.structures.locks(structure.id))
+    return add_notice(editing.state, locked_sentence(structure), false);
   stop_playing(editing);
   // Edits that were posted before and are not done yet may take the next ids.
   const auto taken = [&](const std::string& id) {

@@ -34,7 +34,7 @@ void show_labels(Editing& editing, const Opened& opened, std::optional<int> fitt
   }
   const Document& document = editing.shown.document();
   std::optional<int> frame;
-  if (document.scan.image && document.scan.image->frames > 1 && opened.labels->frames == 1) {
+  if (document.scan.image && document.scan.image->frames > 1 && opened.labels.front().volume->frames == 1) {
     frame = fitted_frame.value_or(document.frame);
     add_notice(editing.state,
                name + " holds one frame. It is shown at frame " + std::to_string(*frame) +
@@ -42,8 +42,7 @@ void show_labels(Editing& editing, const Opened& opened, std::optional<int> fitt
                    " If it belongs to another one, go there and press \"It is of this frame\" (Case).",
                false);
   }
-  editing.shown.show_labels({opened.labels, name, absolute_path(opened.request.labels), opened.label_values,
-                             opened.label_sizes_mm, frame, opened.label_names, opened.label_colours});
+  editing.shown.show_labels({opened.labels.front(), name, absolute_path(opened.request.labels), frame, opened.labels});
 }
 
 void start_document(Editing& editing, Document document) {
@@ -152,7 +151,7 @@ void start_with(Editing& editing, Opened opened) {
     look_at_step(state);
   }
   if (new_image && !is_phantom(source)) remember_recent(state.preferences.recent, source);
-  if (opened.labels) show_labels(editing, opened);
+  if (!opened.labels.empty()) show_labels(editing, opened);
   if (!demo) meet_image(state, *editing.shown.snapshot().document);
 }
 
@@ -191,6 +190,8 @@ void start_session(Editing& editing, EditSession session) {
   remember_case(state, shown.snapshot());
   for (const std::string& sentence : told(refused)) add_notice(state, "In the case before: " + sentence);
   if (document.scan.image != (before ? before->scan.image : nullptr)) editing.pictures.forget();
+  editing.work.measurements.post(nullptr);
+  editing.work.measured_document = nullptr;
   editing.work.quality.post(nullptr);
   editing.work.quality.post(shown.displayed(), editing.state.look.structure);
 }
@@ -219,7 +220,7 @@ void show_opened(Editing& editing, Opened opened) {
     for (const auto& path : contours) editing.out.send(OpenContours{path});
     return;
   }
-  if (opened.labels && !opened.volume && !opened.opened_case) {
+  if (!opened.labels.empty() && !opened.volume && !opened.opened_case) {
     editing.log.is_done(command);
     return show_labels(editing, opened);
   }
@@ -236,7 +237,7 @@ void show_opened(Editing& editing, Opened opened) {
     if (opened.the_template) editing.shown.adopt_template(std::move(opened.the_template));
     auto fitted = kept_fit(editing.shown.snapshot());
     // A map belongs to the frame that was fitted to it.
-    if (opened.labels) show_labels(editing, opened, fitted ? std::optional(fitted->first) : std::nullopt);
+    if (!opened.labels.empty()) show_labels(editing, opened, fitted ? std::optional(fitted->first) : std::nullopt);
     state.found.last_fit.reset();
     if (fitted) state.found.last_fit = std::move(fitted->second);
   } else {

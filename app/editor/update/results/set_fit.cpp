@@ -121,7 +121,7 @@ void start_set_fit(Editing& editing, bool repair) {
   // A label map that was opened by itself is shown as an image, and shows no boundary but its own.
   const bool is_scan = std::filesystem::path(document.scan.source) != labels;
   editing.work.set_fitter.start(editing.state.automatic.set,
-                                {labels, document.frame, is_scan ? document.scan.image : nullptr}, repair,
+                                {labels, document.frame, is_scan ? document.scan.image : nullptr, editing.state.automatic.gap_mm}, repair,
                                 editing.shown.number());
 }
 

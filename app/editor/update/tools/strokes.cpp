@@ -44,7 +44,7 @@ void follow_stroke(EditorState& state, const Action& action, const ControlsConte
   if (shown && state.automatic.snap.with_strokes && context.document.scan.image)
     out.send(SnapMesh{snap_region(*shown, stroke), true});
   if (state.automatic.model_help > 0) out.send(CompleteByModel{});
-  if (state.automatic.keep_apart && context.document.structures.size() > 1) out.send(KeepApart{});
+  if (state.automatic.keep_apart && context.document.structures.size() > 1) out.send(KeepApart{state.automatic.gap_mm});
 }
 
 std::string stroke_hint(const EditorState&, const Document&) {

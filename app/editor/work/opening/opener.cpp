@@ -52,22 +52,34 @@ Error second_image(const std::string& path, const std::string& why) {
                     "Template → Open a label map…"};
 }
 
-void take_labels(Opened& opened, VolumeRead read) {
-  Volume& labels = read.volume;
+/// `layer`: among several; none of a map that has one.
+LabelMapLayer layer_of(Volume labels, const Segmentation& known, std::optional<std::size_t> layer) {
+  LabelMapLayer taken;
   std::map<int, Rgb> colours;
   for (const auto& [value, voxels] : labels_of(labels)) {
-    opened.label_values.push_back(value);
-    const auto& known = read.segmentation;
-    const Segment* segment = read.other_layers.empty() ? known.find(value) : known.find(value, 0);
+    taken.values.push_back(value);
+    const Segment* segment = layer ? known.find(value, *layer) : known.find(value);
     if (segment == nullptr) continue;
-    if (!segment->name.empty()) opened.label_names[value] = segment->name;
+    if (!segment->name.empty()) taken.names[value] = segment->name;
     if (!segment->colour) continue;
     for (std::size_t c = 0; c < 3; ++c) colours[value][c] = static_cast<float>((*segment->colour)[c]) / 255;
   }
-  if (!colours.empty()) opened.label_colours = std::make_shared<const std::map<int, Rgb>>(std::move(colours));
+  if (!colours.empty()) taken.colours = std::make_shared<const std::map<int, Rgb>>(std::move(colours));
   constexpr std::size_t most_sized = 256;  // a grey image has thousands of values, and no sizes that anybody wants
-  if (opened.label_values.size() <= most_sized) opened.label_sizes_mm = label_sizes_mm(labels, 0);
-  opened.labels = std::make_shared<const Volume>(std::move(labels));
+  if (taken.values.size() <= most_sized) taken.sizes_mm = label_sizes_mm(labels, 0);
+  taken.volume = std::make_shared<const Volume>(std::move(labels));
+  return taken;
+}
+
+void take_labels(Opened& opened, VolumeRead read) {
+  const bool has_layers = !read.other_layers.empty();
+  const auto take = [&](Volume& labels) {
+    const std::optional<std::size_t> layer = has_layers ? std::optional(opened.labels.size()) : std::nullopt;
+    opened.labels.push_back(layer_of(std::move(labels), read.segmentation, layer));
+  };
+  opened.labels.clear();
+  take(read.volume);
+  for (Volume& other : read.other_layers) take(other);
 }
 
 std::string shown_as_labels(const fs::path& file) {
@@ -220,10 +232,12 @@ void meet_image(Opened& opened, const Volume* on_screen) {
   const Volume* image = on_screen;
   if (opened.opened_case) image = opened.opened_case->session.document().scan.image.get();
   if (opened.volume) image = opened.volume.get();
-  if (!opened.labels || image == nullptr || opened.label_values.empty()) return;
-  opened.labels_off_image = !lies_in(*opened.labels, image->geometry);
-  if (opened.labels_off_image)
-    opened.labels_misfit = misfit_in_image(opened.labels->geometry.bounds_mm(), image->geometry);
+  if (image == nullptr) return;
+  const auto is_empty = [](const LabelMapLayer& layer) { return layer.values.empty(); };
+  const auto is_there = [&](const LabelMapLayer& layer) { return lies_in(*layer.volume, image->geometry); };
+  if (std::ranges::all_of(opened.labels, is_empty) || std::ranges::any_of(opened.labels, is_there)) return;
+  opened.labels_off_image = true;
+  opened.labels_misfit = misfit_in_image(opened.labels.front().volume->geometry.bounds_mm(), image->geometry);
 }
 
 Result<void> open_parts(Opened& opened, Progress& progress) {
@@ -267,7 +281,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     if (!the_template) return fail(the_template.error());
     opened.the_template = std::move(*the_template);
   }
-  return request.labels.empty() || opened.labels ? Result<void>() : open_labels(opened, progress);
+  return request.labels.empty() || !opened.labels.empty() ? Result<void>() : open_labels(opened, progress);
 }
 
 /// As dialogs, recent files and cases need it, wherever the program was started.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/editor/state/guide.h"
+#include "app/editor/state/label_map_layer.h"
 #include "app/editor/state/open_request.h"
 #include "app/editor/work/worker.h"
 #include "core/measure/meeting.h"
@@ -30,13 +31,9 @@ struct Opened {
   std::optional<Guide> guide;  ///< of the first case
   std::shared_ptr<const Volume> volume;
   std::shared_ptr<const Template> the_template;  ///< beside a case: the one that it saved; null where it saved none
-  std::shared_ptr<const Volume> labels;
-  std::vector<int> label_values;         ///< those that `labels` holds, without 0
-  std::map<int, double> label_sizes_mm;  ///< of each and of every_label together [organ_size_mm]
-  std::map<int, std::string> label_names;
-  std::shared_ptr<const std::map<int, Rgb>> label_colours;  ///< that the map gives; null where it gives none
-  bool labels_off_image = false;                            ///< none of them lies in the image that they are shown over
-  std::optional<Misfit> labels_misfit;                      ///< then: what would bring their grid there
+  std::vector<LabelMapLayer> labels;             ///< the layers of the label map; none without one
+  bool labels_off_image = false;                 ///< none of them lies in the image that they are shown over
+  std::optional<Misfit> labels_misfit;           ///< then: what would bring their grid there
   std::vector<std::string> warnings;
   std::vector<SeriesInfo> series;  ///< the folder holds several and none was chosen: nothing was opened
   bool needs_spacing = false;      ///< a stack of pictures, whose voxel size was not told: nothing was opened

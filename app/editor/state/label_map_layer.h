@@ -1,0 +1,22 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/mesh/colours.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+/// What one layer of a label map holds. Layers overlap.
+struct LabelMapLayer {
+  std::shared_ptr<const Volume> volume;  ///< null without one
+  std::vector<int> values;               ///< without 0
+  std::map<int, double> sizes_mm;        ///< of each and of every_label together [organ_size_mm]
+  std::map<int, std::string> names;
+  std::shared_ptr<const std::map<int, Rgb>> colours;  ///< that the map gives; null where it gives none
+};
+
+}  // namespace homolog

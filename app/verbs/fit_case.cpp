@@ -29,6 +29,7 @@
 #include "core/groupwise/same_place.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/mirror.h"
+#include "core/mesh/rims.h"
 #include "core/model/doubtful_shapes.h"
 #include "core/model/model_prior.h"
 #include "core/model/statismo.h"
@@ -83,7 +84,8 @@ Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared
     const auto file = read_mesh_to_mend(path);
     if (!file) return fail(file.error());
     const auto started = FitClock::now();
-    auto boundary = surface_boundary(*file, vertices, &progress, options.partial);
+    auto boundary = surface_boundary(*file, vertices, &progress, options.partial,
+                                     longest_hole_share({shared.the_template->topology, shared.the_template->points}));
     if (!boundary) return fail(path.string(), boundary.error().what);
     boundary->warnings.insert(boundary->warnings.begin(), file->warnings.begin(), file->warnings.end());
     return FitTarget{started, std::move(*boundary), std::nullopt};

@@ -43,7 +43,7 @@ const std::array recorded_verbs{
     RecordedVerb{"repair", {"MAP", "--templates", "--model", "--image"}, "--output", {}},
     RecordedVerb{"set make", {"MAP", "--like"}, "--output", {}},
     RecordedVerb{"score", {"NEW", "--model"}, "--output", {}},
-    RecordedVerb{"test", {"SHAPE", "--covariates", "--permutation-file"}, "--csv", {}},
+    RecordedVerb{"test", {"SHAPE", "--covariates", "--permutation-file", "--templates"}, "--csv", {}},
     RecordedVerb{"evaluate", {"SHAPE"}, "--csv", {}},
     RecordedVerb{
         "measure", {"SHAPE", "--recipe", "--template", "--landmarks", "--image", "--model"}, "--csv", {"--profiles"}},
@@ -61,6 +61,11 @@ const std::array recorded_verbs{
     RecordedVerb{"picture score", {"SHAPE", "--model"}, "--output", {}},
     RecordedVerb{"picture plot", {"FILE"}, "--output", {}},
 };
+
+/// Whether a folder that it is given stands for the shapes in it. Of a verb of template sets --templates is a file.
+bool of_shapes(std::string_view option) {
+  return option == "SHAPE" || option == "--against" || option == "--templates";
+}
 
 bool changes_no_byte(const std::string& name) {
   return name == "--json" || name == "--quiet" || name == "--jobs" || name == "--help";
@@ -248,7 +253,7 @@ Result<std::string> record_of(const GivenCommand& given, Progress& progress) {
   const bool of_names = asks_for_names(command);
   Json options = Json::object();
   for (const GivenOption& option : command.options) {
-    const InputReader reader{option.name == "SHAPE" || option.name == "--against", of_names, &progress};
+    const InputReader reader{of_shapes(option.name), of_names, &progress};
     Json values = option.values.empty() ? Json(true) : Json::array();
     for (const std::string& value : option.values) {
       std::error_code none;

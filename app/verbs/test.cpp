@@ -193,6 +193,7 @@ Result<std::vector<TestAgain>> tests_again(const TestJob& job, std::vector<std::
     options.at.clear();
     auto other = test_job(options, progress);
     if (!other) return fail(other.error());
+    for (const std::string& warning : other->cases.warnings) warnings.push_back(folder.string() + ": " + warning);
     if (other->cases.names != job.cases.names)
       warnings.push_back(folder.string() + ": has other cases (" + std::to_string(other->cases.names.size()) +
                          " where there are " + std::to_string(job.cases.names.size()) +
@@ -256,8 +257,8 @@ Result<Report> run_test(TestOptions options, Progress& progress) {
     report.made = std::move(job.tables);
   }
   progress.part(0.8, 1);
-  if (auto added = add_robustness(job, test, report, progress); !added) return fail(added.error());
   report.warnings = std::move(job.cases.warnings);
+  if (auto added = add_robustness(job, test, report, progress); !added) return fail(added.error());
   return report;
 }
 

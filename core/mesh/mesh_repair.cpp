@@ -333,9 +333,15 @@ std::string MendedFaults::words() const {
   return listed(parts, " and ");
 }
 
-Result<MeshRepair> mended_if_broken(const MeshFile& surface) {
+Result<MeshRepair> mended_if_broken(const MeshFile& surface, double longest_rim_share) {
   if (auto sound = as_it_is(surface)) return MeshRepair{std::move(*sound), {}};
-  return repaired(surface, {small_rim_share});
+  return repaired(surface, {longest_rim_share});
+}
+
+void close_holes(MeshRepair& repair, double longest_rim_share) {
+  const std::size_t rims = repair.mesh.topology->rims().size();
+  repair.mesh = capped(repair.mesh, longest_rim_share * bounds_of(repair.mesh.points).diagonal().norm());
+  repair.mended.holes += rims - repair.mesh.topology->rims().size();
 }
 
 Result<MeshRepair> repaired(const MeshFile& surface, const RepairOptions& options) {
@@ -352,10 +358,7 @@ Result<MeshRepair> repaired(const MeshFile& surface, const RepairOptions& option
   const std::vector<Mesh> parts = sound_parts(parts_of(repair.mesh), repair.mended);
   if (std::ssize(parts) < repair.mesh.topology->components() || repair.mended.turned_faces > 0)
     repair.mesh = joined(parts);
-  const double longest_mm = options.longest_rim_share * bounds_of(repair.mesh.points).diagonal().norm();
-  const std::size_t rims = repair.mesh.topology->rims().size();
-  repair.mesh = capped(repair.mesh, longest_mm);
-  repair.mended.holes = rims - repair.mesh.topology->rims().size();
+  close_holes(repair, options.longest_rim_share);
   repair.mesh = without_flat_faces(std::move(repair.mesh), repair.mended);
   return repair;
 }

@@ -9,6 +9,7 @@
 #include "core/base/files.h"
 #include "core/base/listed.h"
 #include "core/base/nearest_names.h"
+#include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/shape_folder.h"
@@ -36,6 +37,19 @@ Result<std::vector<fs::path>> entries_of(const fs::path& folder) {
   return found;
 }
 
+/// Without a slash at its end, and with the folder's name where that is ".".
+fs::path whole_path(const fs::path& path) {
+  fs::path whole = absolute_path(path).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+
+/// The case file of which a folder holds the meshes.
+fs::path case_beside(const fs::path& folder) {
+  fs::path file = folder;
+  file += ".homolog";
+  return file;
+}
+
 /// Collects the files of structures, and the names of all others.
 class Finder {
  public:
@@ -58,7 +72,10 @@ class Finder {
     if (!of_shapeworks && holds(ShapeWorksFrame::world))
       return fail(folder.string(), "holds _world.particles but no _local.particles; use --world");
     std::vector<fs::path> worked_on;
-    const fs::path whole = folder.has_filename() ? folder : folder.parent_path();
+    const fs::path whole = whole_path(folder);
+    if (std::error_code none;
+        !of_shapeworks && fs::exists(case_beside(whole), none) && goes_on_after_fit(case_beside(whole)))
+      worked_on.push_back(case_beside(whole));
     for (const fs::path& entry : *entries) {
       std::error_code ignored;
       if (is_case_file(entry)) {
@@ -77,35 +94,55 @@ class Finder {
       }
     }
     for (const fs::path& file : worked_on)
-      if (auto added = add_case(file); !added) return added;
+      if (auto added = add_case(file_stem(file), {.file = file}); !added) return added;
     return {};
   }
 
-  /// The structures that a case file holds, in place of meshes of that case.
-  Result<void> add_case(const fs::path& file) {
-    const auto shapes = read_shapes_of(file);
+  /// The structures that a case file holds, in place of all meshes of that case. `of`: which frame of it, and what a
+  /// study says; where it names a structure, that one alone is taken.
+  Result<void> add_case(const std::string& name, const ShapeSource& of) {
+    const auto shapes = read_shapes_of(of.file);
     if (!shapes) return fail(shapes.error());
+    std::vector<ShapeSource>& files = files_of(name);
+    const fs::path meshes = whole_path(of.file).parent_path() / file_stem(of.file);
+    if (by_cases_.insert(meshes).second)
+      for (ShapeSource& there : files)
+        if (there.structure.empty() && whole_path(there.file).parent_path() == meshes) there = {};
     for (const ShapesOfStructure& one : shapes->structures) {
       others_.insert(one.name);
       const auto found = std::find(structures_.begin(), structures_.end(), lower_case(one.name));
       if (found == structures_.end() || one.frames.empty()) continue;
-      ShapeSource& there = files_of(file_stem(file))[static_cast<std::size_t>(found - structures_.begin())];
-      if (!there.structure.empty() && there.file != file)
-        return fail(file.string(), "has the name of " + there.file.string() + "; rename one of the cases");
-      there = {file, {}, false};
+      if (!of.structure.empty() && of.structure != one.id) continue;
+      ShapeSource& there = files[static_cast<std::size_t>(found - structures_.begin())];
+      if (!there.file.empty() && whole_path(there.file) != whole_path(of.file))
+        return fail(of.file.string(), "has the name of " + there.file.string() + "; rename one of the cases");
+      there = of;
       there.structure = one.id;
     }
     return {};
   }
 
+  /// The cases of a study as it says: their frames, flipped ones, doubts. Those that wait for their fit are left out.
   Result<void> add_study(const fs::path& file) {
     const auto read = read_study(file);
     if (!read) return fail(read.error());
-    std::set<fs::path> files;
+    std::map<fs::path, std::set<std::optional<int>>> frames;
     for (const StudyCase& one : read->study.cases)
-      if (is_case_file(one.file) && files.insert(one.file).second)
-        if (auto added = add_case(one.file); !added) return added;
-    if (files.empty()) return fail(file.string(), "has no case file; name the folder of its meshes");
+      if (!one.waits()) frames[one.file].insert(one.frame);
+    if (frames.empty()) return fail(file.string(), "has no case that is fitted; fit its cases first");
+    for (const StudyCase& one : read->study.cases) {
+      if (one.waits()) continue;
+      if (!is_case_file(one.file))
+        return fail(file.string(), "has " + one.name +
+                                       " as a mesh, which holds one structure; name the folder of the structures' "
+                                       "meshes in place of the study");
+      const std::string name = frames[one.file].size() > 1 ? one.name : file_stem(one.file);
+      const bool done = one.state == CaseState::done;
+      if (auto added = add_case(name, {one.file, one.frame, one.flipped, done ? std::string() : one.doubt, one.group,
+                                       done, one.structure});
+          !added)
+        return added;
+    }
     return {};
   }
 
@@ -135,6 +172,7 @@ class Finder {
  private:
   Result<void> add_file(const std::string& case_name, const std::string& structure, const fs::path& file) {
     if (!keeps_numbers(file)) return {};
+    if (by_cases_.contains(whole_path(file).parent_path())) return {};
     others_.insert(structure);
     const auto found = std::find(structures_.begin(), structures_.end(), lower_case(structure));
     if (found == structures_.end()) return {};
@@ -170,6 +208,7 @@ class Finder {
   ShapeWorksFrame frame_;
   std::map<std::string, std::vector<ShapeSource>> cases_;
   std::set<std::string> others_;  ///< names of all structures that are there
+  std::set<fs::path> by_cases_;   ///< folders of meshes whose case file is taken in their place
 };
 
 }  // namespace
@@ -186,7 +225,9 @@ Result<std::vector<CaseFiles>> structure_files(const std::vector<fs::path>& file
   Finder finder(structures, frame);
   for (const fs::path& file : files) {
     const bool is_study = file.string().ends_with(".study.json");
-    auto added = is_study ? finder.add_study(file) : is_case_file(file) ? finder.add_case(file) : finder.add(file);
+    auto added = is_study             ? finder.add_study(file)
+                 : is_case_file(file) ? finder.add_case(file_stem(file), {.file = file})
+                                      : finder.add(file);
     if (!added) return fail(added.error());
   }
   if (auto all = finder.check(files.front().string(), structures); !all) return fail(all.error());

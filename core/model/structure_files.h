@@ -21,12 +21,12 @@ enum class ShapeWorksFrame { local, world };
 
 /// The shapes of these structures, case by case in the order of the cases' names. Each of `files` is
 /// - a folder of cases, CASE/STRUCTURE.ply [fit_set.h] or of another format that keeps vertices, or such a CASE itself.
-///   A case file CASE.homolog beside CASE is taken in its place where it was worked on after the fit,
+///   A case file CASE.homolog beside CASE is taken in its place, as a whole, where it was worked on after the fit,
 /// - a folder of ShapeWorks' with several domains, SUBJECT_DOMAIN_local.particles and _world.particles,
-/// - a case file, or a study, which stands for its case files.
+/// - a case file, in place of the folder CASE beside it, or a study, which stands for its cases that are fitted.
 /// Names of structures are found in any case; a mesh .ply is taken before others of its name. Errors: fewer than
 /// `least` structures, one twice, one that no case has (with the nearest names), two files of one case and structure,
-/// ShapeWorks' files of the other frame alone, a folder, a case or a study that cannot be read.
+/// ShapeWorks' files of the other frame alone, a folder, a case or a study that cannot be read, a study with a mesh.
 Result<std::vector<CaseFiles>> structure_files(const std::vector<std::filesystem::path>& files,
                                                const std::vector<std::string>& structures,
                                                ShapeWorksFrame frame = ShapeWorksFrame::local, std::size_t least = 2);

@@ -98,9 +98,11 @@ Boundary mesh_boundary(const Mesh& mesh, bool all_parts) {
   return boundary;
 }
 
-Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress, bool all_parts) {
-  const auto repair = mended_if_broken(surface);
+Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress, bool all_parts,
+                                  std::optional<double> hole_share) {
+  auto repair = mended_if_broken(surface, hole_share.value_or(small_rim_share));
   if (!repair) return fail(repair.error());
+  if (hole_share) close_holes(*repair, *hole_share);
   const std::string mended = repair->mended.any() ? "was mended: " + repair->mended.words() : "";
   MeshFaults faults;
   faults.tunnels = repair->mesh.topology->genus();

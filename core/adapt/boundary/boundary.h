@@ -59,8 +59,9 @@ Boundary mesh_boundary(const Mesh& mesh, bool all_parts = false);
 
 /// The same of whatever surface a file holds: mended where it is broken [mesh_repair.h]. One that is riddled with
 /// tunnels is rebuilt from voxels [solid_voxels.h], as fine as a mesh of `vertices` vertices shows, with a warning that
-/// says how far that lies from it. Errors: no face is left; cancelled.
+/// says how far that lies from it. `hole_share`: boundary loops up to that share of its diagonal are holes and are
+/// closed; without, those up to small_rim_share of a broken one are. Errors: no face is left; cancelled.
 Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress = nullptr,
-                                  bool all_parts = false);
+                                  bool all_parts = false, std::optional<double> hole_share = std::nullopt);
 
 }  // namespace homolog

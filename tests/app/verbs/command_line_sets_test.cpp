@@ -439,7 +439,8 @@ TEST_CASE("a joint model takes a case that was worked on after the fit in place 
     };
     CHECK(variance("others") == doctest::Approx(variance("tables")).epsilon(1e-5));  // a case keeps its fit in float
   }
-  const auto cases = structure_files({folder.path / "fits"}, {"kidney_left", "kidney_right"});
+  const std::vector<std::string> names{"kidney_left", "kidney_right"};
+  const auto cases = structure_files({folder.path / "fits"}, names);
   REQUIRE(cases);
   CHECK((*cases)[0].of_structure[1].file.filename() == "kidney_right.ply");
   CHECK((*cases)[1].of_structure[0].file.filename() == "twin.homolog");
@@ -449,6 +450,37 @@ TEST_CASE("a joint model takes a case that was worked on after the fit in place 
     REQUIRE(before);
     CHECK(((*moved)->points - (*before)->points).row(7).norm() == doctest::Approx(k == 0 ? 2 : 6).epsilon(0.05));
   }
+
+  // The case stands for the folder of its meshes, whichever of them is named, and in any order.
+  const fs::path fits = folder.path / "fits", meshes = fits / "twin";
+  for (const auto& given : {std::vector{meshes}, {meshes / ""}, {edited, meshes}, {meshes, edited}}) {
+    const auto one = structure_files(given, names);
+    REQUIRE(one);
+    REQUIRE(one->size() == 1);
+    CHECK(one->front().of_structure[0].file.filename() == "twin.homolog");
+  }
+  // What was removed from it does not come back from the folder.
+  REQUIRE(write_whole_file(edited, lines_of_case + "{\"remove_structure\":\"" + document.structures[1]->id + "\"}\n"));
+  const auto fewer = structure_files({fits}, names);
+  REQUIRE(fewer);
+  CHECK((*fewer)[1].of_structure[1].file.empty());
+  REQUIRE(write_whole_file(edited, lines_of_case));
+
+  // A study says which cases wait, and which are flipped.
+  Json study = Json::parse(read_whole_file(fits / "fits.study.json").value());
+  for (Json& one : study["cases"]) one["flipped"] = true;
+  REQUIRE(write_whole_file(fits / "fits.study.json", study.dump()));
+  const auto flipped = structure_files({fits / "fits.study.json"}, names);
+  REQUIRE(flipped);
+  CHECK((*flipped)[0].of_structure[1].flipped);
+  study["cases"][0]["from_scan"] = true;
+  study["cases"][0]["state"] = "to do";
+  REQUIRE(write_whole_file(fits / "fits.study.json", study.dump()));
+  CHECK(test::must(structure_files({fits / "fits.study.json"}, names)).size() == 1);
+  study["cases"][0] = {{"name", "mesh"}, {"file", "twin/kidney_left.ply"}};
+  REQUIRE(write_whole_file(fits / "fits.study.json", study.dump()));
+  CHECK(run(folder, "model fits/fits.study.json" + both + "n.h5").errors.find("holds one structure") !=
+        std::string::npos);
 }
 
 TEST_CASE("a fit of a set refuses what it cannot use, in a sentence") {

@@ -141,6 +141,19 @@ TEST_CASE("an answer that rests on vertices in doubt or on one template is told 
   CHECK(other["again"][0]["terms"][0]["p"] == other["terms"][0]["p"]);
   CHECK(other["again"][1]["terms"][0]["p"].get<double>() > 0.05);
 
+  // The record of its tables names no folder of shapes by its path, and finds it wherever it lies.
+  fs::remove(folder.path / "twin/c11.ply");
+  const Ran fewer = run(
+      folder, by("shape ~ group") + "--no-align --templates '" + (folder.path / "twin").string() + "' --csv tables");
+  CHECK(fewer.status == 0);
+  CHECK(fewer.errors.find("has other cases (11 where there are 12)") != std::string::npos);
+  for (const auto& table : fs::directory_iterator(folder.path / "tables"))
+    CHECK(read_whole_file(table.path()).value().find(folder.path.string()) == std::string::npos);
+  fs::create_directory(folder.path / "moved");
+  fs::rename(folder.path / "twin", folder.path / "moved/twin");
+  const Ran again = run(folder, "verify tables/landmarks.csv --inputs .");
+  CHECK_MESSAGE(again.status == 0, again.errors);
+
   // All that the groups differ in lies where nobody knows what belongs where.
   int top = 0;
   for (int k = 0; k < 12; ++k) {

@@ -150,6 +150,49 @@ TEST_CASE("a template with a rim is fitted rim to rim and its vertices lie as ne
   CHECK(off_mm < closed_off_mm + 0.2);
 }
 
+TEST_CASE("of a target a hole is closed and its rim stays whatever else is wrong with it") {
+  const Mesh open = make_mesh_template(file_of(open_egg()), {.vertices = 1500}).value().mesh;
+  const Mesh target{open.topology, 1.25 * open.points};
+  const auto the_template = make_template(file_of(open), "open").value();
+  const auto share = longest_hole_share({the_template->topology, the_template->points});
+  REQUIRE(share);
+  CHECK_FALSE(longest_hole_share(dented_egg(1)));
+  const auto boundary_of = [&](const MeshFile& file) {
+    return surface_boundary(file, 1500, nullptr, false, share).value();
+  };
+  const Boundary clean = boundary_of(file_of(target));
+  CHECK(clean.surface.points == target.points);
+  CHECK(clean.warnings.empty());
+
+  MeshFile flawed = file_of(target);  // one vertex that no face has
+  flawed.points.conservativeResize(flawed.points.rows() + 1, Eigen::NoChange);
+  flawed.points.bottomRows(1) << 0, 0, 0;
+  const Boundary mended = boundary_of(flawed);
+  CHECK(mended.surface.points.rows() == target.points.rows());
+  CHECK(long_rims(mended.surface).size() == 1);
+  CHECK(std::ranges::none_of(mended.warnings,
+                             [](const std::string& said) { return said.find("closed flat") != std::string::npos; }));
+
+  // A hole 10 mm wide, longer around than a tenth of the diagonal.
+  const Vec3 middle = target.points.row(target.points.rows() / 2);
+  std::vector<std::int32_t> kept;
+  const Triangles& all = target.topology->triangles();
+  for (Eigen::Index f = 0; f < all.rows(); ++f) {
+    const Vec3 centre =
+        (target.points.row(all(f, 0)) + target.points.row(all(f, 1)) + target.points.row(all(f, 2))) / 3;
+    if ((centre - middle).norm() > 6) kept.push_back(static_cast<std::int32_t>(f));
+  }
+  const MeshFile holed{target.points, all(kept, Eigen::all)};
+  const Mesh holed_mesh{Topology::make(holed.points.rows(), holed.triangles).value(), holed.points};
+  REQUIRE(long_rims(holed_mesh).size() == 2);
+  const Boundary closed = boundary_of(holed);
+  CHECK(long_rims(closed.surface).size() == 1);
+  REQUIRE_FALSE(closed.warnings.empty());
+  CHECK(closed.warnings.front().find("one hole closed flat") != std::string::npos);
+  const FitResult fit = fit_to_boundary(*the_template, closed).value();
+  CHECK(judge_fit(*the_template, closed, {}, fit).rim->mean_mm < 0.1);
+}
+
 TEST_CASE("an open template on an organ that goes on beyond its rim is doubtful and says so") {
   const auto the_template = make_template(file_of(open_egg()), "open").value();
   const Boundary whole = mesh_boundary(dented_egg(1));

@@ -93,9 +93,10 @@ Result<VolumeMesh> read_volume_mesh(const std::filesystem::path& path) {
   if (ras) mesh.points.leftCols<2>() *= -1;
   mesh.warnings = std::move(probe.warnings);
   if (cells->vectors > 0)
-    mesh.warnings.push_back("has " + std::to_string(cells->vectors) +
-                            " arrays of three values, which are kept as they are; where these are directions, they are "
-                            "not turned with the shape");
+    mesh.warnings.push_back(
+        "has " + std::to_string(cells->vectors) +
+        " arrays of three or nine values, which are kept as they are; where these are directions, they are "
+        "not turned with the shape");
   if (auto taken = take_tetrahedra(cells->tetrahedra, mesh); !taken) return fail(path.string(), taken.error().what);
   Eigen::Index placed = 0;
   for (const formats::PointsPlace& place : cells->places) placed += place.count;

@@ -122,6 +122,9 @@ for reader in ("ply", "vtk", "vtp", "vtu", "gii", "msh", "stl", "particles"):
 convert(out / "obj/a.obj", "obj", "a.mni.obj")
 put("msh", "four.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n"
     "$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n")
+put("msh", "values.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n2\n"
+    "1 4 2 7 1 1 2 3 4\n2 4 2 8 1 1 2 3 4\n$EndElements\n$NodeData\n1\n\"doubt_mm\"\n1\n0\n3\n0 1 4\n1 1\n2 2\n3 3\n4 4\n$EndNodeData\n"
+    "$ElementData\n1\n\"fibres\"\n1\n0\n3\n0\n3\n1\n1 1 0 0\n$EndElementData\n")
 put("ply", "text.ply", 'ply\nformat ascii 1.0\ncomment SPACE=RAS\ncomment homolog.region {"name":"a","factor":2,"colour":"#112233"}\n'
     'comment homolog.landmark {"name":"l","position":[1,2,3]}\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n'
     "property uchar region\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 0\n0 1 0 1\n3 0 1 2\n")

@@ -119,18 +119,20 @@ class MshReader {
   Result<void> read_section(std::string_view name) {
     text_.line();
     const std::string end = "$End" + std::string(name);
-    const bool is_nodes = name == "Nodes", is_elements = name == "Elements";
-    if ((is_nodes && has_nodes_) || (is_elements && (has_elements_ || !has_nodes_)))
+    const bool is_nodes = name == "Nodes", is_elements = name == "Elements", is_node_data = name == "NodeData";
+    if ((is_nodes && has_nodes_) || (is_elements && (has_elements_ || !has_nodes_)) || (is_node_data && !has_nodes_))
       return fail("", "holds its nodes and elements in an order that is not Gmsh's; export it again");
-    if (is_nodes || is_elements || name == "NodeData") {
-      const auto read = is_nodes      ? (four_ ? read_blocks_of_nodes() : read_nodes())
-                        : is_elements ? (four_ ? read_blocks_of_elements() : read_elements())
-                                      : read_node_data();
+    if (is_nodes || is_elements) {
+      const auto read = is_nodes ? (four_ ? read_blocks_of_nodes() : read_nodes())
+                                 : (four_ ? read_blocks_of_elements() : read_elements());
       if (!read) return read;
       has_nodes_ = has_nodes_ || is_nodes;
       has_elements_ = has_elements_ || is_elements;
       return text_.word() == end ? Result<void>() : fail(damaged_msh());
     }
+    const Text begin = text_;
+    if (is_node_data || name == "ElementData" || name == "ElementNodeData") read_data(is_node_data, end);
+    text_ = begin;
     const std::size_t from = text_.position(), at = bytes_.find(end, from);
     if (at == std::string_view::npos) return fail(damaged_msh());
     text_.take(at + end.size() - from);
@@ -292,43 +294,51 @@ class MshReader {
     return {};
   }
 
-  /// The number of tags of a kind, each on a line; the tags of which `keep` is given are returned.
-  Result<std::vector<std::string>> read_data_tags() {
-    const auto count = text_.number<std::int64_t>();
+  /// What stands before the values of nodes or elements.
+  struct DataHead {
+    std::string name;
+    std::int64_t components = 0, count = 0;
+  };
+  std::optional<DataHead> read_data_head() {
+    DataHead head;
+    const auto texts = text_.number<std::int64_t>();
+    if (!is_possible(texts)) return std::nullopt;
     text_.line();
-    if (!is_possible(count)) return fail(damaged_msh());
-    std::vector<std::string> tags;
-    for (std::int64_t k = 0; k < *count; ++k) tags.emplace_back(trimmed(text_.line()));
-    return tags;
+    for (std::int64_t k = 0; k < *texts; ++k) {
+      if (const auto text = trimmed(text_.line()); k == 0) head.name = text;
+    }
+    const auto reals = text_.number<std::int64_t>();
+    if (!is_possible(reals)) return std::nullopt;
+    for (std::int64_t k = 0; k < *reals; ++k)
+      if (!text_.number<double>()) return std::nullopt;
+    const auto whole = text_.number<std::int64_t>();
+    if (!is_possible(whole) || *whole < 3) return std::nullopt;
+    for (std::int64_t k = 0; k < *whole; ++k) {
+      const auto number = text_.number<std::int64_t>();
+      if (!number) return std::nullopt;
+      if (k == 1) head.components = *number;
+      if (k == 2) head.count = *number;
+    }
+    text_.line();
+    if (head.name.size() >= 2 && head.name.starts_with('"')) head.name = head.name.substr(1, head.name.size() - 2);
+    return is_possible(head.count) ? std::optional(std::move(head)) : std::nullopt;
   }
 
-  /// Values of nodes under a name; those of one value a node that all nodes have are kept.
-  Result<void> read_node_data() {
-    std::array<std::vector<std::string>, 3> tags;  // texts, real numbers, whole numbers
-    for (auto& kind : tags) {
-      auto read = read_data_tags();
-      if (!read) return fail(read.error());
-      kind = std::move(*read);
-    }
-    if (tags[2].size() < 3) return fail(damaged_msh());
-    const auto components = as_number<std::int64_t>(tags[2][1]), count = as_number<std::int64_t>(tags[2][2]);
-    if (!components || *components < 1 || *components > 9 || !is_possible(count)) return fail(damaged_msh());
-    if (*components == 3) ++cells_.vectors;
+  /// Counts values that may be directions, and keeps those of one value a node. The mesh is whole without what cannot
+  /// be read. Values of few nodes are left out: a small file could claim much memory by them.
+  void read_data(bool of_nodes, std::string_view end) {
+    auto head = read_data_head();
+    if (!head) return;
+    if (head->components == 3 || head->components == 9) ++cells_.vectors;
+    if (!of_nodes || head->components != 1 || head->count < nodes() / 2) return;
     VertexScalars values = VertexScalars::Constant(nodes(), NAN);
-    for (std::int64_t i = 0; i < *count; ++i) {
+    for (std::int64_t i = 0; i < head->count; ++i) {
       const auto node = small();
-      if (!node) return fail(damaged_msh());
-      const auto found = index_of_.find(*node);
-      for (std::int64_t k = 0; k < *components; ++k) {
-        const auto value = number<double>();
-        if (!value) return fail(damaged_msh());
-        if (found != index_of_.end()) values[found->second] = *value;
-      }
+      const auto value = number<double>();
+      if (!node || !value) return;
+      if (const auto found = index_of_.find(*node); found != index_of_.end()) values[found->second] = *value;
     }
-    std::string name = tags[0].empty() ? "" : tags[0].front();
-    if (name.size() >= 2 && name.starts_with('"')) name = name.substr(1, name.size() - 2);
-    if (*components == 1) cells_.arrays.emplace(std::move(name), std::move(values));
-    return {};
+    if (text_.word() == end) cells_.arrays.emplace(std::move(head->name), std::move(values));
   }
 
   std::string_view bytes_;

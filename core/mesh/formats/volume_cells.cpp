@@ -33,7 +33,8 @@ void keep_used_points(VolumeCells& cells, std::vector<std::int32_t>& corners, Me
   for (std::int32_t& v : corners) v = new_index[static_cast<std::size_t>(v)];
   mesh.points = to_points(std::move(cells.coordinates))(kept, Eigen::all);
   mesh.triangles = Eigen::Map<const Triangles>(corners.data(), std::ssize(corners) / 3, 3);
-  for (auto& [name, values] : cells.arrays) keep_vertex_array(name, values(kept), mesh);
+  for (auto& [name, values] : cells.arrays)
+    if (values.size() == static_cast<Eigen::Index>(all)) keep_vertex_array(name, values(kept), mesh);
   mesh.warnings.push_back("holds " + std::to_string(cells.tetrahedra.size() / 4) +
                           " tetrahedra; their outside is taken, " + std::to_string(kept.size()) + " of " +
                           std::to_string(all) + " points");

@@ -28,7 +28,7 @@ struct VolumeCells {
   std::vector<std::int32_t> tetrahedra;  ///< four corners each
   std::map<std::string, VertexScalars> arrays;
   SpaceNames space;
-  std::size_t vectors = 0;  ///< arrays of three values, which may be directions
+  std::size_t vectors = 0;  ///< arrays of three or nine values, which may be directions
   std::vector<PointsPlace> places;
   PointsForm form = PointsForm::text;
 };

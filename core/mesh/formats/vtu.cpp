@@ -79,7 +79,7 @@ class VtuReader {
     xml_.add_vertex_arrays(piece, first_vertex);
     for (const char* where : {"PointData", "CellData"})
       for (const auto node : piece.child(where).children("DataArray"))
-        if (node.attribute("NumberOfComponents").as_ullong(1) == 3) ++cells_.vectors;
+        if (const auto n = node.attribute("NumberOfComponents").as_ullong(1); n == 3 || n == 9) ++cells_.vectors;
     return read_cells(piece, first_vertex);
   }
 

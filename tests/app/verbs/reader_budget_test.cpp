@@ -286,6 +286,13 @@ TEST_CASE("text that unfolds in memory is read or refused within the budget") {
                                              zeros(612 * 50000) + "\3" + little_endian(0, 4) + little_endian(1, 4) +
                                              little_endian(2, 4)));
   meshes.push_back(put("points.particles", repeated("1 2 3\n", 3'000'000)));
+  std::string nodes, values;
+  for (int k = 1; k <= 20'000; ++k) {
+    nodes += std::to_string(k) + " 0 0 " + std::to_string(k) + "\n";
+    values += "$NodeData\n1\n\"" + std::to_string(k) + "\"\n1\n0\n3\n0\n1\n1\n1 0\n$EndNodeData\n";
+  }
+  meshes.push_back(put("values.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n20000\n" + nodes +
+                                         "$EndNodes\n$Elements\n1\n1 2 0 1 2 3\n$EndElements\n" + values));
   check_budget(meshes, folder);
 }
 

@@ -126,6 +126,22 @@ TEST_CASE("a volume mesh is written again with all but its points byte for byte"
   CHECK(test::must(read_volume_mesh(file.folder.path / "out.msh")).points == moved);
 }
 
+TEST_CASE("values that may be directions are told of in both formats") {
+  const BallInFile file;
+  for (const char* kind : {"NodeData", "ElementData", "ElementNodeData"})
+    for (const std::string components : {"1", "3", "9"}) {
+      const std::string name = kind,
+                        section = "$" + name + "\n1\n\"fibres\"\n1\n0\n3\n0\n" + components + "\n0\n$End" + name + "\n";
+      const VolumeMesh mesh = file.read("a.msh", file.ball.msh() + section);
+      REQUIRE(mesh.warnings.size() == (components == "1" ? 0 : 1));
+      if (components != "1") CHECK(mesh.warnings[0].find("1 arrays of three or nine values") != std::string::npos);
+    }
+  std::string tensors = file.ball.vtu();
+  tensors.insert(tensors.find("</CellData>"),
+                 "<DataArray type=\"Float64\" Name=\"t\" NumberOfComponents=\"9\" format=\"ascii\"></DataArray>");
+  CHECK(file.read("a.vtu", tensors).warnings.size() == 1);
+}
+
 TEST_CASE("volume meshes that are wrong are refused by a sentence") {
   const BallInFile file;
   const std::string whole = file.ball.vtu();

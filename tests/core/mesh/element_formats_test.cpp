@@ -323,9 +323,31 @@ TEST_CASE("Gmsh files of versions 2 and 4 are read in text and binary") {
   CHECK((*mesh.doubt_mm)[4] == 4);
 }
 
+TEST_CASE("values of nodes are read as Gmsh does and left out where they cannot be read") {
+  const ElementFolder folder;
+  const auto read = [&](const std::string& what, const std::string& by) {
+    return test::must(folder.read("a.msh", replaced(msh2, what, by)));
+  };
+  const std::string tags = "1\n\"doubt_mm\"\n1\n0\n3\n0\n1\n5\n";
+  for (const char* other : {"1\n\"doubt_mm\"\n1\n0\n3\n0 1 5\n", "1\n\"doubt_mm\"\n1 0.5\n4 0 1 5 0\n"}) {
+    const MeshFile mesh = read(tags, other);
+    REQUIRE(mesh.doubt_mm);
+    CHECK((*mesh.doubt_mm)[3] == 3);
+  }
+  for (const char* other : {"1\n\"doubt_mm\"\n1\nx\n3\n0\n1\n5\n", "1\n\"doubt_mm\"\n0\n2\n0\n1\n",
+                            "1\n\"doubt_mm\"\n0\n3\n0\n12\n5\n", "1\n\"doubt_mm\"\n0\n3\n0\n1\n9\n"}) {
+    const MeshFile mesh = read(tags, other);
+    CHECK(is_outside_of_two(mesh));
+    CHECK(!mesh.doubt_mm);
+  }
+  CHECK(!read("7 3\n9 4\n", "7 3\n9 x\n").doubt_mm);
+  CHECK(says(folder.read("a.msh", replaced(msh2, "$EndNodeData\n", "")), "truncated"));
+}
+
 TEST_CASE("Gmsh files that are wrong are refused by a sentence") {
   const ElementFolder folder;
-  const std::string whole = msh2;
+  const std::string whole = msh2, values = whole.substr(whole.find("$NodeData"));
+  CHECK(says(folder.read("a.msh", replaced(whole, "$Nodes", values + "$Nodes")), "order that is not Gmsh's"));
   CHECK(says(folder.read("a.msh", replaced(whole, "2.2 0 8", "1.0 0 8")), "version 1.0"));
   CHECK(says(folder.read("a.msh", replaced(whole, "3 4 2 7 1 1 2 4 7", "3 5 2 7 1 1 2 4 7 1 2 4 7")), "hexahedra"));
   CHECK(says(folder.read("a.msh", replaced(whole, "3 4 2 7 1 1 2 4 7", "3 11 2 7 1 1 2 4 7")), "curved elements"));

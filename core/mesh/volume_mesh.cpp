@@ -97,6 +97,7 @@ Result<VolumeMesh> read_volume_mesh(const std::filesystem::path& path) {
         "has " + std::to_string(cells->vectors) +
         " arrays of three or nine values, which are kept as they are; where these are directions, they are "
         "not turned with the shape");
+  formats::drop_repeated(cells->tetrahedra, mesh.warnings);
   if (auto taken = take_tetrahedra(cells->tetrahedra, mesh); !taken) return fail(path.string(), taken.error().what);
   Eigen::Index placed = 0;
   for (const formats::PointsPlace& place : cells->places) placed += place.count;

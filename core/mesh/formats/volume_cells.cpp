@@ -56,6 +56,27 @@ Error unsuited_elements(const std::string& kind) {
   return {"", "holds " + kind + "; cut them into triangles or tetrahedra with straight edges and export it again"};
 }
 
+void drop_repeated(std::vector<std::int32_t>& tetrahedra, std::vector<std::string>& warnings) {
+  using Corners = std::array<std::int32_t, 4>;
+  std::vector<std::pair<Corners, std::size_t>> sorted(tetrahedra.size() / 4);
+  for (std::size_t t = 0; t < sorted.size(); ++t) {
+    std::copy_n(tetrahedra.data() + 4 * t, 4, sorted[t].first.begin());
+    std::sort(sorted[t].first.begin(), sorted[t].first.end());
+    sorted[t].second = t;
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<char> again(sorted.size(), 0);
+  for (std::size_t k = 1; k < sorted.size(); ++k)
+    if (sorted[k].first == sorted[k - 1].first) again[sorted[k].second] = 1;
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < again.size(); ++t)
+    if (again[t] == 0) std::copy_n(tetrahedra.data() + 4 * t, 4, tetrahedra.data() + 4 * kept++);
+  if (kept == again.size()) return;
+  warnings.push_back("lists " + std::to_string(again.size() - kept) + " of " + std::to_string(again.size()) +
+                     " tetrahedra again, as for several groups; each counts once");
+  tetrahedra.resize(4 * kept);
+}
+
 std::vector<std::int32_t> outer_faces(const std::vector<std::int32_t>& corners,
                                       const std::vector<double>& coordinates) {
   std::vector<SideOfTetrahedron> sides;
@@ -93,6 +114,7 @@ Result<MeshFile> surface_of(VolumeCells cells) {
       if (v >= points)
         return fail("", "a tetrahedron names point " + std::to_string(v) + " of " + std::to_string(points) +
                             " (counted from 0); copy or export it again");
+    drop_repeated(cells.tetrahedra, mesh.warnings);
     auto corners = outer_faces(cells.tetrahedra, cells.coordinates);
     keep_used_points(cells, corners, mesh);
   }

@@ -44,12 +44,15 @@ Result<void> add_tetrahedron(const std::int64_t* corners, VolumeCells& cells);
 /// The refusal of elements that have no place in a mesh of triangles or tetrahedra. `kind`: "hexahedra" and so on.
 Error unsuited_elements(const std::string& kind);
 
+/// Keeps one of the tetrahedra with the same four corners, the first: Gmsh lists an element once for each of its
+/// groups. A warning says how many there were.
+void drop_repeated(std::vector<std::int32_t>& tetrahedra, std::vector<std::string>& warnings);
 /// The triangles of a file; where it holds tetrahedra, their outside. Of those the points within are left out, which a
 /// warning says.
 Result<MeshFile> surface_of(VolumeCells cells);
 
 /// The faces of tetrahedra that belong to one of them alone, seen from outside, as indices of points. `corners`: four a
-/// tetrahedron, any orientation. Errors: none; a face of three tetrahedra counts as inner.
+/// tetrahedron, any orientation, none of them twice. Errors: none; a face of three tetrahedra counts as inner.
 std::vector<std::int32_t> outer_faces(const std::vector<std::int32_t>& corners, const std::vector<double>& coordinates);
 
 }  // namespace homolog::formats

@@ -126,6 +126,20 @@ TEST_CASE("a volume mesh is written again with all but its points byte for byte"
   CHECK(test::must(read_volume_mesh(file.folder.path / "out.msh")).points == moved);
 }
 
+TEST_CASE("tetrahedra that are listed twice are carried once and written as they were") {
+  const BallInFile file;
+  BallOfTetrahedra doubled = file.ball;
+  doubled.tetrahedra = file.ball.tetrahedra.replicate(2, 1).eval();
+  const VolumeMesh mesh = file.read("in.vtu", doubled.vtu());
+  CHECK(mesh.tetrahedra == file.ball.tetrahedra);
+  CHECK(on_outside(mesh) == on_outside(file.mesh));
+  REQUIRE(mesh.warnings.size() == 1);
+  CHECK(mesh.warnings[0].find("3200 of 6400 tetrahedra again") != std::string::npos);
+  REQUIRE(write_volume_mesh(mesh, mesh.points, file.folder.path / "out.vtu"));
+  const std::string after = read_whole_file(file.folder.path / "out.vtu").value();
+  CHECK(without(doubled.vtu(), "<Points>", "</Points>") == without(after, "<Points>", "</Points>"));
+}
+
 TEST_CASE("values that may be directions are told of in both formats") {
   const BallInFile file;
   for (const char* kind : {"NodeData", "ElementData", "ElementNodeData"})

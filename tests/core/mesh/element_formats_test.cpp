@@ -251,6 +251,16 @@ TEST_CASE("of tetrahedra in VTU the outside is taken with its values and a warni
   CHECK(says(folder.read("b.vtp", vtu_of_tetrahedra()), "PolyData"));
 }
 
+TEST_CASE("a tetrahedron that is listed twice counts once") {
+  const ElementFolder folder;
+  const MeshFile one = test::must(folder.read("a.vtu", vtu_of_tetrahedra("10", "0 1 2 3 3 0 1 2")));
+  CHECK(one.points.rows() == 4);
+  CHECK(one.triangles.rows() == 4);
+  REQUIRE(one.warnings.size() == 2);
+  CHECK(one.warnings[0].find("1 of 2 tetrahedra again") != std::string::npos);
+  CHECK(one.warnings[1].find("1 tetrahedra; their outside") != std::string::npos);
+}
+
 TEST_CASE("a surface in VTU may have triangles and quads and strips and pixels") {
   const ElementFolder folder;
   const auto square = [&](const std::string& corners, const std::string& ends, const std::string& kinds, int cells) {
@@ -321,6 +331,15 @@ TEST_CASE("Gmsh files of versions 2 and 4 are read in text and binary") {
   const MeshFile mesh = test::must(folder.read("a.msh", msh2));
   REQUIRE(mesh.doubt_mm);
   CHECK((*mesh.doubt_mm)[4] == 4);
+}
+
+TEST_CASE("of an element of two groups of Gmsh the outside stays whole") {
+  const ElementFolder folder;
+  const std::string grouped =
+      replaced(replaced(msh2, "$Elements\n4\n", "$Elements\n5\n"), "$EndElements", "5 4 2 8 1 2 7 4 9\n$EndElements");
+  const MeshFile mesh = test::must(folder.read("a.msh", grouped));
+  CHECK(is_outside_of_two(mesh));
+  CHECK(mesh.warnings.size() == 2);
 }
 
 TEST_CASE("values of nodes are read as Gmsh does and left out where they cannot be read") {

@@ -185,42 +185,46 @@ class GiftiReader {
       if (trimmed(system.child_value("DataSpace")) == scanner) in_scanner = true;
       if (!to_scanner && trimmed(system.child_value("TransformedSpace")) == scanner) to_scanner = system;
     }
-    if (in_scanner || place_by_scan(array, mesh) || !to_scanner) return {};
-    Eigen::Matrix4d matrix;
-    Text numbers(to_scanner.child_value("MatrixData"));
-    for (double& value : matrix.reshaped<Eigen::RowMajor>()) {
-      const auto number = numbers.number<double>();
-      if (!number) return fail("", "has a matrix of its space that is no 16 numbers; export it again");
-      value = *number;
+    if (in_scanner) return {};
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+    if (to_scanner) {
+      Text numbers(to_scanner.child_value("MatrixData"));
+      for (double& value : matrix.reshaped<Eigen::RowMajor>()) {
+        const auto number = numbers.number<double>();
+        if (!number) return fail("", "has a matrix of its space that is no 16 numbers; export it again");
+        value = *number;
+      }
     }
-    if (!matrix.allFinite() || matrix.isIdentity()) return {};
+    if (!matrix.allFinite() || matrix.isIdentity()) {
+      place_by_scan(array, mesh);
+      return {};
+    }
     mesh.points =
         (mesh.points * matrix.topLeftCorner<3, 3>().transpose()).rowwise() + matrix.topRightCorner<3, 1>().transpose();
     mesh.warnings.emplace_back("its points were moved to the scanner's space, as its matrix says");
     return {};
   }
 
-  /// FreeSurfer's surfaces lie about the middle of their scan. Its axes and its middle are notes of the array. False
-  /// where there are none. Source: `tkregister` coordinates, x_scan = C Tᵀ x + c, where the columns of C are the scan's
-  /// axes, those of T are what FreeSurfer takes for them, and c is its middle.
-  static bool place_by_scan(pugi::xml_node array, MeshFile& mesh) {
+  /// FreeSurfer's surfaces lie about the middle of their scan. Its axes and its middle are notes of the array. Nothing
+  /// is moved where there are none. Source: `tkregister` coordinates, x_scan = C Tᵀ x + c, where the columns of C are
+  /// the scan's axes, those of T are what FreeSurfer takes for them, and c is its middle.
+  static void place_by_scan(pugi::xml_node array, MeshFile& mesh) {
     Eigen::Matrix3d axes, taken;
     Vec3 middle;
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 4; ++column) {
         const auto value = gifti_number(array, std::string("VolGeom") + "XYZC"[column] + "_" + "RAS"[row]);
-        if (!value || !std::isfinite(*value)) return false;
+        if (!value || !std::isfinite(*value)) return;
         (column < 3 ? axes(row, column) : middle[row]) = *value;
       }
     }
     taken << -1, 0, 0, 0, 0, 1, 0, -1, 0;
     const Eigen::Matrix3d turn = axes * taken.transpose();
-    if (turn.isIdentity(1e-9) && middle.isZero()) return true;
+    if (turn.isIdentity(1e-9) && middle.isZero()) return;
     mesh.points = (mesh.points * turn.transpose()).rowwise() + middle.transpose();
     mesh.warnings.emplace_back(
-        "lies in FreeSurfer's coordinates about the middle of a scan, and was moved to where that "
-        "scan lies");
-    return true;
+        "lies in FreeSurfer's coordinates about the middle of a scan, and was moved to where that scan lies; if "
+        "mris_convert --to-scanner made it, remove its VolGeom notes, since it lay there already");
   }
 
   std::string_view bytes_;

@@ -148,10 +148,15 @@ TEST_CASE("a GIFTI surface of FreeSurfer comes to where its scan lies") {
   const MeshFile there = test::must(folder.read("b.gii", gifti_text(notes, "NIFTI_XFORM_SCANNER_ANAT")));
   CHECK(is_octahedron(there));
   CHECK(there.warnings.empty());
-  const std::string matrix = replaced(
-      replaced(gifti_text(), "<TransformedSpace>NIFTI_XFORM_TALAIRACH", "<TransformedSpace>NIFTI_XFORM_SCANNER_ANAT"),
-      "1.000000   0.000000   0.000000   0.000000\n", "1.000000   0.000000   0.000000   5.000000\n");
-  CHECK(is_octahedron(test::must(folder.read("c.gii", matrix)), {-5, 0, 0}));
+  CHECK(moved.warnings[0].find("--to-scanner") != std::string::npos);
+  const auto to_scanner = [](const std::string& with_notes, const std::string& shift) {
+    return replaced(replaced(gifti_text(with_notes), "<TransformedSpace>NIFTI_XFORM_TALAIRACH",
+                             "<TransformedSpace>NIFTI_XFORM_SCANNER_ANAT"),
+                    "0.000000   0.000000\n  0.000000", "0.000000   " + shift + "\n  0.000000");
+  };
+  CHECK(is_octahedron(test::must(folder.read("c.gii", to_scanner("<MetaData />", "5.0"))), {-5, 0, 0}));
+  CHECK(is_octahedron(test::must(folder.read("d.gii", to_scanner(notes, "5.0"))), {-5, 0, 0}));
+  CHECK(is_octahedron(test::must(folder.read("e.gii", to_scanner(notes, "0.0"))), {46.25, 47.5, -13.75}));
 }
 
 TEST_CASE("GIFTI files that are wrong are refused by a sentence") {

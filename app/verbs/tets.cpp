@@ -1,6 +1,7 @@
 #include <chrono>
 #include <memory>
 
+#include "app/verbs/plain_report.h"
 #include "app/verbs/verbs.h"
 #include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
@@ -57,11 +58,11 @@ Result<Json> fill_one(const VolumeMesh& mesh, const VolumeCarrier& carrier, cons
     if (auto done = write_volume_mesh(mesh, carried->points, to); !done) return fail(done.error());
     if (!carried->sound())
       warnings.push_back(shape.name + ": " + std::to_string(carried->poor) +
-                         " tetrahedra have a scaled Jacobian below " + std::to_string(carrier.asked()).substr(0, 5) +
+                         " tetrahedra have a scaled Jacobian below " + plain_number(carrier.asked()) +
                          "; look at them before you compute with this mesh");
     if (carried->lifted_mm > carrier.edge_mm())
       warnings.push_back(shape.name + ": the outside had to leave the surface by up to " +
-                         std::to_string(carried->lifted_mm).substr(0, 4) +
+                         plain_number(carried->lifted_mm) +
                          " mm for the tetrahedra to stay whole; look at the fit there");
   } else {
     warnings.push_back(shape.name + ": " + std::to_string(carried->inverted) +

@@ -3,6 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <optional>
 
@@ -52,6 +53,12 @@ Eigen::Matrix<double, 4, 3> affine_between(const Points& from, const Points& to)
   return normal.ldlt().solve(with_one.transpose() * to);
 }
 
+std::string mm_text(double mm) {
+  char text[48];
+  std::snprintf(text, sizeof text, mm < 10 ? "%.1f mm" : "%.0f mm", mm);
+  return text;
+}
+
 /// The elements of which a point is `chosen`, as rows.
 std::vector<Eigen::Index> elements_around(const Tetrahedra& tetrahedra, const std::vector<char>& chosen) {
   std::vector<Eigen::Index> rows;
@@ -95,8 +102,8 @@ Result<VolumeCarrier> VolumeCarrier::make(const VolumeMesh& mesh, const Mesh& th
       carrier.off_mm_ = std::max(carrier.off_mm_, nearest.distance_mm);
   }
   if (carrier.off_mm_ > 0.1 * diagonal)
-    return fail("", "has an outside that lies up to " + std::to_string(carrier.off_mm_).substr(0, 4) +
-                        " mm off the template's surface, so it is not of this template; mesh the template itself");
+    return fail("", "has an outside that lies up to " + mm_text(carrier.off_mm_) +
+                        " off the template's surface, so it is not of this template; mesh the template itself");
   carrier.least_ = scaled_jacobians(mesh.tetrahedra, mesh.points).minCoeff();
   carrier.prepare();
   return carrier;

@@ -90,6 +90,10 @@ TEST_CASE("an outside that lies off the template keeps its distance in a larger 
   CHECK((carried.points - 2 * file.mesh.points).cwiseAbs().maxCoeff() < 0.02);
   const Mesh other{file.surface.topology, file.surface.points * 0.6};
   CHECK(says(VolumeCarrier::make(file.mesh, other), "not of this template"));
+  const Mesh far{file.surface.topology, file.surface.points.rowwise() + Eigen::RowVector3d(100, 0, 0)};
+  CHECK(says(VolumeCarrier::make(file.mesh, far), "up to 100 mm off"));
+  const Mesh farther{file.surface.topology, file.surface.points.rowwise() + Eigen::RowVector3d(21380, 0, 0)};
+  CHECK(says(VolumeCarrier::make(file.mesh, farther), "up to 21380 mm off"));
   CHECK(says(carrier.carry(icosphere(1, 20).points, nullptr), "42 vertices and the template 162"));
 }
 

@@ -100,7 +100,12 @@ Result<VolumeMesh> read_volume_mesh(const std::filesystem::path& path) {
   formats::drop_repeated(cells->tetrahedra, mesh.warnings);
   if (auto taken = take_tetrahedra(cells->tetrahedra, mesh); !taken) return fail(path.string(), taken.error().what);
   Eigen::Index placed = 0;
-  for (const formats::PointsPlace& place : cells->places) placed += place.count;
+  std::size_t done = 0;
+  for (const formats::PointsPlace& place : cells->places) {
+    if (place.at < done) break;
+    placed += place.count;
+    done = place.at + place.length;
+  }
   if (placed != mesh.points.rows())
     return fail(path.string(), "is not written in UTF-8, so it cannot be written again; export it again");
   mesh.file = std::make_shared<const VolumeFile>(

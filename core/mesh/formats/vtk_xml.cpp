@@ -78,6 +78,7 @@ Result<void> VtkXml::parse(std::string_view bytes, const char* kind) {
 }
 
 Result<void> VtkXml::add_points(pugi::xml_node piece, std::vector<double>& coordinates) {
+  if (piece.attribute("NumberOfPoints").value() == std::string_view("0")) return {};  // it may lack the array too
   auto points = array<double>(piece.child("Points").child("DataArray"));
   if (!points) return fail(points.error());
   if (points->size() != 3 * piece.attribute("NumberOfPoints").as_ullong())

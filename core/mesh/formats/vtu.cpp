@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <array>
+
 #include "core/base/file_record.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"
@@ -55,6 +58,31 @@ Result<void> add_vtk_cell(std::int64_t kind, std::span<const std::int64_t> corne
   return fail(unsuited_elements(name_of_vtk_cell(kind)));
 }
 
+/// Behind the end of the node whose '<' is at `at`, in XML that was parsed; npos where there is none. What looks like
+/// an end within a comment, a CDATA section or a quoted value is none.
+std::size_t end_of_node(std::string_view xml, std::size_t at) {
+  constexpr std::array<std::array<std::string_view, 2>, 3> passed_over{
+      {{"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<?", "?>"}}};
+  for (int depth = 0; (at = xml.find('<', at)) != std::string_view::npos;) {
+    const std::string_view rest = xml.substr(at);
+    const auto special = std::find_if(passed_over.begin(), passed_over.end(),
+                                      [rest](const auto& marks) { return rest.starts_with(marks[0]); });
+    if (special != passed_over.end()) {
+      at = xml.find((*special)[1], at + (*special)[0].size());
+      continue;
+    }
+    const bool is_end = rest.starts_with("</");
+    for (char quote = 0; ++at < xml.size() && (quote != 0 || xml[at] != '>');)
+      if (xml[at] == '"' || xml[at] == '\'') quote = quote == 0 ? xml[at] : quote == xml[at] ? '\0' : quote;
+    if (at == xml.size()) break;
+    const bool is_empty = xml[at - 1] == '/';
+    ++at;
+    if (!is_empty) depth += is_end ? -1 : 1;
+    if (depth == 0) return at;
+  }
+  return std::string_view::npos;
+}
+
 class VtuReader {
  public:
   explicit VtuReader(std::string_view bytes) : bytes_(bytes) {}
@@ -85,13 +113,13 @@ class VtuReader {
 
   /// The node <Points> from its '<' to its end. It has no place where a file is not in UTF-8, as no program writes it.
   void note_place(pugi::xml_node points, std::int64_t first_vertex) {
-    constexpr std::string_view name = "Points", close = "</Points>";
+    constexpr std::string_view name = "Points";
     const auto at = static_cast<std::size_t>(points.offset_debug());
     if (at == 0 || at >= bytes_.size() || bytes_.substr(at, name.size()) != name) return;
-    const std::size_t end = bytes_.find(close, at);
+    const std::size_t end = end_of_node(bytes_, at - 1);
     const auto points_now = static_cast<Eigen::Index>(cells_.coordinates.size() / 3);
-    if (end != std::string_view::npos)
-      cells_.places.push_back({at - 1, end + close.size() - at + 1, first_vertex, points_now - first_vertex});
+    if (points_now > first_vertex && end != std::string_view::npos)
+      cells_.places.push_back({at - 1, end - at + 1, first_vertex, points_now - first_vertex});
   }
 
   Result<void> read_cells(pugi::xml_node piece, std::int64_t first_vertex) {

@@ -130,6 +130,35 @@ TEST_CASE("a volume mesh is written again with all but its points byte for byte"
   CHECK(test::must(read_volume_mesh(file.folder.path / "out.msh")).points == moved);
 }
 
+TEST_CASE("a volume mesh is written again whatever its XML looks like") {
+  const BallInFile file;
+  const auto changed = [](std::string bytes, const std::string& what, const std::string& by) {
+    const std::size_t at = bytes.find(what);
+    REQUIRE(at != std::string::npos);
+    return bytes.replace(at, what.size(), by);
+  };
+  const std::string whole = file.ball.vtu(), piece = "<Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><Points>",
+                    array = "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">",
+                    cell =
+                        "<Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray>"
+                        "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4</DataArray><DataArray "
+                        "type=\"UInt8\" Name=\"types\" format=\"ascii\">10</DataArray></Cells></Piece>";
+  const std::string two = "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid>" + piece + "<!-- </Points> -->" +
+                          array + "0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points >" + cell + piece + array +
+                          "5 0 0 6 0 0 5 1 0 5 0 1</DataArray></Points>" + cell + "</UnstructuredGrid></VTKFile>";
+  for (const std::string& before :
+       {changed(whole, "</Points>", "</Points\n >"), changed(whole, "<Points>", "<Points><!-- </Points> -->"),
+        changed(whole, "<Points>", "<Points a=\"</Points>\"><b/>"),
+        changed(whole, "</Points>", "<![CDATA[</Points>]]></Points>"), two}) {
+    const VolumeMesh mesh = file.read("in.vtu", before);
+    const Points moved = mesh.points.array() + 1.25;
+    REQUIRE(write_volume_mesh(mesh, moved, file.folder.path / "out.vtu"));
+    const VolumeMesh again = test::must(read_volume_mesh(file.folder.path / "out.vtu"));
+    CHECK(again.points == moved);
+    CHECK(again.tetrahedra == mesh.tetrahedra);
+  }
+}
+
 TEST_CASE("tetrahedra that are listed twice are carried once and written as they were") {
   const BallInFile file;
   BallOfTetrahedra doubled = file.ball;

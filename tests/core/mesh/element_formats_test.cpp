@@ -256,6 +256,20 @@ TEST_CASE("of tetrahedra in VTU the outside is taken with its values and a warni
   CHECK(says(folder.read("b.vtp", vtu_of_tetrahedra()), "PolyData"));
 }
 
+TEST_CASE("an empty piece of VTK's XML formats is passed over") {
+  const ElementFolder folder;
+  const std::string empty =
+      "<Piece NumberOfPoints=\"0\" NumberOfCells=\"0\" NumberOfPolys=\"0\"><Points></Points></Piece>";
+  CHECK(is_outside_of_two(test::must(folder.read("a.vtu", replaced(vtu_of_tetrahedra(), "<Piece", empty + "<Piece")))));
+  CHECK(is_outside_of_two(
+      test::must(folder.read("b.vtu", replaced(vtu_of_tetrahedra(), "</Piece>", "</Piece>" + empty)))));
+  CHECK(says(folder.read("c.vtu", replaced(vtu_of_tetrahedra(), "NumberOfPoints=\"6\"", "")),
+             "another number of points"));
+  REQUIRE(write_mesh_file(test::must(folder.read("a.gii", gifti_text())), folder.path / "whole.vtp"));
+  const std::string vtp = read_whole_file(folder.path / "whole.vtp").value();
+  CHECK(is_octahedron(test::must(folder.read("d.vtp", replaced(vtp, "<Piece", empty + "<Piece")))));
+}
+
 TEST_CASE("a tetrahedron that is listed twice counts once") {
   const ElementFolder folder;
   const MeshFile one = test::must(folder.read("a.vtu", vtu_of_tetrahedra("10", "0 1 2 3 3 0 1 2")));

@@ -1,5 +1,6 @@
 #include <chrono>
 #include <memory>
+#include <set>
 
 #include "app/verbs/plain_report.h"
 #include "app/verbs/verbs.h"
@@ -24,31 +25,39 @@ struct TetsJob {
   bool all_frames = false;
 };
 
-std::vector<ReadShape> shapes_to_fill(const TetsJob& job, std::vector<std::string>& warnings, Progress& progress,
-                                      std::optional<Error>& refused) {
+Result<std::vector<ReadShape>> shapes_to_fill(const TetsJob& job, const std::vector<ShapeSource>& sources,
+                                              std::vector<std::string>& warnings, Progress& progress) {
   std::vector<ReadShape> shapes;
-  const auto sources = shape_sources(job.shapes, job.group);
-  if (!sources) {
-    refused = sources.error();
-    return shapes;
-  }
   const auto take = [&](ReadShape shape) -> Result<void> {
     shapes.push_back(std::move(shape));
     return {};
   };
-  const auto read = read_shapes(*sources, {.all_frames = job.all_frames}, take, &progress);
-  if (read)
-    warnings.insert(warnings.end(), read->begin(), read->end());
-  else
-    refused = read.error();
+  const auto read = read_shapes(sources, {.all_frames = job.all_frames}, take, &progress);
+  if (!read) return fail(read.error());
+  warnings.insert(warnings.end(), read->begin(), read->end());
   return shapes;
+}
+
+fs::path tets_file(const TetsJob& job, const VolumeMesh& mesh, const std::string& name) {
+  return job.out / (name + volume_mesh_extension(mesh));
+}
+
+/// Errors: a file that would be written is one of those that are read.
+Result<void> check_outputs(const TetsJob& job, const std::vector<ShapeSource>& sources, const VolumeMesh& mesh,
+                           const std::vector<std::string>& names) {
+  std::error_code error;
+  std::set<fs::path> read{fs::weakly_canonical(job.tets, error), fs::weakly_canonical(job.the_template, error)};
+  for (const ShapeSource& source : sources) read.insert(fs::weakly_canonical(source.file, error));
+  for (const std::string& name : names)
+    if (const fs::path file = tets_file(job, mesh, name); read.contains(fs::weakly_canonical(file, error)))
+      return fail(file.string(), "is read here and would be written over; give another folder by -o");
+  return {};
 }
 
 /// A case's row of the report; what is wrong with it becomes a warning. Writes its file unless elements are inverted.
 Result<Json> fill_one(const VolumeMesh& mesh, const VolumeCarrier& carrier, const ReadShape& shape,
-                      const std::string& name, const fs::path& folder, std::vector<std::string>& warnings,
+                      const std::string& name, const fs::path& to, std::vector<std::string>& warnings,
                       Progress& progress) {
-  const fs::path to = folder / (name + volume_mesh_extension(mesh));
   const auto begin = std::chrono::steady_clock::now();
   const auto carried = carrier.carry(shape.mesh->points, &progress);
   if (!carried) return fail(shape.name, carried.error().what);
@@ -89,21 +98,24 @@ Result<Report> fill_shapes(const TetsJob& job, Progress& progress) {
   if (!carrier) return fail(job.tets.string(), carrier.error().what);
   Report report;
   for (const std::string& warning : mesh->warnings) report.warnings.push_back(job.tets.string() + ": " + warning);
-  std::optional<Error> refused;
   progress.part(0, 0.1);
-  const auto shapes = shapes_to_fill(job, report.warnings, progress, refused);
-  if (refused) return fail(*refused);
-  if (auto made = make_folder(job.out); !made) return fail(made.error());
+  const auto sources = shape_sources(job.shapes, job.group);
+  if (!sources) return fail(sources.error());
+  const auto read = shapes_to_fill(job, *sources, report.warnings, progress);
+  if (!read) return fail(read.error());
+  const std::vector<ReadShape>& shapes = *read;
   std::vector<std::string> files;
   for (const ReadShape& shape : shapes) files.push_back(shape.name);
   const auto names = shape_names(files);
+  if (auto checked = check_outputs(job, *sources, *mesh, names); !checked) return fail(checked.error());
+  if (auto made = make_folder(job.out); !made) return fail(made.error());
   Json cases = Json::array();
   std::size_t refused_cases = 0;
   progress.part(0.1, 1);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     Progress own(progress, 1 / static_cast<double>(shapes.size()));
     if (progress.cancelled()) return fail("", "was cancelled");
-    auto row = fill_one(*mesh, *carrier, shapes[k], names[k], job.out, report.warnings, own);
+    auto row = fill_one(*mesh, *carrier, shapes[k], names[k], tets_file(job, *mesh, names[k]), report.warnings, own);
     if (progress.cancelled()) return fail("", "was cancelled");
     if (!row) {
       report.warnings.push_back(row.error().sentence());

@@ -38,6 +38,30 @@ TEST_CASE("tetrahedra of a template are written in the shape of each case") {
   CHECK(run(folder, "tets t.ply a.ply --template t.ply -o out2").status == 1);
 }
 
+TEST_CASE("tetrahedra are not written over a file that they are made of") {
+  const TemporaryFolder folder;
+  const Mesh ball = icosphere(2, 20);
+  REQUIRE(write_mesh(ball, folder.path / "kidney.ply"));
+  fs::create_directory(folder.path / "fits");
+  REQUIRE(write_mesh(ball, folder.path / "fits/a.vtu"));
+  REQUIRE(write_mesh(ball, folder.path / "fits/b.ply"));
+  REQUIRE(write_mesh(ball, folder.path / "t.vtu"));
+  std::ofstream(folder.path / "kidney.vtu") << BallOfTetrahedra(ball, 3).vtu();
+  const auto kept = [&](const std::string& name, const std::string& arguments) {
+    const std::string before = read_whole_file(folder.path / name).value();
+    check_refused(run(folder, "tets " + arguments), name);
+    const bool same = read_whole_file(folder.path / name).value() == before;
+    CHECK(same);
+  };
+  kept("kidney.vtu", "kidney.vtu kidney.ply --template kidney.ply -o .");
+  kept("kidney.vtu", "kidney.vtu fits/b.ply kidney.ply --template kidney.ply -o fits/..");
+  kept("fits/a.vtu", "kidney.vtu fits --template kidney.ply -o fits");
+  CHECK(!fs::exists(folder.path / "fits/b.vtu"));
+  fs::copy_file(folder.path / "fits/b.ply", folder.path / "fits/t.ply");
+  kept("t.vtu", "kidney.vtu fits/t.ply --template t.vtu -o .");
+  CHECK(run(folder, "tets kidney.vtu kidney.ply --template kidney.ply -o out").status == 0);
+}
+
 TEST_CASE("tetrahedra are not carried into a mirrored shape") {
   const TemporaryFolder folder;
   const Mesh ball = icosphere(2, 20);

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "app/editor/interface/interface.h"
-#include "app/editor/panels/models_panel.h"
+#include "app/editor/panels/models/models_panel.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/update/tools/tool.h"
 #include "app/editor/update/window_title.h"

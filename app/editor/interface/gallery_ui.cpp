@@ -4,7 +4,7 @@
 #include "app/editor/drawing/gallery_pictures.h"
 #include "app/editor/interface/interface.h"
 #include "app/editor/interface/side_buttons.h"
-#include "app/editor/panels/models_panel.h"
+#include "app/editor/panels/models/models_panel.h"
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"

@@ -1,5 +1,5 @@
 #include "app/editor/interface/interface.h"
-#include "app/editor/panels/models_panel.h"
+#include "app/editor/panels/models/models_panel.h"
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/imgui_context.h"
 

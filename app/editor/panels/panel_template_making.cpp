@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/editor/panels/models/models_panel.h"
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"

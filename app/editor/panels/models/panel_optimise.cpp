@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "app/editor/panels/models_panel.h"
+#include "app/editor/panels/models/models_panel.h"
 #include "app/editor/widgets/plots.h"
 #include "app/editor/widgets/widgets.h"
 

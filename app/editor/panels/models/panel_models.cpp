@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/editor/panels/models_panel.h"
+#include "app/editor/panels/models/models_panel.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/plots.h"

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <map>
 
-#include "app/editor/panels/models_panel.h"
+#include "app/editor/panels/models/models_panel.h"
 #include "app/editor/widgets/widgets.h"
 
 // The sections Sizes and Observers of the Models mode: what is measured of every case, as tables.

@@ -3,7 +3,7 @@
 #include <map>
 #include <optional>
 
-#include "app/editor/panels/models_panel.h"
+#include "app/editor/panels/models/models_panel.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/base/statistics.h"

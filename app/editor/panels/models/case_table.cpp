@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include "app/editor/drawing/case_thumbnails.h"
-#include "app/editor/panels/models_panel.h"
+#include "app/editor/panels/models/models_panel.h"
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"

@@ -113,6 +113,7 @@ void draw_contours_section(const UiContext& ui, Outbox& out);
 void draw_deform_section(const UiContext& ui, Outbox& out);
 void draw_correspondence_section(const UiContext& ui, Outbox& out);
 void draw_measurements_section(const UiContext& ui, Outbox& out);
+void draw_score_section(const UiContext& ui, Outbox& out);
 void draw_export_section(const UiContext& ui, Outbox& out);
 // What some of them say while they are folded.
 std::string structures_in_words(const UiContext& ui);
@@ -120,6 +121,7 @@ std::string template_in_words(const UiContext& ui);
 std::string placed_in_words(const UiContext& ui);
 std::string contours_in_words(const UiContext& ui);
 std::string recipe_in_words(const UiContext& ui);
+std::string scored_by_in_words(const UiContext& ui);
 
 void draw_side_panel(const UiContext& ui, Outbox& out) {
   // In the order of the work.
@@ -145,7 +147,7 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
            (shown.structure() != nullptr && !shown.structure()->contours.empty());
   };
   static constexpr auto has_one = [](const UiContext& shown) { return !has_several(shown); };
-  static constexpr std::array<PanelSection, 11> sections{
+  static constexpr std::array<PanelSection, 12> sections{
       {{"Case", draw_case_section, true, nullptr, has_one},
        {structures_section, draw_structures_section, true, opens_structures, opens_structures, structures_in_words},
        {"Cine", draw_cine_section, true, is_cine},
@@ -155,6 +157,7 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
        {deform_section, draw_deform_section, true},
        {"Correspondence", draw_correspondence_section, true},
        {measurements_section, draw_measurements_section, false, nullptr, nullptr, recipe_in_words},
+       {score_section, draw_score_section, false, nullptr, nullptr, scored_by_in_words},
        {"Export", draw_export_section, false},
        {structures_section, draw_structures_section, false, may_have_structures}}};
   draw_sections(ui, "side panel", ui.layout.panel, sections, out);

@@ -83,6 +83,8 @@ void draw_colour_choice(const UiContext& ui, Outbox& out) {
   if (!ui.state.found.confidence)
     refusals[static_cast<std::size_t>(Colouring::confidence)] =
         "Snap the mesh to the image first. It is known until the mesh changes.";
+  if (!why_not_scored(ui).empty())
+    refusals[static_cast<std::size_t>(Colouring::score)] = "Choose a model in the section Score first.";
   const Colouring shown = shown_colouring(ui.state);
   const bool brush = ui.state.hand.tool == MouseTool::confirm || ui.state.hand.tool == MouseTool::stiffness;
   int colouring = static_cast<int>(shown);

@@ -259,6 +259,21 @@ Legend doubt_legend(const ShapeView& shown) {
   return {"0 mm", "", "\xe2\x89\xa5 " + figure_text("%.3g mm", doubt_scale_mm(shown)), doubt_scale(), {}};
 }
 
+constexpr double most_z = 3;  ///< as modes are shown to 3 standard deviations
+
+void colour_score(const ColouringInput& of, std::vector<Rgb>& colours) {
+  if (of.z != nullptr)
+    colour_by(
+        *of.z, diverging_scale(), [](double z) { return 0.5 + z / (2 * most_z); }, colours);
+}
+Legend score_legend(const ShapeView&) {
+  return {"\xe2\x88\x92" + figure_text("%.0f \xcf\x83", most_z),
+          "0",
+          figure_text("%+.0f \xcf\x83", most_z),
+          diverging_scale(),
+          {}};
+}
+
 void colour_confidence(const ColouringInput& of, std::vector<Rgb>& colours) {
   if (of.confidence != nullptr)
     colour_by(
@@ -342,6 +357,14 @@ const std::array<ColouringKind, colourings>& colouring_kinds() {
        .whitens_confirmed = true,
        .colour = colour_doubt,
        .legend = doubt_legend},
+      {.colouring = Colouring::score,
+       .log_name = "score",
+       .name = "Score",
+       .title = "Score against the model",
+       .tip = "How far each vertex lies outside the model's mean (red) or inside (blue) along its normal, in standard "
+              "deviations of the training shapes. The model is chosen in the section Score",
+       .colour = colour_score,
+       .legend = score_legend},
       {.colouring = Colouring::confidence,
        .log_name = "confidence",
        .name = "Confidence",
@@ -368,10 +391,10 @@ const ColouringKind& kind_of(Colouring colouring) {
 }
 
 std::vector<Rgb> mesh_colours(const ShapeView& shown, Colouring colouring, const std::vector<float>& hues,
-                              float saturation, const VertexScalars* confidence) {
+                              float saturation, const VertexScalars* confidence, const VertexScalars* z) {
   std::vector<Rgb> colours(static_cast<std::size_t>(shown.shape.points->rows()));
   const ColouringKind& kind = kind_of(colouring);
-  kind.colour({shown, hues, saturation, confidence}, colours);
+  kind.colour({shown, hues, saturation, confidence, z}, colours);
   if (kind.whitens_confirmed) whiten_confirmed(shown, colours);
   if (const auto& outlier = shown.shape.outlier)
     for (std::size_t i = 0; i < colours.size(); ++i)

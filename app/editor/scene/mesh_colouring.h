@@ -21,9 +21,11 @@ const std::vector<Rgb>& rising_scale();
 const std::vector<Rgb>& doubt_scale();
 
 /// Colour of every vertex for a colouring; `hues` are the template's vertex hues, shown at `saturation`; `confidence`
-/// is that of the last snap, which its colouring needs. Vertices whose place the scan lacks are greyed.
+/// is that of the last snap and `z` that of the score, which their colourings need. Vertices whose place the scan lacks
+/// are greyed.
 std::vector<Rgb> mesh_colours(const ShapeView& shown, Colouring colouring, const std::vector<float>& hues,
-                              float saturation, const VertexScalars* confidence = nullptr);
+                              float saturation, const VertexScalars* confidence = nullptr,
+                              const VertexScalars* z = nullptr);
 /// Brightens vertices towards white by how far a gesture moves them (`response`, 0…1), and greys the others.
 std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response, bool stopped);
 
@@ -50,7 +52,7 @@ struct ColouringInput {
   const ShapeView& shown;
   const std::vector<float>& hues;
   float saturation;
-  const VertexScalars* confidence;
+  const VertexScalars *confidence, *z;
 };
 /// Everything about a colouring.
 struct ColouringKind {

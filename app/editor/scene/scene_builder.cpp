@@ -64,7 +64,7 @@ void SceneBuilder::update_mesh(const Input& input) {
   const bool same = colours_ && colouring_ == colouring && response_ == response && stopped_ == stopped &&
                     stiffness_ == paint.stiffness && regions_ == paint.regions && confirmed_ == shape.confirmed &&
                     outlier_ == shape.outlier && confidence_ == input.state.found.confidence &&
-                    !(other_shape && kind_of(colouring).follows_shape);
+                    z_ == input.state.scoring.z && !(other_shape && kind_of(colouring).follows_shape);
   if (same) return;
   colouring_ = colouring;
   response_ = response;
@@ -78,10 +78,12 @@ void SceneBuilder::update_mesh(const Input& input) {
   placed_ = shape.placed;
   compared_ = shape.reference;
   confidence_ = input.state.found.confidence;
-  auto outline = mesh_colours(shown, colouring_, hues_, 1, confidence_.get());
+  z_ = input.state.scoring.z;
+  auto outline = mesh_colours(shown, colouring_, hues_, 1, confidence_.get(), z_.get());
   if (response) outline = tinted(std::move(outline), *response, stopped);
   outline_colours_ = std::make_shared<const std::vector<Rgb>>(std::move(outline));
-  colours_ = std::make_shared<const std::vector<Rgb>>(mesh_colours(shown, colouring_, hues_, 0.4f, confidence_.get()));
+  colours_ = std::make_shared<const std::vector<Rgb>>(
+      mesh_colours(shown, colouring_, hues_, 0.4f, confidence_.get(), z_.get()));
   ++colours_revision_;
 }
 

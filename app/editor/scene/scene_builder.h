@@ -49,7 +49,8 @@ class SceneBuilder {
   std::shared_ptr<const std::vector<Rgb>> outline_colours_;  ///< of the outlines: more saturated, tinted by a drag
   std::uint64_t colours_revision_ = 0;
   // What the colours were made for.
-  std::shared_ptr<const VertexScalars> response_, stiffness_, confirmed_, decided_, confidence_, doubt_mm_, outlier_;
+  std::shared_ptr<const VertexScalars> response_, stiffness_, confirmed_, decided_, confidence_, doubt_mm_, outlier_,
+      z_;
   std::shared_ptr<const Points> placed_, compared_;  ///< the shape's `placed` and `reference`
   std::shared_ptr<const Regions> regions_;
   Colouring colouring_ = Colouring::vertex_hue;

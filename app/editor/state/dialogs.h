@@ -41,6 +41,7 @@ enum class FilePurpose {
   open_stiffness,
   open_template_landmarks,
   open_model,
+  open_score_model,
   open_recipe,
   open_set,
   open_study,

@@ -94,7 +94,9 @@ Colouring shown_colouring(const EditorState& state) {
   if (state.hand.tool == MouseTool::confirm)
     return state.look.colouring == Colouring::doubt ? Colouring::doubt : Colouring::known;
   if (state.hand.tool == MouseTool::stiffness) return paints_regions(state) ? Colouring::regions : Colouring::stiffness;
-  return state.look.shows_confidence && state.found.confidence ? Colouring::confidence : state.look.colouring;
+  if (state.look.shows_confidence && state.found.confidence) return Colouring::confidence;
+  const bool unknown = state.look.colouring == Colouring::score && state.scoring.z == nullptr;
+  return unknown ? Colouring::vertex_hue : state.look.colouring;
 }
 
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry) {

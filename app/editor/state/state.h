@@ -13,6 +13,7 @@
 #include "app/editor/state/drag.h"
 #include "app/editor/state/figures/findings.h"
 #include "app/editor/state/figures/measurements.h"
+#include "app/editor/state/figures/scoring.h"
 #include "app/editor/state/guide.h"
 #include "app/editor/state/layout.h"
 #include "app/editor/state/models/models_state.h"
@@ -53,6 +54,7 @@ enum class Colouring {
   quality,
   known,
   doubt,
+  score,
   confidence
 };
 
@@ -299,6 +301,7 @@ struct EditorState {
   Found found;
   Saving saving;
   Measurements measurements;
+  Scoring scoring;
   ModelsState models;
 
   std::optional<Guide> guide;  ///< to the first case, while that is open
@@ -340,7 +343,7 @@ void follow_contours(EditorState& state, const Document& document);
 /// Whether the brush in hand paints regions, or fills them.
 bool paints_regions(const EditorState& state);
 /// The colouring that is shown. While a brush is in hand: what it paints, or the doubt if that was chosen and the
-/// brush confirms. After a snap: its confidence, until the user chooses another.
+/// brush confirms. After a snap: its confidence, until the user chooses another. The hue for a score that is not known.
 Colouring shown_colouring(const EditorState& state);
 
 /// The plane of a slice view.

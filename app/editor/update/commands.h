@@ -46,7 +46,7 @@ using AllCommands = TypeList<
     ExportTemplate, ExportTemplateLandmarks, ExportAllFrames, ExportPicture, ExportVolumes, ImportLandmarks,
     OpenFitModel, ImportStiffness, ImportTemplateLandmarks,
     // what is measured by a recipe
-    ChooseRecipe, DrawMeasurement, ExportMeasurements,
+    ChooseRecipe, DrawMeasurement, ExportMeasurements, OpenScoreModel, ScoreByFile,
     // the making of a template
     MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, ShowTemplateStage,
     // tools

@@ -61,13 +61,13 @@ struct Work {
   Worklist worklist;
   ShapeMonitor<QualityFigures> quality;
   ShapeMonitor<ShapeMeasurements> measurements;
+  ShapeMonitor<ScoredShape> scores;
   Recovery recovery;
   WriteReport write_report;  ///< empty: this program cannot
 
   RecoveryOffer recovery_offer = RecoveryOffer::dialog;
   std::shared_ptr<const Recipe> measured_by;          ///< the recipe of `measurements`; null: none
-  std::shared_ptr<const Document> measured_document;  ///< that `measurements` was given last, null: none
-  std::string measured_structure;                     ///< of it, by its id
+  std::shared_ptr<const ShapeModel> scored_by;        ///< the model of `scores`; null: none
   bool fit_seen = false;                              ///< a step of the fit that goes on was shown
   std::optional<StartFit> started_fit;                ///< the fit that goes on; none while it is a refinement
   bool set_enters = false;                            ///< the structures of a set that was fitted come into the case

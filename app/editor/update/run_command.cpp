@@ -22,6 +22,7 @@ Work::Work(const std::function<void()>& wake)
       worklist(wake),
       quality(wake, "The mesh's figures", quality_of),
       measurements(wake, "The measurements", {}),
+      scores(wake, "The score", {}),
       recovery(wake) {}
 
 bool Work::busy() const {

@@ -77,7 +77,8 @@ class EditorApp {
   bool rests() const { return took_all_ && nothing_goes_on(); }
   bool nothing_goes_on() const {
     return !state_.pointer.held_click && !work_.busy() && !work_.models.has_to_write(state_.models) &&
-           shown_.at_rest() && !work_.quality.busy() && !work_.measurements.busy() && out_.empty();
+           shown_.at_rest() && !work_.quality.busy() && !work_.measurements.busy() && !work_.scores.busy() &&
+           out_.empty();
   }
   void run_commands();
 

@@ -30,8 +30,10 @@ class ShapeMonitor {
   }
 
   /// `of`: the structure; empty: the first. The figures so far are forgotten where they are of another structure, and
-  /// where the document has no mesh of it (or is null).
+  /// where the document has no mesh of it (or is null). The same document again changes nothing.
   void post(std::shared_ptr<const Document> document, std::string of = {}) {
+    if (document == posted_ && of == of_) return;
+    posted_ = document;
     const bool has_mesh = document && document->view(of);
     if (!has_mesh || of != of_) forget();
     of_ = std::move(of);
@@ -104,8 +106,8 @@ class ShapeMonitor {
   std::string subject_;
   Measure figures_of_;
   Worker<Measured> worker_;
-  std::shared_ptr<const Document> next_;
-  std::string of_;  ///< of `next_`
+  std::shared_ptr<const Document> posted_, next_;  ///< the last, and where it is not measured yet
+  std::string of_;                                 ///< of them
   Clock::time_point rested_{};
   std::optional<Figures> latest_;
   std::string error_;

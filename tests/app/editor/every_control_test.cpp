@@ -14,6 +14,7 @@
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
+#include "core/model/statismo.h"
 #include "core/volume/volume_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"
@@ -42,6 +43,14 @@ struct BallScene {
     REQUIRE(write_whole_file(folder.path / "ball.recipe.json", R"({"homolog_recipe": 1, "measurements": [
       {"name": "across", "kind": "distance", "from": {"kind": "landmark", "landmark": "north"},
        "to": {"kind": "landmark", "landmark": "south"}}]})"));
+    ShapeMatrix balls(3 * mesh.points.rows(), 4);
+    for (Eigen::Index k = 0; k < balls.cols(); ++k) {
+      const Points drawn =
+          mesh.points * Vec3(1 + 0.1 * static_cast<double>(k), 1 + 0.1 * static_cast<double>(k % 2), 1).asDiagonal();
+      balls.col(k) = Eigen::Map<const Eigen::VectorXd>(drawn.data(), drawn.size());
+    }
+    REQUIRE(write_model(make_model(principal_components(std::move(balls)), 1, mesh.topology, {}),
+                        folder.path / "ball.h5.json"));
     VolumeGeometry grid;
     grid.dims = {60, 60, 60};
     grid.spacing_mm.setConstant(1.6);
@@ -274,7 +283,8 @@ TEST_CASE("every control of the case does something") {
   driver.app().send(open_labels(scene.label));
   driver.settle();
   driver.app().send(ChooseRecipe{(scene.folder.path / "ball.recipe.json").string()});
-  for (const char* section : {"Template", "Place", "Measurements", "Export"}) {
+  driver.app().send(OpenScoreModel{{scene.folder.path / "ball.h5.json"}});
+  for (const char* section : {"Template", "Place", "Measurements", "Score", "Export"}) {
     driver.app().send(OpenSection{section, true});
     driver.settle();
   }
@@ -285,7 +295,7 @@ TEST_CASE("every control of the case does something") {
   Operator hands(driver);
   for (const char* part :
        {"tool strip", "side panel/Correspondence", "side panel/Deform", "side panel/Place", "side panel/Template",
-        "side panel/Measurements", "side panel/Export", "side panel/Case", "axial", "top bar"})
+        "side panel/Measurements", "side panel/Score", "side panel/Export", "side panel/Case", "axial", "top bar"})
     hands.operate(part);
   CHECK(hands.operated() > 120);
   CHECK_MESSAGE(hands.dead().empty(), "These do nothing:", hands.dead());

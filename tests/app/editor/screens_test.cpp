@@ -90,7 +90,7 @@ void check_screen(Driver& driver, const std::string& name) {
 /// The case with these sections open and all others closed.
 void open_only(Driver& driver, const std::vector<std::string>& open) {
   for (const char* title :
-       {"Case", "Cine", "Template", "Place", "Deform", "Correspondence", measurements_section, "Export"})
+       {"Case", "Cine", "Template", "Place", "Deform", "Correspondence", measurements_section, score_section, "Export"})
     driver.state().preferences.sections_open[title] = std::ranges::find(open, title) != open.end();
 }
 
@@ -135,6 +135,20 @@ TEST_CASE("golden picture of measurements in the panel and on the mesh") {
   for (const char* name : {"anterior height", "endplate angle", "canal width"})
     driver.app().send(DrawMeasurement{name, true});
   check_screen(driver, "section_measurements");
+}
+
+TEST_CASE("golden picture of a score in the panel and on the mesh") {
+  const auto gl = test::context_or_skip();
+  if (!gl) return;
+  Driver driver(new_document("", nullptr, test::must(load_template(built_in_source(Organ::kidney)))), usual);
+  driver.app().send(OpenPhantomStudy{Organ::kidney});
+  driver.wait_until("the study has a model", [&] { return driver.state().models.fitted.model != nullptr; });
+  driver.state().models.shown = false;
+  driver.state().notices.clear();
+  open_only(driver, {score_section});
+  driver.app().send(ChooseColouring{Colouring::score});
+  driver.wait_until("it is scored", [&] { return driver.state().scoring.z != nullptr; });
+  check_screen(driver, "section_score");
 }
 
 TEST_CASE("golden picture of the section of a cine") {

@@ -372,6 +372,10 @@ void OpenFitModel::run(Editing& editing) const {
   open_fit_model(editing, path);
 }
 
+void OpenScoreModel::run(Editing& editing) const {
+  open_score_model(editing, path);
+}
+
 void ImportStiffness::run(Editing& editing) const {
   if (!lacks_template(editing)) import_stiffness(editing, path);
 }

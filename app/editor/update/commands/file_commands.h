@@ -158,6 +158,12 @@ struct OpenFitModel : FileCommand {
   static constexpr Logged logged = Logged::when_done;
   void run(Editing& editing) const;
 };
+/// Reads the model that the shown mesh is scored against.
+struct OpenScoreModel : FileCommand {
+  static constexpr const char* key = "open score model";
+  static constexpr Logged logged = Logged::when_done;
+  void run(Editing& editing) const;
+};
 /// Takes every vertex's stiffness factor from a mesh file with the same vertices.
 struct ImportStiffness : FileCommand {
   static constexpr const char* key = "import stiffness";

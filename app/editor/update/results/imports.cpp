@@ -203,6 +203,17 @@ void open_fit_model(Editing& editing, const std::filesystem::path& path) {
       });
 }
 
+void open_score_model(Editing& editing, const std::filesystem::path& path) {
+  read_for_case(
+      editing, OpenScoreModel{{path}}, [](const auto& file) { return read_model(file); },
+      [path](Editing& then, const ShapeModel& model) {
+        Scoring& scoring = then.state.scoring;
+        scoring.of_file = std::make_shared<const ShapeModel>(model);
+        scoring.file = path;
+        scoring.by_file = true;
+      });
+}
+
 void import_stiffness(Editing& editing, const std::filesystem::path& path) {
   const auto topology = editing.structure()->the_template->topology;
   read_for_case(

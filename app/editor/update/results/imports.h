@@ -34,6 +34,8 @@ void write_beside(Editing& editing, const std::filesystem::path& path, How how, 
 }
 /// Reads a shape model for fits.
 void open_fit_model(Editing& editing, const std::filesystem::path& path);
+/// Reads the model that the shown mesh is scored against from then on.
+void open_score_model(Editing& editing, const std::filesystem::path& path);
 void write_picture_beside(Editing& editing, const std::filesystem::path& path, Result<Picture> picture);
 
 }  // namespace homolog

@@ -58,16 +58,10 @@ bool update_measurements(Editing& editing) {
   const auto& recipe = state.measurements.recipe;
   if (recipe != work.measured_by) {
     work.measured_by = recipe;
-    work.measured_document = nullptr;
     work.measurements.measure_by(
         [recipe](const Document& document, const std::string& of) { return shape_measurements(recipe, document, of); });
   }
-  const auto wanted = recipe && is_looked_at(state) ? editing.shown.displayed() : nullptr;
-  if (wanted != work.measured_document || state.look.structure != work.measured_structure) {
-    work.measured_document = wanted;
-    work.measured_structure = state.look.structure;
-    work.measurements.post(wanted, state.look.structure);
-  }
+  work.measurements.post(recipe && is_looked_at(state) ? editing.shown.displayed() : nullptr, state.look.structure);
   return work.measurements.update();
 }
 

@@ -11,6 +11,7 @@
 #include "app/editor/update/results/opening.h"
 #include "app/editor/update/results/optimisation.h"
 #include "app/editor/update/results/quitting.h"
+#include "app/editor/update/results/scores.h"
 #include "app/editor/update/results/set_fit.h"
 #include "app/editor/update/results/worklist.h"
 
@@ -235,6 +236,7 @@ bool take_results(Editing& editing, double seconds) {
   update_quit(editing);
   changed |= update_quality(editing);
   changed |= update_measurements(editing);
+  changed |= update_scores(editing);
   changed |= take_stage(editing);
   changed |= update_label_surface(editing);
   changed |= take_observers(editing);
@@ -257,6 +259,7 @@ void settle(Editing& editing) {
   take_written(editing);
   work.quality.finish();
   work.measurements.finish();
+  work.scores.finish();
   while (work.recovery.busy()) {
     work.recovery.finish();
     take_recovery(editing);
@@ -273,7 +276,7 @@ std::optional<double> next_move_seconds(const EditorState& state, const Work& wo
                     : brush != nullptr       ? brush->waits_until
                                              : std::nullopt;
   if (held) next = std::min(next.value_or(*held - now), std::max(*held - now, 0.0));
-  for (const auto rest : {work.quality.rest_seconds(), work.measurements.rest_seconds()})
+  for (const auto rest : {work.quality.rest_seconds(), work.measurements.rest_seconds(), work.scores.rest_seconds()})
     if (rest) next = std::min(next.value_or(*rest), *rest);
   if (state.hints_until && !state.hints_over)
     next = std::min(next.value_or(*state.hints_until - now), std::max(*state.hints_until - now, 0.0));

@@ -18,8 +18,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double share_held = 0.95;
-
 /// The shapes of all cases that can be read; the others are named among the refusals.
 struct Gathered {
   std::vector<const StudyCase*> cases;
@@ -231,7 +229,8 @@ Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std:
   if (components.scatter.size() == 0)
     return fail(model->names.front(),
                 "differs from the other shapes by its pose alone, so there is nothing to model; give different shapes");
-  model->model = make_model(components, share_held, model->topology, model->names);
+  model->model = make_model(components, share_of_variance, model->topology, model->names);
+  model->model.alignment = alignment;
   model->mean = {model->topology, points_of(components.mean)};
   model->components = std::make_shared<const PrincipalComponents>(std::move(components));
   model->hues = std::make_shared<const std::vector<float>>(hues_of(*model));

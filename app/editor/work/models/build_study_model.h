@@ -12,6 +12,9 @@
 
 namespace homolog {
 
+/// Of the variance of a study's shapes, that the modes of its model hold.
+inline constexpr double share_of_variance = 0.95;
+
 struct StudyModelRequest {
   std::vector<StudyCase> cases;
   std::filesystem::path template_file;  ///< gives shapes of points alone their faces; may be empty

@@ -2,8 +2,10 @@
 
 #include <utility>
 
+#include "app/editor/work/models/build_study_model.h"
 #include "core/base/index.h"
 #include "core/model/conditional.h"
+#include "core/model/leave_one_out.h"
 
 namespace homolog {
 
@@ -13,9 +15,12 @@ namespace {
 constexpr double known_noise_mm = 2;
 constexpr double share_kept = 0.99;
 
-}  // namespace
+ShapeModel with_distances(ShapeModel model, const PrincipalComponents& components) {
+  model.left_out_distances = left_out_distances(components, model.modes());
+  return model;
+}
 
-Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_out) {
+Result<PrincipalComponents> components_without(const StudyModel& study, std::ptrdiff_t left_out) {
   const Eigen::Index count = std::ssize(study.names) - (left_out < 0 ? 0 : 1);
   if (count < 2) return fail("", "The model needs at least two other cases of this template.");
   ShapeMatrix shapes(3 * study.vertices(), count);
@@ -28,7 +33,24 @@ Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_ou
     shapes.col(column++) = own_size * Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
   }
   align(shapes, study.alignment);  // the one that is left out has no part in where the others lie
-  return make_model(principal_components(std::move(shapes)), share_kept, study.topology, {});
+  return principal_components(std::move(shapes));
+}
+
+}  // namespace
+
+Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_out) {
+  return components_without(study, left_out).map([&](const PrincipalComponents& components) {
+    return make_model(components, share_kept, study.topology, {});
+  });
+}
+
+Result<ShapeModel> model_of_others(const StudyModel& study, std::ptrdiff_t left_out) {
+  if (left_out < 0) return with_distances(study.model, *study.components);
+  const auto components = components_without(study, left_out);
+  if (!components) return fail(components.error());
+  ShapeModel model = make_model(*components, share_of_variance, study.topology, {});
+  model.alignment = study.alignment;
+  return with_distances(std::move(model), *components);
 }
 
 /// The model with the solver that it completes shapes by. The solver belongs to the session's thread.

@@ -12,6 +12,9 @@ namespace homolog {
 
 /// The model of all shapes of a study but one; of all where `left_out` is −1. Errors: too few are left.
 Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_out);
+/// The same as the study's own model is made and written: its modes hold 95 % of the variance, and it knows how far
+/// each of its shapes lies from the model of the others.
+Result<ShapeModel> model_of_others(const StudyModel& study, std::ptrdiff_t left_out);
 
 /// Completes the case's shape by the shape model of its study. The model is computed on a thread of its own; shapes are
 /// completed on the session's thread. Called from the window's thread only.

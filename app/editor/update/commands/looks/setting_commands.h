@@ -52,6 +52,9 @@ using SetTemplate = Setting<"set template", "", &EditorState::automatic, &Automa
 /// A stage of a template's making; none: the last one.
 using ShowTemplateStage = Setting<"show stage", "stage", &EditorState::look, &Look::shown_stage>;
 
+/// Whether the mesh is scored against a model's file, or against the open study.
+using ScoreByFile = Setting<"score by file", "file", &EditorState::scoring, &Scoring::by_file>;
+
 // Files.
 
 /// Which frames of a cine the next exports write: all that have a mesh, or the one that is shown.

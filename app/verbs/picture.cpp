@@ -9,6 +9,7 @@
 #include "app/editor/window/editor_picture.h"
 #include "app/verbs/model_part.h"
 #include "app/verbs/picture_verb.h"
+#include "app/verbs/training.h"
 #include "core/base/file_stem.h"
 #include "core/base/picture_io.h"
 #include "core/mesh/mirror.h"
@@ -229,6 +230,20 @@ Result<Report> of_study(const PictureVerb& verb) {
   return write_window(EditSession(new_document({}, nullptr, nullptr)), window, verb, std::move(warnings));
 }
 
+/// For print: the shapes or the modes by themselves, since a window has no place on paper.
+Result<Report> of_study_for_print(const PictureVerb& verb, Progress& progress) {
+  constexpr int modes = 3;
+  if (verb.only != "modes") return correspondence(verb, progress);
+  TrainingVerb set;
+  set.files = verb.in;
+  const auto training = train(set, progress);
+  if (!training) return fail(training.error());
+  auto report = write(
+      modes_picture(make_model(training->components, 1, training->topology, {}), modes, montage_options(verb)), verb);
+  if (report) report->warnings = training->warnings;
+  return report;
+}
+
 /// --ground and --captions; gives the first.
 CLI::Option* add_ground(CLI::App& verb, PictureVerb& options) {
   verb.add_flag("--captions", options.captions, "Write names and a scale bar on the picture");
@@ -314,11 +329,20 @@ void add_picture(CLI::App& app, CommandLine& asked) {
       [options, &asked] { asked.run = [options](Progress& progress) { return of_window(*options, progress); }; });
   CLI::App* study = add_verb(*picture, "study", "A study's models, as the editor's window shows them");
   study->add_option("STUDY", options->in, "The study (.study.json)")->required()->expected(1);
-  study->add_option("-o,--output", options->out, "The picture to write (.png)")->required();
+  study->add_option("-o,--output", options->out, "The picture to write: .png, or for print .svg or .pdf")->required();
   add_size(*study, options->size);
+  add_width(*study, *options)->excludes("--size");
+  add_view(*study, *options);
   add_part(*study, *options, study_names,
-           "In place of the window: gallery (all shapes) or modes (-3, 0 and +3 standard deviations)");
-  study->callback([options, &asked] { asked.run = [options](Progress&) { return of_study(*options); }; });
+           "In place of the window: gallery (all shapes; of a page the default) or modes (-3, 0 and +3 standard "
+           "deviations)");
+  study->callback([options, study, &asked] {
+    const bool prints = options->is_for_print();
+    if (!prints) refuse_without_effect(*study, "--view", "pages; in the window you turn the shapes");
+    asked.run = [options, prints](Progress& progress) {
+      return prints ? of_study_for_print(*options, progress) : of_study(*options);
+    };
+  });
   one->callback(
       [options, &asked] { asked.run = [options](Progress& progress) { return of_case(*options, progress); }; });
   // A name that no picture can have is refused before anything is drawn.

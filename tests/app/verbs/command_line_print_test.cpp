@@ -119,6 +119,26 @@ TEST_CASE("pictures for print are SVG with texts that lie over no shape at 300 d
     }
 }
 
+TEST_CASE("a study is printed as its shapes or as its first modes") {
+  const TemporaryFolder folder;
+  put_shapes(folder);
+  Json cases = Json::array();
+  for (int k = 0; k < 6; ++k)
+    cases.push_back({{"name", "case " + std::to_string(k)}, {"file", "k" + std::to_string(k) + ".ply"}});
+  REQUIRE(write_whole_file(folder.path / "s.study.json", Json{{"homolog_study", 1}, {"cases", cases}}.dump()));
+  const Ran ran = run(folder, "picture study s.study.json -o s.svg --json");
+  if (cannot_draw(ran)) return;
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(has_text(texts_of(read(folder, "s.svg")), "k5"));
+  REQUIRE(run(folder, "picture study s.study.json --only modes --width-mm 85 -o modes.svg").status == 0);
+  const auto texts = texts_of(read(folder, "modes.svg"));
+  CHECK_FALSE(has_text(texts, "k5"));
+  CHECK(texts.size() > 6);
+  REQUIRE(run(folder, "picture study s.study.json --only gallery --view superior -o s.pdf").status == 0);
+  CHECK(read(folder, "s.pdf").starts_with("%PDF-"));
+  CHECK(run(folder, "picture study s.study.json --view superior -o s.png").status != 0);
+}
+
 TEST_CASE("groups say which is the longer one") {
   const TemporaryFolder folder;
   const std::string files = put_shapes(folder);

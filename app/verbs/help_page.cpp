@@ -66,7 +66,7 @@ const std::map<std::string_view, Examples> examples{
      {"picture plot kidney.h5.json -o modes.pdf", "picture plot measures.csv --width-mm 85 -o measures.svg"}},
     {"report",
      {"report kidneys.study.json -o kidneys.html",
-      "report kidney.h5.json --title \"Healthy kidneys\" -o kidneys.html"}},
+      "report vertebra.h5 --recipe vertebra --template vertebra.ply --title \"Healthy vertebrae\" -o vertebrae.html"}},
     {"convert", {"convert dicom/ ct.nii.gz", "convert fits/case_1.ply case_1.vtp"}},
     {"repair",
      {"repair ct-labels.nii.gz --templates trunk.set.json -o mended",

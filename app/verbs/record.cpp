@@ -50,7 +50,7 @@ const std::array recorded_verbs{
     RecordedVerb{"tets", {"TETS", "SHAPE", "--template"}, "--output", {}},
     RecordedVerb{"landmarks", {"SHAPE"}, "--output", {}},
     RecordedVerb{"observers", {"FIRST", "SECOND"}, "--csv", {}},
-    RecordedVerb{"report", {"SHAPE"}, "--output", {}},
+    RecordedVerb{"report", {"SHAPE", "--recipe", "--template"}, "--output", {}},
     RecordedVerb{"picture correspondence", {"SHAPE"}, "--output", {}},
     RecordedVerb{"picture modes", {"MODEL"}, "--output", {}},
     RecordedVerb{"picture case", {"CASE"}, "--output", {}},

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "app/pictures/pictures.h"
 #include "app/verbs/record.h"
 #include "app/verbs/report_content.h"
@@ -5,8 +7,10 @@
 #include "app/verbs/verbs.h"
 #include "core/base/file_record.h"
 #include "core/base/files.h"
+#include "core/base/listed.h"
 #include "core/base/picture_module.h"
 #include "core/base/text.h"
+#include "core/catalogue/catalogue.h"
 #include "core/model/statismo.h"
 
 // The verb `report`: a model as one page to read and to send.
@@ -63,6 +67,7 @@ Result<Report> write_report(const ReportVerb& verb, const GivenCommand& command,
                    {"groups", content->groups()},
                    {"picture", picture.has_value()},
                    {"bytes", *bytes}};
+  if (content->recipe) report.values["measurements"] = content->recipe->measurements.size();
   return report;
 }
 
@@ -109,6 +114,11 @@ void add_report(CLI::App& app, CommandLine& asked) {
   verb->add_option("--modes", options->modes,
                    "How many modes it shows (default: those that hold 95 % of the variance, at most 10)")
       ->check(CLI::Range(1, 100));
+  verb->add_option("--recipe", options->recipe,
+                   "What to measure along the first modes: a file (.json), or " + listed(shipped_recipes(), ", ") +
+                       "; without it that of the template");
+  verb->add_option("--template", options->the_template,
+                   "Lends its landmarks and regions to the model for that; without it the first shape does");
   verb->add_option("--samples", options->samples, "How many random shapes to draw for specificity")
       ->check(CLI::Range(1, 1000000));
   verb->callback([options, verb, &asked] {
@@ -116,9 +126,14 @@ void add_report(CLI::App& app, CommandLine& asked) {
       for (const char* option : {"--keep-scale", "--no-align", "--all-frames", "--flip-mirrored", "--group",
                                  "--without-doubtful", "--structures", "--samples"})
         refuse_without_effect(*verb, option, "shapes");
-    asked.run = [options, command = given_command(*verb)](Progress& progress) {
-      return write_report(*options, command, progress);
-    };
+    GivenCommand command = given_command(*verb);
+    // What lies beside a template is read as well; it stands where it would had it been given.
+    if (options->recipe.empty() && !options->the_template.empty()) {
+      options->recipe = recipe_of_template(options->the_template);
+      const auto before = std::ranges::find(command.options, std::string_view("--template"), &GivenOption::name);
+      if (!options->recipe.empty()) command.options.insert(before, {"--recipe", {options->recipe}});
+    }
+    asked.run = [options, command](Progress& progress) { return write_report(*options, command, progress); };
   });
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "app/verbs/report_measurements.h"
 #include "app/verbs/test_cases.h"
 #include "core/base/file_stem.h"
 #include "core/model/leave_one_out.h"
@@ -48,6 +49,8 @@ std::string plain_command(const ReportVerb& verb) {
   if (!training.structures.empty()) command += " --structures " + listed(training.structures, ",");
   if (training.together != "common") command += " --alignment " + training.together;
   if (training.world) command += " --world";
+  if (!verb.recipe.empty()) command += " --recipe " + fs::path(verb.recipe).filename().string();
+  if (!verb.the_template.empty()) command += " --template " + fs::path(verb.the_template).filename().string();
   if (verb.modes > 0) command += " --modes " + std::to_string(verb.modes);
   if (verb.without_names) command += " --without-names";
   if (verb.samples != ReportVerb().samples) command += " --samples " + std::to_string(verb.samples);
@@ -258,6 +261,8 @@ Result<PageContent> page_content(const ReportVerb& verb, Progress& progress) {
   auto content =
       files.size() == 1 && is_model_name(files.front()) ? content_of_model(verb) : content_of_set(verb, progress);
   if (!content) return content;
+  if (!verb.recipe.empty() || !verb.the_template.empty())
+    if (auto measured = measure_page(verb, *content, progress); !measured) return fail(measured.error());
   content->title = verb.title.empty() ? plain_title(files.front()) : verb.title;
   content->command = plain_command(verb);
   if (verb.without_names)

@@ -7,6 +7,7 @@
 
 #include "app/verbs/training.h"
 #include "core/model/measures.h"
+#include "core/model/recipe_shapes.h"
 #include "core/model/shape_model.h"
 
 namespace homolog {
@@ -18,6 +19,8 @@ struct ReportVerb {
   std::string title;  ///< empty: the name of the first file
   int modes = 0;      ///< how many the page has; 0: those that hold 95 % of the variance, at most 10
   Eigen::Index samples = 1000;
+  std::string recipe;          ///< what is measured along the modes: a file, or the name of one that ships
+  std::string the_template;    ///< lends landmarks and regions for that; empty: the first shape does
   bool without_names = false;  ///< cases are numbered: their names may be those of patients
 };
 
@@ -47,6 +50,8 @@ struct PageContent {
   Eigen::Index doubt_cases = 0;                  ///< how many have one
   Measures generalisation_rms, specificity_rms;  ///< at m = 1…M−2; empty: not known
   Eigen::Index samples = 0;                      ///< of the specificity
+  std::shared_ptr<const Recipe> recipe;          ///< null: nothing is measured
+  std::vector<ModeValues> along_modes;           ///< of it: the first modes, from −3 to 3 standard deviations
   std::vector<std::string> warnings;
 
   Eigen::Index cases_in_model() const;

@@ -141,6 +141,16 @@ std::string doubt_paragraph(const PageContent& content) {
          counted(content.doubt_cases, "case", "cases") + " is " + fixed_text(doubt, 2) + " mm.";
 }
 
+std::string measurements_sentence(const PageContent& content) {
+  if (!content.recipe) return {};
+  return "The measurements of the recipe " + content.recipe->name + " were taken on the shapes of the model at " +
+         "\xe2\x88\x92"
+         "3 to 3 standard deviations of " +
+         (content.along_modes.back().mode == 1
+              ? std::string("its first mode.")
+              : "each of its first " + std::to_string(content.along_modes.back().mode) + " modes.");
+}
+
 }  // namespace
 
 std::string html_text(const std::string& text) {
@@ -183,6 +193,7 @@ std::string methods_html(const PageContent& content) {
       works.cite(erdt_work) + '.' + modes_sentence(content));
   paragraphs.push_back(measures_paragraph(content, works));
   paragraphs.push_back(doubt_paragraph(content));
+  paragraphs.push_back(measurements_sentence(content));
   std::string html;
   for (const std::string& one : paragraphs)
     if (!one.empty()) html += "<p>" + html_text(one) + "</p>\n";

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "app/editor/scene/mesh_colouring.h"
+#include "app/verbs/report_measurements.h"
 #include "app/verbs/report_methods.h"
 #include "app/version.h"
 #include "core/base/base64.h"
@@ -111,6 +112,7 @@ Json page_data(const PageContent& content) {
   if (bytes > 0 && bytes <= most_shape_bytes) data["shapes"] = floats_text(content.shapes);
   data["generalisation_rms"] = measures_json(content.generalisation_rms);
   data["specificity_rms"] = measures_json(content.specificity_rms);
+  if (content.recipe) data["measurements"] = measurements_json(content);
   data["scales"] = {{"rising", rising_scale()}, {"diverging", diverging_scale()}, {"doubt", doubt_scale()}};
   data["light"] = std::string(shaders::light_glsl());
   return data;
@@ -256,6 +258,7 @@ std::string report_page(const PageContent& content, const std::string& picture_p
                  {"facts", facts_html(content)},
                  {"picture", picture_html(picture_png)},
                  {"modes", modes_table_html(content)},
+                 {"measurements", measurements_html(content)},
                  {"cases", cases_table_html(content)},
                  {"cases_note", cases_note_html(content)},
                  {"methods", methods_html(content)},

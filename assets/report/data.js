@@ -68,6 +68,7 @@ const model = (() => {
     light: data.light,
     generalisation: data.generalisation_rms,
     specificity: data.specificity_rms,
+    measurements: data.measurements || [],
     // The table's row of each case of the model.
     rows: data.cases.map((one, row) => (one.in_model ? row : -1)).filter(row => row >= 0),
     shapeOf, shapeOfCase, groupDifference,

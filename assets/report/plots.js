@@ -94,6 +94,69 @@ function plotsOfModel() {
   return plots;
 }
 
+/// A measurement along the first modes, a line each, with the value under the pointer in a line below.
+function measurementPlot({ name, values, texts }) {
+  const width = 360, height = 190, left = 44, right = 8, above = 8, below = 28;
+  const most = (values[0].length - 1) / 2, known = values.flat().filter(value => value !== null);
+  const least = Math.min(...known), range = Math.max(...known) - least || Math.max(1, Math.abs(least));
+  const step = roundedUp(range / 5), low = step * Math.floor(least / step + 1e-9);
+  const high = Math.max(low + step, step * Math.ceil((least + range) / step - 1e-9));
+  const x = sd => left + (sd + most) * (width - left - right) / (2 * most);
+  const y = value => height - below - (value - low) * (height - above - below) / (high - low);
+  const picture = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": name, tabindex: 0 });
+  for (const value of ticks(low, high))
+    picture.append(svg("line", { class: "grid", x1: left, x2: width - right, y1: y(value), y2: y(value) }),
+      svg("text", { x: left - 6, y: y(value) + 4, "text-anchor": "end" }, String(value).replace("-", "−")));
+  for (let sd = -most; sd <= most; ++sd)
+    picture.append(svg("text", { x: x(sd), y: height - below + 16, "text-anchor": "middle" }, String(sd).replace("-", "−")));
+  values.forEach((line, mode) => {
+    const points = line.map((value, k) => [k - most, value]).filter(([, value]) => value !== null);
+    const path = "M" + points.map(([sd, value]) => `${x(sd).toFixed(2)} ${y(value).toFixed(2)}`).join("L");
+    picture.append(svg("path", { class: "line", d: path, style: `stroke: var(--group-${mode})` }),
+      ...points.map(([sd, value]) => svg("path", {
+        d: groupMarks[mode](3.5), style: `fill: var(--group-${mode})`, transform: `translate(${x(sd).toFixed(2)} ${y(value).toFixed(2)})`,
+      })));
+  });
+  const at = svg("line", { class: "axis", y1: above, y2: height - below });
+  picture.append(at);
+  const readout = document.createElement("p");
+  readout.className = "readout";
+  let now = 0;
+  const show = sd => {
+    now = Math.min(Math.max(sd, -most), most);
+    for (const end of ["x1", "x2"]) at.setAttribute(end, x(now));
+    readout.textContent = now === 0 ? `Mean: ${texts[0][most]}`
+      : `At ${now < 0 ? "−" : "+"}${Math.abs(now)} SD: ` + texts.map((line, mode) => `mode ${mode + 1} ${line[now + most]}`).join(", ");
+  };
+  const under = event => {
+    const box = picture.getBoundingClientRect();
+    return Math.round(((event.clientX - box.left) * width / box.width - left) * 2 * most / (width - left - right)) - most;
+  };
+  picture.addEventListener("pointermove", event => show(under(event)));
+  picture.addEventListener("pointerdown", event => show(under(event)));
+  picture.addEventListener("keydown", event => {
+    const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (step) event.preventDefault(), show(now + step);
+  });
+  show(0);
+  const figure = document.createElement("figure"), caption = document.createElement("figcaption"), small = document.createElement("small");
+  caption.textContent = name + " ";
+  small.textContent = "by standard deviations of the modes";
+  caption.append(small);
+  const keys = document.createElement("div");
+  keys.className = "keys";
+  values.forEach((_, mode) => {
+    const key = document.createElement("span");
+    key.append(svg("svg", { viewBox: "-7 -7 14 14" }, svg("path", { d: groupMarks[mode](5), style: `fill: var(--group-${mode})` })), `mode ${mode + 1}`);
+    keys.append(key);
+  });
+  figure.append(caption, picture, keys, readout);
+  return figure;
+}
+
+const plotsOfMeasurements = () =>
+  model.measurements.filter(one => one.values.flat().some(value => value !== null)).map(measurementPlot);
+
 const groupMarks = [
   r => `M${-r} 0A${r} ${r} 0 1 0 ${r} 0A${r} ${r} 0 1 0 ${-r} 0Z`,
   r => `M${-r} ${-r}H${r}V${r}H${-r}Z`,

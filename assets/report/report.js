@@ -404,6 +404,7 @@
     view = null;
   }
   find("plots").append(...plotsOfModel());
+  if (model.measurements.length > 0) find("measurements").append(...plotsOfMeasurements());
   makeSliders();
   makeCases();
   if (view) {

@@ -1,7 +1,6 @@
 #include "core/model/recipe_shapes.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <utility>
 
@@ -107,18 +106,16 @@ std::string measurement_cells(const std::vector<MeasuredNumber>& values) {
 }
 
 Result<std::vector<ModeValues>> measure_modes(const Recipe& recipe, const ShapeModel& model, int modes,
-                                              const Lenders& lenders, Progress& progress) {
-  constexpr std::array deviations{-2.0, -1.0, 0.0, 1.0, 2.0};
+                                              const Lenders& lenders, Progress& progress, int most_sd) {
   std::vector<ModeValues> all;
   for (int mode = 1; mode <= modes; ++mode)
-    for (const double sd : deviations) {
+    for (int sd = -most_sd; sd <= most_sd; ++sd) {
       if (progress.cancelled()) return fail("", "the measurements were cancelled");
-      progress.report(static_cast<double>(all.size()) /
-                      static_cast<double>(deviations.size() * static_cast<std::size_t>(modes)));
+      progress.report(static_cast<double>(all.size()) / ((2 * most_sd + 1) * modes));
       auto shape = measured_shape(model, mode_shape(model, mode - 1, sd));
       if (!shape) return fail(shape.error());
       lenders.lend_to(*shape);
-      all.push_back({mode, sd, measure(recipe, *shape)});
+      all.push_back({mode, static_cast<double>(sd), measure(recipe, *shape)});
     }
   return all;
 }

@@ -53,9 +53,9 @@ struct ModeValues {
   double sd = 0;  ///< of the mode: 0 is the mean
   std::vector<MeasuredNumber> values;
 };
-/// The mean and each of the first `modes` modes at −2, −1, 0, 1 and 2 standard deviations. Errors: cancelled; faces
-/// that are no surface.
+/// Each of the first `modes` modes at −most_sd…most_sd whole standard deviations; at 0 it is the mean. Errors:
+/// cancelled; faces that are no surface.
 Result<std::vector<ModeValues>> measure_modes(const Recipe& recipe, const ShapeModel& model, int modes,
-                                              const Lenders& lenders, Progress& progress);
+                                              const Lenders& lenders, Progress& progress, int most_sd = 2);
 
 }  // namespace homolog

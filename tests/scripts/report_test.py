@@ -214,6 +214,12 @@ def check_page(browser, folder):
     browser.frames(20)
     check("the first mode plays", before != browser.evaluate("homologReport.positions()"))
     browser.evaluate("document.querySelectorAll('.slider button')[0].click()")
+    check("each measurement has a plot and a row a mode", browser.evaluate(
+        "[document.querySelectorAll('#measurements figure').length, document.querySelectorAll('#measurements + .table tbody tr').length]") == [2, 6])
+    browser.evaluate("document.querySelector('#measurements svg').dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight' }))")
+    row = browser.evaluate("[...document.querySelector('#measurements + .table tbody tr').cells].map(cell => cell.textContent)")
+    said = browser.evaluate("document.querySelector('#measurements .readout').textContent")
+    check("a plot says what the table says", said.startswith("At +1 SD: mode 1 " + row[6]) and row[6] not in row[:6])
     for colouring in ("moved", "doubt", "groups"):
         browser.evaluate(f"document.querySelector('[data-colouring={colouring}]').click()")
         browser.frames()
@@ -256,7 +262,9 @@ def main():
                  for k, path in enumerate(sorted((folder / "fits").glob("*.ply")), 1)]
         (folder / "s.study.json").write_text(json.dumps({"homolog_study": 1, "cases": cases}))
         run(folder, "model", "s.study.json", "-o", "m.h5.json")
-        run(folder, "report", "s.study.json", "-o", "page.html")
+        (folder / "size.recipe.json").write_text(json.dumps({"homolog_recipe": 1, "name": "Size", "measurements": [
+            {"name": "content", "kind": "volume"}, {"name": "surface", "kind": "area"}]}))
+        run(folder, "report", "s.study.json", "--recipe", "size.recipe.json", "-o", "page.html")
         browser = Browser(folder / "profile")
         try:
             check_page(browser, folder)

@@ -158,4 +158,49 @@ TEST_CASE("a report refuses what is no model and options without effect") {
   check_refused(run(folder, "report e0.particles e1.particles -o page.html"), "without faces");
 }
 
+TEST_CASE("a report has the values of a recipe along the first modes as measure gives them") {
+  const TemporaryFolder folder;
+  put_study(folder);
+  REQUIRE(
+      write_whole_file(folder.path / "size.recipe.json", R"({"homolog_recipe": 1, "name": "Size <&>", "measurements": [
+    {"name": "content", "kind": "volume"},
+    {"name": "to the apex", "kind": "distance", "from": {"kind": "landmark", "landmark": "apex"},
+     "to": {"kind": "landmark", "landmark": "base"}}]})"));
+  REQUIRE(run(folder, "model organs.study.json --keep-scale --variance 1 -o m.h5").status == 0);
+  const Ran ran =
+      run(folder, "report organs.study.json --keep-scale --modes 3 --recipe size.recipe.json -o page.html --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["measurements"] == 2);
+  CHECK(ran.errors.find("the model: has no landmark \"apex\", so to the apex is left empty") != std::string::npos);
+  const std::string page = page_in(folder, "page.html");
+  CHECK(page.find("by the recipe Size &lt;&amp;&gt;.") != std::string::npos);
+  CHECK(page.find("standard deviations of each of its first 3 modes.") != std::string::npos);
+  const Json content = data_of(page)["measurements"][0], apex = data_of(page)["measurements"][1];
+  CHECK(content["unit"] == "ml");
+  REQUIRE(content["values"].size() == 3);
+  REQUIRE(content["values"][0].size() == 7);
+  CHECK(apex["values"][0][3].is_null());
+  CHECK(apex["texts"][0][3] == "\xe2\x80\x93");
+  // −3…3: the middle five are those of measure.
+  const Json along =
+      run(folder, "measure e0.ply --recipe size.recipe.json --model m.h5 --modes 3 --json").json()["modes"];
+  for (const Json& one : along) {
+    const auto mode = one["mode"].get<std::size_t>() - 1;
+    const auto at = static_cast<std::size_t>(one["sd"].get<double>() + 3);
+    CHECK(content["values"][mode][at].get<double>() ==
+          doctest::Approx(one["values"]["content"].get<double>()).epsilon(1e-4));
+  }
+  CHECK(content["values"][0][6] != content["values"][0][0]);
+
+  // Of a model's file, and by the recipe beside a template.
+  REQUIRE(run(folder, "convert e0.ply size.ply").status == 0);
+  const Ran of_model = run(folder, "report m.h5 --template size.ply -o model.html --json");
+  REQUIRE_MESSAGE(of_model.status == 0, of_model.errors);
+  CHECK(of_model.json()["measurements"] == 2);
+  check_refused(run(folder, "report m.h5 --template e1.ply -o none.html"), "has no recipe beside it");
+  CHECK_FALSE(fs::exists(folder.path / "none.html"));
+  CHECK(run(folder, "report organs.study.json -o plain.html").status == 0);
+  CHECK(page_in(folder, "plain.html").find("id=\"measurements\"") == std::string::npos);
+}
+
 }  // namespace homolog

@@ -94,15 +94,20 @@ bool may_be_given(const std::string& name, const RecordedVerb& verb) {
          (!name.starts_with('-') || name.starts_with("--"));
 }
 
+bool is_shipped_recipe(const std::string& name) {
+  const std::vector<std::string> shipped = shipped_recipes();
+  return std::ranges::find(shipped, name) != shipped.end();
+}
+
 /// Adds an option of a record to a command line.
 Result<void> add_option(const std::string& name, const Json& values, const ReadRecord& record,
                         const FoundInputs& inputs, const fs::path& room, std::vector<std::string>& arguments) {
   if (!may_be_given(name, *record.verb)) return fail(damaged_record());
-  const bool of_input = record.verb->reads(name);
   std::vector<std::string> given;
   for (const Json& value : values.is_array() ? values : Json::array()) {
     const fs::path folder = room / std::to_string(arguments.size()) / std::to_string(given.size());
-    auto one = argument_of(value, of_input, inputs, folder, room);
+    const bool ships = name == "--recipe" && value.is_string() && is_shipped_recipe(value.get<std::string>());
+    auto one = argument_of(value, record.verb->reads(name) && !ships, inputs, folder, room);
     if (!one) return fail(one.error());
     given.push_back(std::move(*one));
   }

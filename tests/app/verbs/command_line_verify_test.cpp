@@ -133,6 +133,10 @@ TEST_CASE("tables pages and pictures are verified and what was changed in them i
     covariates += std::to_string(k) + ',' + std::to_string(40 + 7 * k % 5) + '\n';
   }
   write_bytes(folder.path / "data/ages.csv", covariates);
+  // A recipe that ships is no file; one beside a template is read with it.
+  REQUIRE(write_mesh(icosphere(2, 20), folder.path / "data/ball.ply"));
+  write_bytes(folder.path / "data/ball.recipe.json",
+              R"({"homolog_recipe": 1, "measurements": [{"name": "content", "kind": "volume"}]})");
   REQUIRE(run(folder, "model shapes -o m.h5").status == 0);
   const std::vector<std::pair<std::string, std::string>> made{
       {"score shapes/1.ply shapes/2.ply --model m.h5 -o ", "scores/scores.csv"},
@@ -140,12 +144,14 @@ TEST_CASE("tables pages and pictures are verified and what was changed in them i
       {"test shapes --covariates data/ages.csv --formula 'shape ~ age' --csv ", "tests/landmarks.csv"},
       {"evaluate shapes --samples 10 --csv ", "e.csv"},
       {"measure shapes -o ", "s.csv"},
+      {"measure shapes --recipe ventricle -o ", "v.csv"},
       {"landmarks shapes --vertices -o ", "l.tps"},
       {"observers shapes shapes --csv ", "o.csv"},
       {"picture plot m.h5 -o ", "p.svg"},
       {"picture plot m.h5 -o ", "p.pdf"},
       {"picture plot m.h5 -o ", "p.png"},
       {"report m.h5 -o ", "r.html"},
+      {"report m.h5 --template data/ball.ply -o ", "t.html"},
   };
   for (const auto& [command, file] : made) {
     CAPTURE(file);

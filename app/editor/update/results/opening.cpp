@@ -191,7 +191,7 @@ void start_session(Editing& editing, EditSession session) {
   for (const std::string& sentence : told(refused)) add_notice(state, "In the case before: " + sentence);
   if (document.scan.image != (before ? before->scan.image : nullptr)) editing.pictures.forget();
   editing.work.measurements.post(nullptr);
-  editing.work.measured_document = nullptr;
+  editing.work.scores.post(nullptr);
   editing.work.quality.post(nullptr);
   editing.work.quality.post(shown.displayed(), editing.state.look.structure);
 }

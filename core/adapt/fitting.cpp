@@ -38,7 +38,7 @@ Fitting::Fitting(const Template& the_template, const Boundary& boundary, const F
       boundary_(boundary),
       options_(options),
       round_(roundness({the_template.topology, the_template.points})),
-      target_(boundary, the_template.points.rows()),
+      target_(boundary, the_template.points.rows(), options.partial),
       steps_(the_template, target_, options, [this](const Points& points, double done) { return show(points, done); }) {
   shape_.factors = the_template.stiffness / the_template.stiffness.mean();
 }

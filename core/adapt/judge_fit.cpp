@@ -230,10 +230,12 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   const bool cut_off = !options.partial && the_template.topology->closed() && is_cut_open(boundary.surface);
   if (cut_off) judgement.doubtful = true;
   if (options.partial) judge_partial(boundary, fit, judgement);
+  // Where parts are missing, the boundary may end anywhere.
   const bool rims_apart =
-      judgement.rim && judgement.rim->mean_mm > most_mean_share * bounds_of(boundary.surface.points).diagonal().norm();
+      !options.partial && judgement.rim &&
+      judgement.rim->mean_mm > most_mean_share * bounds_of(boundary.surface.points).diagonal().norm();
   const bool goes_on = judgement.beyond_rim_share > told_beyond;
-  if (!options.partial && (rims_apart || goes_on)) judgement.doubtful = true;
+  if (rims_apart || (!options.partial && goes_on)) judgement.doubtful = true;
   judgement.warnings = boundary.warnings;
   judgement.warnings.insert(judgement.warnings.end(), fit.warnings.begin(), fit.warnings.end());
   if (fit.mirrored)

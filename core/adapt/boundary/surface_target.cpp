@@ -16,12 +16,12 @@ constexpr double widest_reach = 0.1;  ///< of an organ that may lack parts: how 
 
 }  // namespace
 
-SurfaceTarget::SurfaceTarget(const Boundary& boundary, Eigen::Index vertices)
+SurfaceTarget::SurfaceTarget(const Boundary& boundary, Eigen::Index vertices, bool lacks_parts)
     : boundary_(boundary),
       search_(boundary.surface),
       normals_(vertex_normals(boundary.surface)),
       size_mm_(std::sqrt(surface_area_mm2(boundary.surface))),
-      rims_(long_rims(boundary.surface)) {
+      rims_(lacks_parts ? std::vector<Rim>() : long_rims(boundary.surface)) {
   const Mesh& surface = boundary.surface;
   const Eigen::Index count = surface.points.rows();
   VertexScalars area = VertexScalars::Zero(count);

@@ -21,7 +21,8 @@ namespace homolog {
 class SurfaceTarget : public Target {
  public:
   /// `boundary` outlives the target; `vertices`: of the meshes to come, which decides the number of samples.
-  SurfaceTarget(const Boundary& boundary, Eigen::Index vertices);
+  /// `lacks_parts`: parts of the organ may be missing [may_lack_parts]; the surface may end there, so no rim counts.
+  SurfaceTarget(const Boundary& boundary, Eigen::Index vertices, bool lacks_parts = false);
 
   /// Once parts may be missing, counterparts must lie the nearer the larger `share` is.
   TargetPull pull(const Mesh& mesh, double share) override;

@@ -213,3 +213,20 @@ TEST_CASE("an open template on an organ that goes on beyond its rim is doubtful 
     return warning.find("goes on beyond its rim") != std::string::npos;
   }));
 }
+
+TEST_CASE("where parts may be missing the rim of what is left does not draw that of the template") {
+  // The egg's upper half is missing, so that the target ends far below where the template does.
+  const auto the_template = make_template(file_of(open_egg()), "open").value();
+  const Mesh whole = open_egg(1.05), left = clipped(dented_egg(1.05), Vec3::UnitZ(), 0).value();
+  const Boundary boundary = mesh_boundary(left);
+  FitOptions options;
+  options.partial = true;
+  const FitResult fit = fit_to_boundary(*the_template, boundary, options).value();
+  const FitJudgement judgement = judge_fit(*the_template, boundary, options, fit);
+  CHECK_FALSE(fit.outliers.empty());
+  CHECK(mean_distance(fit.mesh.points, whole.points) < 2);
+  const double ends_mm = long_rims(fit.mesh).front().empty() ? 0 : fit.mesh.points.col(2).maxCoeff();
+  CHECK(ends_mm == doctest::Approx(1.05 * cut_mm).epsilon(0.15));
+  CHECK_FALSE(judgement.doubtful);
+  for (const std::string& warning : judgement.warnings) CHECK(warning.find("rims") == std::string::npos);
+}

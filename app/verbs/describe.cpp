@@ -83,6 +83,7 @@ std::vector<std::string> about(const std::filesystem::path& path, std::vector<st
 std::vector<std::string> mesh_warnings(const std::filesystem::path& path, const MeshFile& file, const Mesh& mesh) {
   std::vector<std::string> warnings = file.warnings;
   if (auto inward = inside_out(mesh)) warnings.push_back(std::move(*inward));
+  if (auto closed = closed_flat(*mesh.topology); !closed.empty()) warnings.push_back(std::move(closed));
   return about(path, std::move(warnings));
 }
 
@@ -104,7 +105,7 @@ Json describe(const Mesh& mesh) {
   Json rims = Json::array();
   for (const Rim& rim : mesh.topology->rims())
     rims.push_back({{"vertices", rim.size()}, {"length_mm", rim_length_mm(rim, mesh.points)}});
-  return {
+  Json values = {
       {"kind", "mesh"},
       {"vertices", mesh.topology->vertices()},
       {"faces", mesh.topology->triangles().rows()},
@@ -122,6 +123,8 @@ Json describe(const Mesh& mesh) {
       {"self_intersections_all", quality.all_intersections},
       {"area_mm2", quality.area_mm2},
       {"volume_ml", quality.volume_ml}};
+  if (!mesh.topology->closed()) values["volume_capped_ml"] = quality.volume_ml;
+  return values;
 }
 
 Result<Report> describe(const MeshFile& file, const std::filesystem::path& path) {

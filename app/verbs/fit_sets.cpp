@@ -9,6 +9,7 @@
 #include "core/base/files.h"
 #include "core/base/statistics.h"
 #include "core/mesh/mesh_frame.h"
+#include "core/mesh/rims.h"
 #include "core/model/doubtful_shapes.h"
 #include "core/structures/fit_set.h"
 #include "core/structures/set_map.h"
@@ -60,7 +61,10 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
     const std::string& name = set.set.structures[k].name;
     if (!subject.structures[k].is_there()) missing.push_back(name);
     if (!one.why_not.empty()) words.push_back(name + " could not be fitted: " + one.why_not);
-    if (!one.fit || !one.judgement.doubtful) continue;
+    if (!one.fit) continue;
+    if (const std::string closed = closed_flat(*one.fit->mesh.topology); !closed.empty())
+      words.push_back(name + " " + closed);
+    if (!one.judgement.doubtful) continue;
     words.push_back(name + " is doubtful: " + reason_of_doubt(one.judgement.warnings));
   }
   if (!missing.empty())

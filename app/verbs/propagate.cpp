@@ -9,6 +9,7 @@
 #include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_frame.h"
+#include "core/mesh/rims.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"
 #include "core/template/template_warnings.h"
@@ -119,9 +120,12 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
   return write_study(study_of(verb, propagation, case_path_of(verb)), verb.out / "cine.study.json");
 }
 
-Report report_of(const PropagateVerb& verb, const Propagation& propagation, double missing_share) {
+Report report_of(const PropagateVerb& verb, const Topology& topology, const Propagation& propagation,
+                 double missing_share) {
   Report report;
   report.made = {verb.out / "volumes.csv"};
+  if (const std::string closed = closed_flat(topology); !closed.empty())
+    report.warnings.push_back(verb.mesh + ": " + closed);
   if (missing_share > 0)
     report.warnings.push_back(verb.mesh + ": every frame " + missing_doubt(missing_share) +
                               ", so volumes are too small; make the template again with another --axis");
@@ -170,7 +174,7 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   const Document initial =
       new_document(verb.image.string(), std::make_shared<const Volume>(std::move(image->volume)), *the_template);
   if (auto written = write_all(verb, initial, *propagation, progress); !written) return fail(written.error());
-  Report report = report_of(verb, *propagation, options.missing_share);
+  Report report = report_of(verb, *(*the_template)->topology, *propagation, options.missing_share);
   report.values["seconds"] = seconds;
   report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
   const auto of_template = template_warnings(**the_template);

@@ -7,6 +7,7 @@
 #include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/deform/volume_carrier.h"
+#include "core/mesh/rims.h"
 #include "core/model/model_files.h"
 #include "core/model/shape_files.h"
 
@@ -94,6 +95,8 @@ Result<Report> fill_shapes(const TetsJob& job, Progress& progress) {
   if (!mesh) return fail(mesh.error());
   const auto the_template = load_template(job.the_template);
   if (!the_template) return fail(the_template.error());
+  if (!long_rims({(*the_template)->topology, (*the_template)->points}).empty())
+    return fail(job.the_template, "is open, so no tetrahedra lie inside it; close it by homolog template --holes all");
   const auto carrier = VolumeCarrier::make(*mesh, {(*the_template)->topology, (*the_template)->points});
   if (!carrier) return fail(job.tets.string(), carrier.error().what);
   Report report;

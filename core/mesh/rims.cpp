@@ -161,6 +161,13 @@ RimPlace nearest_on_rims(const std::vector<Rim>& rims, const Points& points, con
   return best;
 }
 
+std::string closed_flat(const Topology& topology) {
+  const std::size_t count = topology.rims().size();
+  if (count == 0) return {};
+  return "is open, so its " + (count == 1 ? "rim was" : std::to_string(count) + " rims were") +
+         " closed flat to have an inside";
+}
+
 RimDistance rim_distance(const Mesh& a, const Mesh& b) {
   const std::vector<Rim> of_a = long_rims(a), of_b = long_rims(b);
   const double a_mm = length_of_all_mm(of_a, a.points), b_mm = length_of_all_mm(of_b, b.points);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/mesh/topology.h"
@@ -44,6 +45,10 @@ std::vector<double> rim_edges_mm(const Rim& rim, const Points& points);
 /// where a way around the one does not lead around the other. All LPS mm.
 std::vector<Vec3> spread_on_rim(const Rim& rim, const Points& points, const std::vector<double>& rest_mm,
                                 const Rim& onto, const Points& there);
+
+/// Of an open mesh what is to be said where something needs its inside: "is open, so its rim was closed flat to have an
+/// inside"; empty of a closed one.
+std::string closed_flat(const Topology& topology);
 
 /// How far the rims of two surfaces lie apart, mm: mean over both lengths together, and the larger of the two
 /// directions' 95th percentiles.

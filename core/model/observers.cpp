@@ -10,6 +10,7 @@
 #include "core/measure/meeting.h"
 #include "core/mesh/inside_out.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/rims.h"
 #include "core/model/model_files.h"
 #include "core/model/shape_files.h"
 #include "core/model/shape_folder.h"
@@ -80,8 +81,11 @@ Result<ObservedCase> compare_observers(std::string name, const MeshFile& a, cons
   if (one.agreement.dice < surely_met)
     if (const auto misfit = misfit_in_scan(*first, *second))
       one.warnings.push_back(misfit_sentence(*misfit, met(by_first, *first), met(by_second, *second)));
-  for (const auto& [who, mesh] : {std::pair(by_first, &*first), std::pair(by_second, &*second)})
+  for (const auto& [who, mesh] : {std::pair(by_first, &*first), std::pair(by_second, &*second)}) {
     if (const auto inward = inside_out(*mesh)) one.warnings.push_back(who + ": " + *inward);
+    if (const std::string closed = closed_flat(*mesh->topology); !closed.empty())
+      one.warnings.push_back(who + ": " + closed);
+  }
   return one;
 }
 

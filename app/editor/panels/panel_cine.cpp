@@ -206,7 +206,8 @@ void draw_doubts(const UiContext& ui, const VolumeCurve& curve, Outbox& out) {
              doubtful.empty() ? "No frame is in doubt." : "", half))
     show_frame(next_in_doubt(doubtful, shown), out);
   ImGui::SameLine(0, theme.px(8));
-  if (button(theme, "Volumes\xe2\x80\xa6", "The volume of every frame as a table: .csv", {}, half))
+  if (button(theme, "Volumes\xe2\x80\xa6", "The volume of every frame as a table: .csv. Openings count as closed flat",
+             {}, half))
     out.send(ShowFileDialog{FilePurpose::export_volumes,
                             case_name(ui.snapshot().file, *ui.snapshot().document) + "-volumes.csv"});
   // Below the buttons, which stay under the pointer from frame to frame.

@@ -143,7 +143,7 @@ void draw_last_fit(const Theme& theme, const Fitted& fitted) {
            "Share of the mesh that lies where the label lacks the organ. The mesh is grey there");
   else
     figure(theme, "Dice", format("%.3f", fitted.agreement.dice),
-           "Overlap with the closed label. 1 means that both are the same",
+           "Overlap with the closed label. 1 means that both are the same. Openings of the mesh count as closed flat",
            fitted.agreement.dice < 0.9 ? palette::amber : palette::text);
   std::string said;
   for (const auto* sentences : {&fitted.warnings, &fitted.remarks})

@@ -12,6 +12,8 @@
 #include "app/editor/work/fitter.h"
 #include "core/case/held_landmarks.h"
 #include "core/catalogue/catalogue.h"
+#include "core/measure/compare.h"
+#include "core/mesh/clip.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
@@ -106,6 +108,47 @@ TEST_CASE("a fit begins with the label that the mesh lies in and the foot line n
   driver.click("Place/Fit to the label");
   driver.wait_until("the fit is done", [&] { return driver.document().view()->shape.points->row(0).norm() < 19; });
   CHECK(label_at_mesh(test::must(read_volume(two.labels)).volume, 0, icosphere(2, 500).points) == 0);
+}
+
+TEST_CASE("an open template is fitted in the window without a cap and a label map of it says that its rim was closed") {
+  const TemporaryFolder folder;
+  const auto cup = [](double radius_mm) {
+    return clipped(icosphere(4, radius_mm), Vec3::UnitZ(), radius_mm / 3).value();
+  };
+  const Mesh open = cup(20), organ = cup(24);
+  REQUIRE(write_mesh_file(MeshFile{open.points, open.topology->triangles()}, folder.path / "cup.ply"));
+  VolumeGeometry grid;
+  grid.dims = {60, 60, 60};
+  grid.origin_mm.setConstant(-29.5);
+  REQUIRE(write_volume(label_map(organ, grid, 1), folder.path / "label.nii"));
+  auto image = std::make_shared<Volume>(label_map(organ, grid, 1));
+  Driver driver(new_document("", image, test::must(load_template((folder.path / "cup.ply").string()))));
+  CHECK(driver.document().view()->mesh().topology->rims().size() == 1);
+  driver.click("side panel/Place");
+  driver.app().send(OpenRequested{.request = {.labels = folder.path / "label.nii"}});
+  driver.wait_until("the label map is open", [&] {
+    return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
+  });
+  const auto ring_mm = [&] {
+    return driver.document().view()->shape.points->leftCols<2>().rowwise().norm().maxCoeff();
+  };
+  CHECK(ring_mm() < 20.1);
+  driver.click("Place/Fit to the label");
+  driver.wait_until("the fit is done", [&] { return ring_mm() > 23; });
+  driver.settle();
+  const Mesh fitted = driver.document().view()->mesh();
+  REQUIRE(fitted.topology->rims().size() == 1);
+  // It ends at about the edge of the label's flat end, at 8 mm, and does not go on over that.
+  for (const std::int32_t i : fitted.topology->rims().front()) {
+    CHECK(std::abs(fitted.points(i, 2) - 8) < 5);
+    CHECK(fitted.points.row(i).head<2>().norm() > 21);
+  }
+
+  driver.app().send(ExportLabelMap{folder.path / "out.nii"});
+  driver.wait_until("that is said",
+                    [&] { return driver.shows("is open, so its rim was closed flat to have an inside"); });
+  const Volume written = test::must(read_volume(folder.path / "out.nii")).volume;
+  CHECK(dice_with_mask(fitted, written, 1, 0) == 1);
 }
 
 TEST_CASE("the label list and the foot line name labels as the map does") {

@@ -5,6 +5,7 @@
 #include "core/mesh/clip.h"
 #include "core/mesh/mesh_repair.h"
 #include "tests/ball_folder.h"
+#include "tests/tetrahedra.h"
 
 namespace homolog {
 
@@ -265,6 +266,32 @@ TEST_CASE("an open template on a closed organ is doubtful and the sentence says 
   REQUIRE(fit.status == 0);
   CHECK(fit.json()["doubtful"] == true);
   CHECK(fit.errors.find("the template is open and the target goes on beyond its rim") != std::string::npos);
+}
+
+TEST_CASE("what needs the inside of an open mesh says that its rim was closed flat and tetrahedra are refused") {
+  const BallFolder folder;
+  REQUIRE(write_mesh_file(cup(1.3), folder.path / "a.ply"));
+  fs::create_directory(folder.path / "b");
+  REQUIRE(write_mesh_file(cup(1.2), folder.path / "b" / "a.ply"));
+  const std::string said = " is open, so its rim was closed flat to have an inside";
+  const auto says = [&](const std::string& command, const std::string& name) {
+    const Ran ran = run(folder, command);
+    CAPTURE(command);
+    CHECK(ran.status == 0);
+    return ran.errors.find(name + said) != std::string::npos;
+  };
+  CHECK(says("label-map a.ply --like good.nii.gz -o l.nii", "a.ply:"));
+  CHECK(says("compare a.ply --mask l.nii", "a.ply:"));
+  CHECK(says("compare ball.ply --mesh a.ply", "a.ply:"));
+  CHECK(says("observers a.ply b/a.ply", " of the second:"));
+  CHECK_FALSE(says("label-map ball.ply --like good.nii.gz -o l.nii", "ball.ply:"));
+  CHECK_FALSE(says("compare ball.ply --mask l.nii", "ball.ply:"));
+  const Json info = run(folder, "info a.ply --json").json();
+  CHECK(info["volume_capped_ml"] == info["volume_ml"]);
+  CHECK_FALSE(run(folder, "info ball.ply --json").json().contains("volume_capped_ml"));
+
+  std::ofstream(folder.path / "t.vtu") << BallOfTetrahedra(folder.ball, 2).vtu();
+  check_refused(run(folder, "tets t.vtu a.ply --template a.ply -o out"), "a.ply: is open");
 }
 
 TEST_CASE("a sheet's thickness over its bone is measured along the sheet's normals") {

@@ -129,6 +129,8 @@ void draw_sizes_section(const UiContext& ui, Outbox& out) {
   draw_rows(
       ui, table, listed.names, [&](std::size_t k) { return figures_of(listed.sizes[k], pair); }, out);
   draw_spreads(table, listed.sizes, pair);
+  if (std::ranges::any_of(listed.sizes, [](const ShapeSizes& one) { return one.volume_capped_ml.has_value(); }))
+    explanation(theme, "Openings count as closed flat.");
   const float half = std::floor((ImGui::GetContentRegionAvail().x - theme.px(8)) / 2);
   if (button(theme, "Table\xe2\x80\xa6",
              "Volume, area and every distance between landmarks: .csv" + of_optimised(ui.state.models), {}, half))

@@ -19,6 +19,7 @@
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
+#include "core/mesh/rims.h"
 #include "core/mesh/slicer_curves.h"
 #include "core/model/model_files.h"
 #include "core/model/recipe_shapes.h"
@@ -60,6 +61,12 @@ std::string lost_in(const fs::path& path) {
   if (!format->keeps_numbers) return std::string(format->name) + " keeps no numbering; use PLY for a shape model.";
   if (!format->has_faces) return std::string(format->name) + " keep the points alone, without faces.";
   return {};
+}
+
+/// What a label map of a structure does to it beyond what the mesh says; empty for a closed one.
+std::string closed_flat_of(const Structure& structure) {
+  const std::string closed = closed_flat(*structure.the_template->topology);
+  return closed.empty() ? closed : structure_name(structure) + " " + closed + ".";
 }
 
 /// The structures as they go into a label map: each with the value that the shown map gives its name, else with one
@@ -270,7 +277,8 @@ void ExportLabelMap::run(Editing& editing) const {
     write_beside(
         editing, file,
         [mesh = ShapeView{*structure, *structure->shape(frame), frame}.mesh(), grid = document.scan.image->geometry](
-            const auto& to, Progress& progress) { return write_volume(label_map(mesh, grid, 1), to, &progress); });
+            const auto& to, Progress& progress) { return write_volume(label_map(mesh, grid, 1), to, &progress); },
+        closed_flat_of(*structure));
   };
   if (!all) return write(document.frame, path);
   for (const auto& [frame, shape] : structure->shapes)
@@ -283,10 +291,16 @@ void ExportStructuresMap::run(Editing& editing) const {
     return add_notice(editing.state, "A label map needs the voxels of an image. Open the image of this case first.");
   auto meshes = segments_of(document, editing.shown.labels());
   if (meshes.empty()) return no_mesh_to_export(editing);
-  write_beside(editing, path,
-               [meshes = std::move(meshes), grid = document.scan.image->geometry](const auto& to, Progress& progress) {
-                 return write_segmentation(map_of_meshes(meshes, grid).map, to, &progress);
-               });
+  std::string remark;
+  for (const auto& one : document.structures)
+    if (const std::string closed = closed_flat_of(*one); one->shape(document.frame) != nullptr && !closed.empty())
+      remark += (remark.empty() ? "" : " ") + closed;
+  write_beside(
+      editing, path,
+      [meshes = std::move(meshes), grid = document.scan.image->geometry](const auto& to, Progress& progress) {
+        return write_segmentation(map_of_meshes(meshes, grid).map, to, &progress);
+      },
+      std::move(remark));
 }
 
 void ExportStructuresMeshes::run(Editing& editing) const {

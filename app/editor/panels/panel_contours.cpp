@@ -41,22 +41,40 @@ std::string contour_tip(const ContourSet& set) {
   return tip + ". Click: goes there in all views";
 }
 
+/// The curve of a set that has one, closed or opened.
+SetContours turned_to(const ContourSet& set, bool closed) {
+  auto curves = std::make_shared<std::vector<Contour>>(set.curves);
+  curves->front().closed = closed;
+  return {.id = set.id, .curves = std::move(curves), .curve = 0};
+}
+
 void draw_contour(const UiContext& ui, const ContourSet& set, float width, Outbox& out) {
   const Theme& theme = ui.theme;
   const Part part(set.id, "contour");
   const bool shown = !ui.state.look.hidden_contours.contains(set.id);
-  const float side = theme.px(24), line = theme.px(26);
+  const bool one = set.curves.size() == 1;  // its button closes or opens it
+  const float side = theme.px(24), line = theme.px(26), buttons = (one ? 3 : 2) * side;
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const AreaState row = area(theme, "row", {width - 2 * side, side}, contour_tip(set));
+  const AreaState row = area(theme, "row", {width - buttons, side}, contour_tip(set));
   if (row.clicked) out.send(LookAt{middle_of(set)});
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   if (row.hovered) draw.AddRectFilled(at, {at.x + width, at.y + side}, with_alpha(palette::accent, 0.12f), theme.px(3));
   const float text_y = std::floor(at.y + (side - ImGui::GetFontSize()) / 2);
   const std::string where = where_in_words(set);
   const float where_px = ImGui::CalcTextSize(where.c_str()).x;
-  text_at(draw, {at.x + width - 2 * side - where_px - theme.px(4), text_y}, palette::dim, where);
+  text_at(draw, {at.x + width - buttons - where_px - theme.px(4), text_y}, palette::dim, where);
   text_at(draw, {at.x + theme.px(4), text_y}, shown ? palette::text : palette::faint,
-          shortened(set.name.empty() ? set.id : set.name, width - 2 * side - where_px - theme.px(16)));
+          shortened(set.name.empty() ? set.id : set.name, width - buttons - where_px - theme.px(16)));
+  if (one) {
+    const Contour& curve = set.curves.front();
+    ImGui::SetCursorScreenPos({at.x + width - buttons, at.y});
+    if (icon_button(theme, icon::outline, "closed",
+                    curve.closed
+                        ? "It is closed. Click: opens it between its last point and its first. One step to undo"
+                        : "It is open. Click: joins its last point to its first. One step to undo",
+                    curve.points.size() < 3 ? "A curve of two points has nothing to close." : "", curve.closed, 24))
+      out.apply(turned_to(set, !curve.closed));
+  }
   ImGui::SetCursorScreenPos({at.x + width - 2 * side, at.y});
   if (icon_button(theme, shown ? icon::eye : icon::eye_shut, "eye", shown ? "Hides it in all views" : "Shows it", {},
                   false, 24))

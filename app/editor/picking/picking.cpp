@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/editor/state/state.h"
+#include "core/volume/redrawn_contour.h"
+
 namespace homolog {
 
 namespace {
@@ -144,6 +147,36 @@ std::string landmark_at(const ViewMap& map, const std::map<std::string, Vec3>& l
     nearest = name;
   }
   return nearest;
+}
+
+bool lies_in_slice(const ViewMap& map, const Contour& curve, const VolumeGeometry& geometry) {
+  if (!map.is_slice()) return false;
+  const Vec3 normal = map.into_screen();
+  const double reach_mm = slice_step_mm(geometry, normal) / 2;
+  return std::ranges::all_of(curve.points,
+                             [&](const Vec3& p) { return std::abs(normal.dot(p - map.slice().centre)) <= reach_mm; });
+}
+
+std::optional<HeldContour> contour_at(const ViewMap& map, const Document& document, const Structure& structure,
+                                      const std::set<std::string>& hidden, double x_px, double y_px, double scale) {
+  if (!map.is_slice()) return std::nullopt;
+  const Vec3 normal = map.into_screen(), pointer = map.on_facing_plane(x_px, y_px, map.slice().centre);
+  const double near_mm = contour_reach_units * scale * map.mm_per_px(pointer);
+  double smallest = near_mm;
+  std::optional<HeldContour> held;
+  for (const auto& set : structure.contours) {
+    if (set->frame != document.frame || hidden.contains(set->id)) continue;
+    for (std::size_t c = 0; c < set->curves.size(); ++c) {
+      const Contour& curve = set->curves[c];
+      if (!lies_in_slice(map, curve, geometry_of(document))) continue;
+      const Vec3 at = nearest_place(curve, pointer).at, way = at - pointer, aside = normal * normal.dot(way);
+      const double distance = (way - aside).norm();
+      if (distance > smallest) continue;
+      smallest = distance;
+      held = HeldContour{set->id, static_cast<int>(c), curve, at, aside, near_mm};
+    }
+  }
+  return held;
 }
 
 }  // namespace homolog

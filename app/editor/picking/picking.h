@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -60,5 +61,15 @@ Similarity dragged_placement(const PlaceDrag& drag, const ViewMap& map, double x
 /// Name of the landmark drawn nearest to the pointer, within reach; slices offer those near their plane.
 std::string landmark_at(const ViewMap& map, const std::map<std::string, Vec3>& landmarks, double x_px, double y_px,
                         double slice_reach_mm, float scale);
+
+/// Whether a curve lies in the slice that a view shows, within half the distance of slices.
+bool lies_in_slice(const ViewMap& map, const Contour& curve, const VolumeGeometry& geometry);
+
+/// So near to a contour, in units of the interface, the pointer is at it.
+inline constexpr double contour_reach_units = 14;
+/// The contour of a structure that lies in the slice of a view nearest to the pointer, within reach, but for `hidden`
+/// sets; none where none does.
+std::optional<HeldContour> contour_at(const ViewMap& map, const Document& document, const Structure& structure,
+                                      const std::set<std::string>& hidden, double x_px, double y_px, double scale);
 
 }  // namespace homolog

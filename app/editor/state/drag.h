@@ -62,13 +62,24 @@ struct RulerDrag {
   ViewKind view = ViewKind::axial;
 };
 
+/// A contour of the case, held where a stroke begins that may draw a part of it anew.
+struct HeldContour {
+  std::string id;             ///< of its set
+  int number = 0;             ///< of the curve in the set
+  Contour curve;              ///< as it is before
+  Vec3 at = Vec3::Zero();     ///< the place of it, LPS mm
+  Vec3 aside = Vec3::Zero();  ///< from the slice to the plane in which it lies, mm
+  double near_mm = 0;         ///< so near to it a stroke begins and ends that draws a part anew
+};
+
 /// A curve that is drawn by hand in a slice.
 struct ContourDrag {
   ViewKind view = ViewKind::axial;
-  std::string id;             ///< that the curve gets
-  std::vector<Vec3> points;   ///< along the pointer's path, in the plane of the slice
-  double x_px = 0, y_px = 0;  ///< where the last of them was taken
-  bool at_start = false;      ///< the pointer came back to where it began: the curve is closed
+  std::string id;                     ///< that the curve gets
+  std::vector<Vec3> points;           ///< along the pointer's path, in the plane of the slice
+  double x_px = 0, y_px = 0;          ///< where the last of them was taken
+  bool at_start = false;              ///< the pointer came back to where it began: the curve is closed
+  std::optional<HeldContour> held{};  ///< that it began at: where it ends there too, it draws a part of that one anew
 };
 
 /// What a click asks for, while another press may still make it a double click, which edits nothing.

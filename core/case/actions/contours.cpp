@@ -23,6 +23,7 @@ void spell_contours(Fields& line, SetContours& action) {
     contours.member("side", side_names, outside);
     action.outside = outside;
   }
+  contours.optional("curve", action.curve);
   if (line.reads() ? !contours.has("curves") : action.curves == nullptr) return;
   Fields::Json curves = action.curves ? curves_to_json(*action.curves) : Fields::Json();
   contours.member("curves", curves);
@@ -40,17 +41,24 @@ Result<EditReport> apply_contours(const SetContours& action, StructureEdit& edit
   if (action.off_mm && !(*action.off_mm >= 0 && is_in_reach(*action.off_mm)))
     return fail("off_mm", "must be 0 mm or more");
   const ContourSet* known = edit.before.contour_set(action.id);
-  if (known == nullptr && !action.curves)
+  if (known == nullptr && (!action.curves || action.curve))
     return fail("contours", quoted_set(action.id) + " do not exist; give their curves");
-  if (known != nullptr && action.curves)
+  if (known != nullptr && action.curves && !action.curve)
     return fail("contours", quoted_set(action.id) + " exist already; give the new ones another id");
+  if (action.curve && !(action.curves && action.curves->size() == 1))
+    return fail("contours", "need one curve in the place of another");
+  if (action.curve && (*action.curve < 0 || *action.curve >= std::ssize(known->curves)))
+    return fail("contours", quoted_set(action.id) + " have no curve " + std::to_string(*action.curve) + "; they have " +
+                                std::to_string(known->curves.size()) + ", from 0");
+  if (action.curves)
+    if (auto usable = check_curves(*action.curves); !usable) return fail(usable.error());
   ContourSet set = known != nullptr ? *known : ContourSet{.id = action.id, .frame = edit.document.frame};
   set.name = action.name.value_or(set.name);
   set.off_mm = action.off_mm.value_or(set.off_mm);
   set.outside = action.outside.value_or(set.outside);
   auto& all = edit.after.contours;
+  if (action.curve) set.curves[static_cast<std::size_t>(*action.curve)] = action.curves->front();
   if (known == nullptr) {
-    if (auto usable = check_curves(*action.curves); !usable) return fail(usable.error());
     set.curves = *action.curves;
     all.push_back(std::make_shared<const ContourSet>(std::move(set)));
     return EditReport{};
@@ -122,12 +130,13 @@ const ActionKind<SetContours>& action_kind(const SetContours&) {
           "adds curves that somebody drew of the organ in the shown frame: x, y, z of the first point, then of the "
           "next. They are closed but for those with `\"closed\":false`. `off_mm` is how far they may lie off the "
           "boundary (standard deviation). With `\"side\":\"outside\"` they are not the boundary: the organ lies inside "
-          "of them. The same id again, without `curves`, changes the name, `off_mm` or `side`. Older versions "
-          "refuse this line",
+          "of them. The same id again, without `curves`, changes the name, `off_mm` or `side`; with `curve`, the "
+          "number of one of its curves from 0, the one in `curves` takes its place. Older versions refuse this line",
       .needs_mesh = false,
       .name =
           [](const SetContours& action) {
-            return (action.curves ? "contour " : "change of contour ") + action.name.value_or(action.id);
+            return (action.curves && !action.curve ? "contour " : "change of contour ") +
+                   action.name.value_or(action.id);
           },
       .spell = spell_contours,
       .apply = apply_contours};

@@ -15,14 +15,15 @@ namespace homolog {
 struct SetContours {
   std::string id;
   std::optional<std::string> name{};
-  /// Of new ones; null for those that are there. LPS mm.
+  /// Of new ones, or the one in the place of `curve`; null for those that are there. LPS mm.
   std::shared_ptr<const std::vector<Contour>> curves{};
+  std::optional<int> curve{};      ///< which curve of those that are there `curves` replaces, from 0
   std::optional<double> off_mm{};  ///< [ContourSet::off_mm]
   std::optional<bool> outside{};   ///< [ContourSet::outside]
 
   bool operator==(const SetContours& other) const {
     return id == other.id && name == other.name && off_mm == other.off_mm && outside == other.outside &&
-           (curves == other.curves || (curves && other.curves && *curves == *other.curves));
+           curve == other.curve && (curves == other.curves || (curves && other.curves && *curves == *other.curves));
   }
 };
 const ActionKind<SetContours>& action_kind(const SetContours&);

@@ -198,6 +198,105 @@ TEST_CASE("the list of contours says how far to trust each and what side it is o
   CHECK(contours_of(driver) == 2);
 }
 
+TEST_CASE("a stroke from a contour back to it draws that part anew and the mesh follows in one step to undo") {
+  const TemporaryFolder folder;
+  Driver driver(ball_document(folder));
+  driver.settle();
+  draw_circle(driver, ViewKind::axial, 0);
+  const ContourSet before = *driver.document().structure()->contours.front();
+  const Points mesh_before = mesh_of(driver);
+  // How far the mesh reaches from the organ's middle towards a side, near the slice.
+  const auto reach_mm = [](const Points& points, const Vec3& side) {
+    return ((points.rowwise() - middle.transpose()) * side).maxCoeff();
+  };
+  const ViewMap map = view_map(driver.state(), driver.app().layout(), driver.document(), ViewKind::axial);
+  const Vec3 side = map.slice().right, down = map.slice().down;
+  CHECK(reach_mm(mesh_before, side) == doctest::Approx(radius_mm).epsilon(0.01));
+
+  // Out to 30 mm on the right of the screen, from 30 degrees above to 30 degrees below.
+  std::vector<Eigen::Vector2d> bulge;
+  for (int k = -20; k <= 20; ++k) {
+    const double angle = k * std::numbers::pi / 6 / 20, out = radius_mm + 6 * std::cos(angle * 3);
+    bulge.push_back(*map.to_px(middle + out * (std::cos(angle) * side + std::sin(angle) * down)));
+  }
+  draw(driver, bulge);
+  driver.wait_until("the mesh follows the stroke", [&] {
+    return reach_mm(*driver.app().snapshot().shown->view()->shape.points, side) > radius_mm + 4;
+  });
+  CHECK(mesh_of(driver) == mesh_before);
+  driver.press(key::escape, {.ctrl = true});
+  let_go(driver);
+  CHECK(*driver.document().structure()->contours.front() == before);
+  CHECK(driver.lines_with("contours") == 1);
+
+  std::reverse(bulge.begin(), bulge.end());  // a second press at one place is a double click
+  draw(driver, bulge);
+  let_go(driver);
+  REQUIRE(contours_of(driver) == 1);
+  const ContourSet& after = *driver.document().structure()->contours.front();
+  CHECK(after.curves.size() == 1);
+  CHECK(after.curves.front().closed);
+  CHECK_FALSE(crosses_itself(after.curves.front()));
+  CHECK(driver.lines_with(R"("curve":0)") == 1);
+  double furthest = 0, other_side = 0, off_plane = 0;
+  for (const Vec3& p : after.curves.front().points) {
+    furthest = std::max(furthest, side.dot(p - middle));
+    other_side = std::max(other_side, -side.dot(p - middle));
+    off_plane = std::max(off_plane, std::abs(p.z() - before.curves.front().points.front().z()));
+  }
+  CHECK(furthest == doctest::Approx(radius_mm + 6).epsilon(0.01));
+  CHECK(other_side == doctest::Approx(radius_mm).epsilon(0.01));
+  CHECK(off_plane < 1e-9);
+  CHECK(reach_mm(mesh_of(driver), side) > radius_mm + 5);
+  CHECK(reach_mm(mesh_of(driver), -side) == doctest::Approx(radius_mm).epsilon(0.03));
+  const auto again = read_case(driver.case_file());
+  REQUIRE(again);
+  CHECK(same_document(again->session.document(), driver.document()));
+
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK(*driver.document().structure()->contours.front() == before);
+  CHECK(mesh_of(driver) == mesh_before);
+}
+
+TEST_CASE("a stroke beside a contour or in another slice leaves it and the list closes and opens a curve") {
+  const TemporaryFolder folder;
+  Driver driver(ball_document(folder));
+  driver.settle();
+  draw_circle(driver, ViewKind::axial, 0);
+  const ContourSet before = *driver.document().structure()->contours.front();
+  // From the contour to its middle: a curve of its own.
+  const auto around = circle_px(driver, ViewKind::axial, 0);
+  const Eigen::Vector2d centre = (around[0] + around[20]) / 2;
+  std::vector<Eigen::Vector2d> inward;
+  for (int k = 0; k <= 20; ++k) inward.emplace_back(around[10] + k / 20.0 * (centre - around[10]));
+  draw(driver, inward);
+  let_go(driver);
+  CHECK(contours_of(driver) == 2);
+  CHECK(*driver.document().structure()->contours.front() == before);
+  CHECK(driver.lines_with(R"("curve":)") == 0);
+
+  const auto curve = [&](const char* id) { return driver.document().structure()->contour_set(id)->curves.front(); };
+  driver.click("c2/closed");
+  driver.settle();
+  CHECK(curve("c2").closed);
+  CHECK(driver.lines_with(R"("curve":0)") == 1);
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK_FALSE(curve("c2").closed);
+  driver.click("c1/closed");
+  driver.settle();
+  CHECK_FALSE(curve("c1").closed);
+  CHECK(curve("c1").points == before.curves.front().points);
+
+  // In another slice the same stroke touches nothing.
+  const auto higher = circle_px(driver, ViewKind::axial, 6);
+  draw(driver, {higher.begin(), higher.begin() + 12});
+  let_go(driver);
+  CHECK(contours_of(driver) == 3);
+  CHECK(curve("c1").points == before.curves.front().points);
+}
+
 TEST_CASE("curves of 3D Slicer come into the case as they are opened and landmarks among them stay landmarks") {
   const TemporaryFolder folder;
   Driver driver(ball_document(folder));

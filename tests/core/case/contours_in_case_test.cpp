@@ -69,6 +69,37 @@ TEST_CASE("contours are added and changed and removed and each is a step that co
   CHECK(same_document(again->session.document(), session.document()));
 }
 
+TEST_CASE("one curve of several takes another's place in one step and the rest stays") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(drawn("c1", {circle(40, 0), circle(30, 10), circle(20, 20)})));
+  REQUIRE(session.apply(SetContours{.id = "c1", .off_mm = 1.5, .outside = true}));
+  const auto other = [](const char* id, Curves curves, int number) {
+    return SetContours{.id = id, .curves = std::make_shared<const Curves>(std::move(curves)), .curve = number};
+  };
+  Contour open = circle(33, 10);
+  open.closed = false;
+  REQUIRE(session.apply(other("c1", {open}, 1)));
+  const auto set = [&] { return session.document().structure()->contour_set("c1"); };
+  CHECK(set()->curves == Curves{circle(40, 0), open, circle(20, 20)});
+  CHECK(set()->name == "drawn");
+  CHECK(set()->off_mm == 1.5);
+  CHECK(set()->outside);
+  const auto again = read_case(folder.case_path);
+  REQUIRE(again);
+  CHECK(same_document(again->session.document(), session.document()));
+  REQUIRE(session.apply(Undo{}));
+  CHECK(set()->curves[1] == circle(30, 10));
+
+  for (const SetContours& refused :
+       {other("c1", {open}, 3), other("c1", {open}, -1), other("c1", {open, open}, 1), other("c2", {open}, 0),
+        other("c1", {Contour{{Vec3(0, 0, 0)}}}, 1), SetContours{.id = "c1", .curve = 1}})
+    CHECK_FALSE(session.apply(refused));
+  CHECK(session.apply(other("c1", {open}, 3)).error().sentence().find("have no curve 3; they have 3, from 0") !=
+        std::string::npos);
+  CHECK(set()->curves[1] == circle(30, 10));
+}
+
 TEST_CASE("contours that no case can hold are refused and nothing changes") {
   const CaseFolder folder;
   EditSession session = folder.create();

@@ -1,6 +1,5 @@
 #include "app/editor/interface/marks/contour_marks.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "app/editor/interface/marks/landmark_marks.h"
@@ -46,8 +45,6 @@ void draw_crossings(const UiContext& ui, const ViewMap& map, const Contour& curv
 
 void draw_contours(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const float thick = ui.theme.px(1.5f);
-  const Vec3 normal = map.into_screen();
-  const double half_step_mm = map.is_slice() ? slice_step_mm(geometry_of(ui.document()), normal) / 2 : 0;
   for (const auto& structure : ui.document().structures) {
     if (!ui.state.look.structures.shows(structure->id)) continue;
     const bool active = structure.get() == ui.structure();
@@ -55,10 +52,7 @@ void draw_contours(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
     for (const auto& set : structure->contours) {
       if (set->frame != ui.document().frame || ui.state.look.hidden_contours.contains(set->id)) continue;
       for (const Contour& curve : set->curves) {
-        double off_mm = 0;
-        if (map.is_slice())
-          for (const Vec3& p : curve.points) off_mm = std::max(off_mm, std::abs(normal.dot(p - map.slice().centre)));
-        if (map.is_slice() && off_mm > half_step_mm) {
+        if (map.is_slice() && !lies_in_slice(map, curve, geometry_of(ui.document()))) {
           draw_crossings(ui, map, curve, colour, draw);
           continue;
         }
@@ -66,6 +60,19 @@ void draw_contours(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
         draw_curve(map, curve, set->outside, thick, colour, draw);
       }
     }
+  }
+}
+
+void draw_held_contour(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const bool draws = ui.state.hand.tool == MouseTool::contour || ImGui::GetIO().KeyCtrl;
+  if (!draws || ui.structure() == nullptr) return;
+  const Hover& hover = *ui.state.pointer.hover;
+  const auto held = contour_at(map, ui.document(), *ui.structure(), ui.state.look.hidden_contours, hover.x_px,
+                               hover.y_px, ui.theme.scale);
+  if (!held) return;
+  if (const auto px = map.to_px(held->at)) {
+    draw.AddCircleFilled(on_screen(*px), ui.theme.px(4), palette::contour);
+    draw.AddCircle(on_screen(*px), ui.theme.px(5), IM_COL32(0, 0, 0, 160));
   }
 }
 

@@ -367,7 +367,7 @@ void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const auto* stroke = ui.state.pointer.drag ? std::get_if<StrokeDrag>(&*ui.state.pointer.drag) : nullptr;
   if (stroke != nullptr && stroke->view == kind) draw_stroke(ui, *stroke, map, draw);
   if (!ui.state.pointer.drag && ui.state.pointer.hover && ui.state.pointer.hover->view == kind)
-    draw_hover(ui, map, draw), draw_name_at_pointer(ui, map, draw);
+    draw_hover(ui, map, draw), draw_held_contour(ui, map, draw), draw_name_at_pointer(ui, map, draw);
   draw_hints(ui, kind, draw);
 }
 

@@ -2,18 +2,23 @@
 
 #include "app/editor/state/icons.h"
 #include "app/editor/update/tools/tool.h"
+#include "core/volume/redrawn_contour.h"
 
 namespace homolog {
 
 namespace {
 
-constexpr double step_px = 3, closing_px = 14;
+constexpr double step_px = 3, closing_px = contour_reach_units;
 constexpr std::size_t fewest_points = 8;  ///< of a curve: fewer are a click
 
-/// A place on the slice, in µm: as a line of the case writes it.
-Vec3 place_on_slice(const ViewMap& map, const EditorState& state, double x_px, double y_px) {
+/// As a line of the case writes it.
+Vec3 in_micrometres(const Vec3& p_mm) {
   constexpr double per_mm = 1000;
-  return (map.on_facing_plane(x_px, y_px, state.look.crosshair_mm) * per_mm).array().round() / per_mm;
+  return (p_mm * per_mm).array().round() / per_mm;
+}
+
+Vec3 place_on_slice(const ViewMap& map, const EditorState& state, double x_px, double y_px) {
+  return in_micrometres(map.on_facing_plane(x_px, y_px, state.look.crosshair_mm));
 }
 
 bool begin_contour(const Press& press) {
@@ -25,13 +30,29 @@ bool begin_contour(const Press& press) {
   drag.x_px = press.event.x_px;
   drag.y_px = press.event.y_px;
   drag.points = {place_on_slice(press.map(), press.state, drag.x_px, drag.y_px)};
+  drag.held = contour_at(press.map(), press.document(), press.shape()->structure, press.state.look.hidden_contours,
+                         drag.x_px, drag.y_px, press.context.layout.scale);
   press.state.pointer.drag = std::move(drag);
   return true;
+}
+
+/// The held contour with the part that the stroke drew anew; none where the stroke goes elsewhere.
+std::optional<Action> redrawn(const ContourDrag& drag) {
+  if (!drag.held || drag.at_start) return std::nullopt;
+  std::vector<Vec3> stroke = drag.points;
+  for (Vec3& p : stroke) p = in_micrometres(p + drag.held->aside);
+  auto curve = redrawn_contour(drag.held->curve, stroke, drag.held->near_mm);
+  if (!curve) return std::nullopt;
+  for (Vec3& p : curve->points) p = in_micrometres(p);
+  return SetContours{.id = drag.held->id,
+                     .curves = std::make_shared<const std::vector<Contour>>(1, std::move(*curve)),
+                     .curve = drag.held->number};
 }
 
 std::optional<Action> contour_action(const EditorState& state) {
   const auto& drag = std::get<ContourDrag>(*state.pointer.drag);
   if (drag.points.size() < fewest_points) return std::nullopt;
+  if (auto action = redrawn(drag)) return action;
   auto curves = std::make_shared<const std::vector<Contour>>(
       std::vector<Contour>{{.points = drag.points, .closed = drag.at_start}});
   return SetContours{.id = drag.id, .name = "Contour " + drag.id.substr(1), .curves = std::move(curves)};
@@ -58,7 +79,7 @@ void follow_contour(EditorState& state, const Action&, const ControlsContext&, O
 }
 
 std::string contour_hint(const EditorState&, const Document&) {
-  return "Draw around the organ in a slice; near its beginning the curve closes. With Ctrl any tool draws.";
+  return "Draw around the organ in a slice, or a part of a contour anew. With Ctrl any tool draws.";
 }
 
 }  // namespace
@@ -71,7 +92,7 @@ constinit const ToolKind contour_tool{.tool = MouseTool::contour,
                                       .glyph = icon::contour,
                                       .tip =
                                           "Contour (A, or Ctrl held with any tool): draw a curve in a slice; the mesh "
-                                          "goes to it",
+                                          "goes to it. From a contour back to it: that part anew",
                                       .section = contours_section,
                                       .cursor = [](const EditorState&) { return PointerShape::arrow; },
                                       .hint = contour_hint,

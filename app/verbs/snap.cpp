@@ -94,6 +94,7 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   Report report = snap_report(snapped->result, after->mesh(), *after->shape.placed, image);
   report.warnings.insert(report.warnings.begin(), met.begin(), met.end());
   report.values["held_landmarks"] = snapped->landmarks;
+  report.values["held_contours"] = snapped->contours;
   report.values["held_pulls"] = snapped->pulls;
   report.values["seconds"] = seconds;
   if (!session->news().empty()) report.warnings.push_back(session->news());

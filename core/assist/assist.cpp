@@ -10,6 +10,7 @@
 #include "core/case/held_landmarks.h"
 #include "core/deform/falloff.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/volume/redrawn_contour.h"
 
 namespace homolog {
 
@@ -37,6 +38,12 @@ double free_share(double pulled) {
   return 1 - pulled * pulled * pulled;
 }
 
+/// Whether a person left all corners of a triangle free.
+bool is_free(const ShapeView& shown, const SurfacePoint& on, const VertexScalars& free) {
+  const auto corners = shown.the_template().topology->triangles().row(on.face);
+  return std::all_of(corners.begin(), corners.end(), [&](auto corner) { return free[corner] > 0; });
+}
+
 /// Pins the mesh to the placed landmarks that a snap may move it to.
 void pin_landmarks(const ShapeView& shown, double reach_mm, SnapStart& start, SnapEdit& edit) {
   const Template& the_template = shown.the_template();
@@ -45,8 +52,7 @@ void pin_landmarks(const ShapeView& shown, double reach_mm, SnapStart& start, Sn
     if (!hold.placed) continue;
     if (shown.structure.landmarks.hold && hold.met && !hold.held) continue;  // a person released it
     const SurfacePoint& on = the_template.landmark_points[l];
-    const auto corners = the_template.topology->triangles().row(on.face);
-    if (std::any_of(corners.begin(), corners.end(), [&](auto corner) { return !(start.free[corner] > 0); })) {
+    if (!is_free(shown, on, start.free)) {
       edit.landmarks += hold.met ? 1 : 0;  // it is held as its vertices are
       continue;
     }
@@ -57,6 +63,22 @@ void pin_landmarks(const ShapeView& shown, double reach_mm, SnapStart& start, Sn
     start.pins.push_back({on, shown.shape.landmarks.at(the_template.landmarks[l].name)});
     ++edit.landmarks;
   }
+}
+
+/// Pins the mesh to the contours that it lies near enough to.
+void pin_contours(const ShapeView& shown, double reach_mm, SnapStart& start, SnapEdit& edit) {
+  constexpr double on_it_mm = 1e-6;
+  const auto drawn = drawn_contours(shown);
+  if (drawn.empty()) return;
+  std::vector<char> held(drawn.size(), 0);
+  for (const Pin& pin : contour_pins(drawn, start.mesh)) {
+    const Vec3 from = pin.on.interpolate(*start.mesh.topology, start.mesh.points).transpose();
+    if ((pin.place - from).norm() > reach_mm || !is_free(shown, pin.on, start.free)) continue;
+    start.pins.push_back(pin);
+    for (std::size_t c = 0; c < drawn.size(); ++c)
+      if ((nearest_place(drawn[c].curve, pin.place).at - pin.place).norm() < on_it_mm) held[c] = 1;
+  }
+  edit.contours = static_cast<int>(std::ranges::count(held, 1));
 }
 
 void hold_pulled(const Shape& shape, SnapStart& start, SnapEdit& edit) {
@@ -97,10 +119,14 @@ std::string counted_words(int count, const std::string& one) {
 }  // namespace
 
 std::string held_in_words(const SnapEdit& edit) {
-  std::string words;
-  if (edit.landmarks > 0) words = counted_words(edit.landmarks, "landmark");
-  if (edit.pulls > 0) words += (words.empty() ? "" : " and ") + counted_words(edit.pulls, "pull");
-  return words;
+  std::vector<std::string> words;
+  if (edit.landmarks > 0) words.push_back(counted_words(edit.landmarks, "landmark"));
+  if (edit.contours > 0) words.push_back(counted_words(edit.contours, "contour"));
+  if (edit.pulls > 0) words.push_back(counted_words(edit.pulls, "pull"));
+  std::string all;
+  for (std::size_t k = 0; k < words.size(); ++k)
+    all += (k == 0 ? "" : k + 1 < words.size() ? ", " : " and ") + words[k];
+  return all;
 }
 
 Result<ShapeView> shape_to(const std::string& what, const Document& document, const std::string& of) {
@@ -186,6 +212,7 @@ Result<SnapEdit> snap_shape(const Scan& scan, const ShapeView& shown, const std:
   SnapEdit edit;
   if (holds == SnapHolds::all) hold_pulled(shape, start, edit);
   pin_landmarks(shown, options.edges.reach_mm, start, edit);
+  pin_contours(shown, options.edges.reach_mm, start, edit);
   SnapOptions learned = options;
   if (options.edges.polarity == Polarity::automatic && options.edges.appearance == nullptr)
     learned.edges.appearance = appearance_of_frames(scan, shown);

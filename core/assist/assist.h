@@ -53,6 +53,7 @@ struct SnapEdit {
   SetPoints action;
   SnapResult result;      ///< `points` are those that the action gives
   int landmarks = 0;      ///< placed ones that the mesh was held at
+  int contours = 0;       ///< curves that the mesh was drawn to
   int pulls = 0;          ///< strokes since the last fit whose part of the mesh was held
   int far_landmarks = 0;  ///< placed ones farther from the mesh than a snap looks; it did not go there
 };
@@ -65,12 +66,13 @@ enum class SnapHolds {
 
 /// Snaps the mesh [snap.h], or the part of it in `region`, to its image; confirmed vertices stay. So does what was
 /// pulled, as far as the strokes carried it. Placed landmarks within the reach are met exactly, but where a person
-/// released them. With automatic polarity and no appearance given, what the boundary looks like is learned from the
-/// nearest edited frame of a cine. Errors: no mesh, no image, and those of snap().
+/// released them, and boundary contours of the frame that are as near, as in a fit to them. With automatic polarity and
+/// no appearance given, what the boundary looks like is learned from the nearest edited frame of a cine. Errors: no
+/// mesh, no image, and those of snap().
 Result<SnapEdit> snap_shape(const Scan& scan, const ShapeView& shown, const std::optional<SnapArea>& region,
                             const SnapOptions& options, SnapHolds holds = SnapHolds::all);
 
-/// "4 landmarks and 2 pulls"; empty where nothing was held.
+/// "4 landmarks, 1 contour and 2 pulls"; empty where nothing was held.
 std::string held_in_words(const SnapEdit& edit);
 
 struct RefineEdit {

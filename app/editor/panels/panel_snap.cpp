@@ -78,7 +78,8 @@ void draw_last_snap(const UiContext& ui, Outbox& out) {
          !snapped             ? unknown
          : found.held.empty() ? "nothing"
                               : found.held,
-         "Placed landmarks and what was pulled since the last fit stay where you put them. The lock of a landmark, and "
+         "Placed landmarks, contours and what was pulled since the last fit stay where you put them. The lock of a "
+         "landmark, and "
          "Confirm (C) with Alt, let go");
   figure(theme, "Moved", snapped ? format("%.1f mm in %.2f s", found.moved_mm, found.seconds) : unknown,
          "Mean distance that the vertices moved, and how long it took");
@@ -96,7 +97,7 @@ void draw_snap(const UiContext& ui, Outbox& out) {
   if (button(
           theme, std::string(icon::snap) + "  Snap the whole mesh",
           "Draws the mesh to the boundary in the image. What is confirmed, placed landmarks and what was pulled since "
-          "the last fit stay. The key N snaps only the part under the pointer, as wide as "
+          "the last fit stay; contours draw it. The key N snaps only the part under the pointer, as wide as "
           "\xcf\x83. If the pointer is not on the mesh, N snaps all",
           ui.work.snaps.busy() ? "A snap is running." : ui.needs_volume(), width - cancel_width - theme.px(4)))
     out.send(SnapMesh{});

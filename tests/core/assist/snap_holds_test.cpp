@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "core/assist/assist.h"
 #include "core/session/checkpoint.h"
@@ -99,6 +100,32 @@ TEST_CASE("a snap leaves the mesh at placed landmarks whatever the image shows")
       if (round > 0) CHECK(edit.result.moved_mm < 0.4);
     }
   }
+}
+
+TEST_CASE("a snap draws the mesh to contours whatever the image shows but not to those outside or far away") {
+  const auto circle = [](double radius_mm) {
+    Contour curve;
+    for (int k = 0; k < 60; ++k) {
+      const double angle = 2 * std::numbers::pi * k / 60;
+      curve.points.emplace_back(radius_mm * std::cos(angle), radius_mm * std::sin(angle), 0);
+    }
+    return std::make_shared<const std::vector<Contour>>(1, curve);
+  };
+  const auto snapped = [&](const std::vector<SetContours>& drawn) {
+    EditSession session(ball_case(28));
+    for (const SetContours& one : drawn) REQUIRE(session.apply(one));
+    const SnapEdit edit = snap_all(session);
+    const double there = (reach(session, Vec3::UnitX()) + reach(session, -Vec3::UnitY())) / 2;
+    CHECK(std::abs(reach(session, Vec3::UnitZ()) - edge_mm) < 0.7);
+    return std::pair(held_in_words(edit), there);
+  };
+  const auto [held, at_mm] = snapped({{.id = "c1", .curves = circle(33)}});
+  CHECK(held == "1 contour");
+  CHECK(at_mm == doctest::Approx(33).epsilon(0.01));
+  const auto [nothing, edge] =
+      snapped({{.id = "c1", .curves = circle(33), .outside = true}, {.id = "c2", .curves = circle(60)}});
+  CHECK(nothing.empty());
+  CHECK(edge == doctest::Approx(edge_mm).epsilon(0.02));
 }
 
 TEST_CASE("a landmark that was released or lies farther than a snap looks is not held") {

@@ -162,7 +162,8 @@ Result<FitEdit> fit_shape_to_contours(const ShapeView& shown, const BetweenConto
   if (confirmed_without_landmarks(shown))
     return fail("", "A fit to contours moves every vertex, but some are confirmed; free them first (Place).");
   options.landmarks = shown.shape.landmarks;
-  const bool from_mesh = goes_on && shown.shape.pulls > 0 && !between.boundary;
+  const bool by_contours_alone = shown.shape.strokes == shown.shape.drawn_strokes;
+  const bool from_mesh = goes_on && !by_contours_alone && !between.boundary;
   Template the_template = shown.the_template();
   // Few planes do not say how large the organ is.
   options.stays = from_mesh || !are_all_around(*shown.shape.placed, contours);
@@ -187,7 +188,7 @@ Result<FitEdit> fit_shape_to_contours(const ShapeView& shown, const BetweenConto
   }
   FitEdit edit;
   edit.action = from_mesh ? points_edit(shown, fit->mesh.points, by_contours)
-                          : points_edit(shown, fit->mesh.points, by_fit, fit->placement);
+                          : points_edit(shown, fit->mesh.points, by_contours, fit->placement);
   if (fit->doubt_mm.size() > 0) edit.action.doubt_mm = doubt_on_grid(fit->doubt_mm);
   edit.result = std::move(*fit);
   return edit;

@@ -38,7 +38,7 @@ struct BetweenContours {
 
 /// Fits the template to the curves that the case holds of the shown frame [contour_fit.h], with the landmarks that are
 /// placed. Where curves and mesh meet already, it begins with the mesh's placement, else the curves place it. With
-/// `goes_on` a mesh that was pulled since the last fit stands in for the template, so that no stroke is lost.
+/// `goes_on` a mesh that something else than contours made stands in for the template, so that none of that is lost.
 /// `options`: all else. Errors: no curves in this frame, and those of fit_to_contours() and snap().
 Result<FitEdit> fit_shape_to_contours(const ShapeView& shown, const BetweenContours& between, bool goes_on,
                                       FitOptions options);

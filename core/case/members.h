@@ -40,10 +40,10 @@ inline constexpr auto shape_members = std::make_tuple(
     Member{"reference", &Shape::reference, Origin::begun}, Member{"points", &Shape::points, Origin::begun},
     Member{"confirmed", &Shape::confirmed, Origin::set}, Member{"decided", &Shape::decided, Origin::edits},
     Member{"unaided", &Shape::unaided, Origin::edits}, Member{"strokes", &Shape::strokes, Origin::edits},
-    Member{"pulled", &Shape::pulled, Origin::edits}, Member{"pulls", &Shape::pulls, Origin::edits},
-    Member{"unsnapped", &Shape::unsnapped, Origin::edits}, Member{"carried", &Shape::carried, Origin::edits},
-    Member{"doubt", &Shape::doubt, Origin::edits}, Member{"doubt_mm", &Shape::doubt_mm, Origin::edits},
-    Member{"outlier", &Shape::outlier, Origin::edits});
+    Member{"drawn_strokes", &Shape::drawn_strokes, Origin::edits}, Member{"pulled", &Shape::pulled, Origin::edits},
+    Member{"pulls", &Shape::pulls, Origin::edits}, Member{"unsnapped", &Shape::unsnapped, Origin::edits},
+    Member{"carried", &Shape::carried, Origin::edits}, Member{"doubt", &Shape::doubt, Origin::edits},
+    Member{"doubt_mm", &Shape::doubt_mm, Origin::edits}, Member{"outlier", &Shape::outlier, Origin::edits});
 
 inline constexpr auto paint_members = std::make_tuple(Member{"stiffness", &Paint::stiffness, Origin::set},
                                                       Member{"regions", &Paint::regions, Origin::set},

@@ -20,6 +20,7 @@ struct Shape {
   std::shared_ptr<const VertexScalars> decided;    ///< 0 … 1: see below; null: nothing is
   std::shared_ptr<const Points> unaided;           ///< see unaided_points; null: no model moved anything
   int strokes = 0;                                 ///< edits of P since it was last equal to R
+  int drawn_strokes = 0;  ///< of them up to the last fit of the template to contours; as many: P is by contours alone
   /// How far strokes have carried each vertex since the last fit, 0 … 1: so far a snap holds it. Null: nothing is
   /// held. What is released is let go.
   std::shared_ptr<const VertexScalars> pulled;

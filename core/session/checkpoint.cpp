@@ -30,7 +30,7 @@ using Colour = std::optional<std::array<std::uint8_t, 3>>;
 
 /// Raise it where a member is written otherwise or gets another meaning, and where a line gives another result that
 /// name_of_solver does not show. A new member needs no other number: a checkpoint without it is passed over.
-constexpr int checkpoint_format = 2;
+constexpr int checkpoint_format = 3;
 
 // What makes a line no checkpoint of this case is thrown, as the JSON library throws, and caught in read_checkpoint.
 struct Unusable {};

@@ -84,8 +84,9 @@ void draw_labels_frame(const UiContext& ui, Outbox& out) {
 void draw_labels_layer(const UiContext& ui, Outbox& out) {
   const ShownLabels& labels = ui.labels();
   if (labels.layers.size() < 2) return;
-  std::string tip = format("The segments of this map overlap, so they lie in %zu layers. One is shown, and a fit goes to it",
-                           labels.layers.size());
+  std::string tip =
+      format("The segments of this map overlap, so they lie in %zu layers. One is shown, and a fit goes to it",
+             labels.layers.size());
   for (std::size_t k = 0; k < labels.values.size(); ++k)
     tip += (k == 0 ? ": " : ", ") + labels.label_name(labels.values[k]);
   double layer = static_cast<double>(labels.layer) + 1;

@@ -167,7 +167,9 @@ void draw_contour_fit(const UiContext& ui, bool any, Outbox& out) {
   if (ui.work.contour_fits.busy())
     running = {"Fitting", ui.work.contour_fits.fraction(), "The mesh stays as it is (Escape)"};
   const auto& last = ui.state.found.fitted_contours;
-  const bool known = last && ui.has_shape() && last->points && *last->points == *ui.committed_shape().points;
+  const bool known = last && ui.has_shape() && last->contours == ui.structure()->contours &&
+                     last->points->rows() == ui.committed_shape().points->rows() &&
+                     *last->points == *ui.committed_shape().points;
   const std::string said = known ? format(
                                        "The contours lie %.2f mm from the mesh on average, 95 %% of them within "
                                        "%.2f mm.",

@@ -41,9 +41,10 @@ struct SnapFound {
 
 /// What a fit to contours came to.
 struct ContoursFitted {
-  std::shared_ptr<const Points> points;  ///< that it gave the mesh
-  ContourDistance off;                   ///< how far the contours lie from it
-  std::vector<std::string> warnings;     ///< each a sentence
+  std::shared_ptr<const Points> points;                     ///< that it gave the mesh
+  std::vector<std::shared_ptr<const ContourSet>> contours;  ///< of the structure, as they were
+  ContourDistance off;                                      ///< how far the contours lie from it
+  std::vector<std::string> warnings;                        ///< each a sentence
 };
 
 /// The making of a template as it stands, from the first stage to the finished mesh.

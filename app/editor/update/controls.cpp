@@ -23,6 +23,8 @@ void turn_wheel(EditorState& state, const InputEvent& event, double steps, const
   }
   if (!state.pointer.hover || event.over_panel) return;
   const ViewKind kind = state.pointer.hover->view;
+  // A curve that is being drawn lies in the slice where it began.
+  if (state.pointer.drag && std::holds_alternative<ContourDrag>(*state.pointer.drag) && !event.ctrl) return;
   if (kind == ViewKind::space) {
     state.look.camera.distance_mm =
         std::clamp(state.look.camera.distance_mm * std::pow(wheel_zoom, -steps), 5.0, 20000.0);

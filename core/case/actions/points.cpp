@@ -90,14 +90,21 @@ bool keeps_doubt(const std::string& by) {
   return by == by_model || by == by_snap || by == by_keep_apart;
 }
 
+/// A fit of the template to contours, not of the mesh that is there.
+bool is_drawn_anew(const SetPoints& action) {
+  return action.by == by_contours && action.placement;
+}
+
 /// Whether what was pulled before such an edit is still held: a person's place for it goes before that of the image.
-bool keeps_pulls(const std::string& by) {
-  return by == by_model || by == by_snap || by == by_refinement || by == by_keep_apart || by == by_contours;
+bool keeps_pulls(const SetPoints& action) {
+  const std::string& by = action.by;
+  return by == by_model || by == by_snap || by == by_refinement || by == by_keep_apart ||
+         (by == by_contours && !is_drawn_anew(action));
 }
 
 /// What an edit by `action`, which is not yet done, leaves of what was pulled and of the shape without snaps.
 void keep_unsnapped(const SetPoints& action, Shape& shape) {
-  if (!keeps_pulls(action.by)) return forget_pulls_and_snaps(shape);
+  if (!keeps_pulls(action)) return forget_pulls_and_snaps(shape);
   if (action.by == by_snap) {
     if (!shape.unsnapped) shape.unsnapped = shape.points;
   } else if (shape.unsnapped) {
@@ -154,6 +161,7 @@ Result<EditReport> apply_points(const SetPoints& action, StructureEdit& edit) {
     shape.outlier = action.outlier;
   }
   ++shape.strokes;
+  if (is_drawn_anew(action)) shape.drawn_strokes = shape.strokes;
   edit.after.set_shape(frame, std::move(shape));
   return EditReport{};
 }

@@ -186,16 +186,62 @@ TEST_CASE("the list of contours says how far to trust each and what side it is o
 
   // The button fits anew, in one step.
   const Points before = mesh_of(driver);
-  const int fits = driver.lines_with(R"("by":"fit")");
+  const int fits = driver.lines_with(R"("by":"contours")");
   driver.click("Fit to contours");
-  driver.wait_until("the fit is done", [&] { return driver.lines_with(R"("by":"fit")") == fits + 1; });
+  driver.wait_until("the fit is done", [&] { return driver.lines_with(R"("by":"contours")") == fits + 1; });
   driver.settle();
   CHECK(driver.shows("from the mesh on average"));
+  // It is of those contours alone.
+  driver.click("c2/remove");
+  driver.settle();
+  CHECK_FALSE(driver.shows("from the mesh on average"));
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
   CHECK((mesh_of(driver) - before).rowwise().norm().maxCoeff() > 0.05);
   driver.press('Z', {.ctrl = true});
   driver.settle();
   CHECK(mesh_of(driver) == before);
   CHECK(contours_of(driver) == 2);
+}
+
+TEST_CASE("a curve that is drawn after a fit changes the mesh where it lies and nothing of the fit is lost elsewhere") {
+  const TemporaryFolder folder;
+  Driver driver(ball_document(folder));
+  driver.settle();
+  // As a fit left it: the organ, with a bump far from the curve to come.
+  Points fitted = icosphere(3, radius_mm).points;
+  for (Eigen::Index i = 0; i < fitted.rows(); ++i)
+    fitted.row(i) *= 1 + 0.3 * std::exp(-(fitted.row(i).transpose() - Vec3(0, 0, radius_mm)).squaredNorm() / 40);
+  fitted.rowwise() += middle.transpose();
+  driver.app().send(ApplyEdit{SetPoints{by_fit, std::nullopt, std::make_shared<const Points>(fitted)}});
+  driver.settle();
+  draw_circle(driver, ViewKind::axial, -16);
+  const auto top_mm = [&] { return mesh_of(driver).col(2).maxCoeff() - middle.z(); };
+  CHECK(top_mm() == doctest::Approx(1.3 * radius_mm).epsilon(0.02));
+  draw_circle(driver, ViewKind::axial, -10);
+  CHECK(top_mm() == doctest::Approx(1.3 * radius_mm).epsilon(0.02));
+  // The button begins with the template, which has no bump.
+  driver.click("Fit to contours");
+  driver.wait_until("the template is fitted anew", [&] { return top_mm() < 1.2 * radius_mm; });
+}
+
+TEST_CASE("the wheel leaves a curve that is being drawn in its slice") {
+  const TemporaryFolder folder;
+  Driver driver(ball_document(folder));
+  driver.settle();
+  const auto px = circle_px(driver, ViewKind::axial, 0);
+  driver.press('A');
+  driver.move(px[0].x(), px[0].y());
+  driver.button(MouseButton::left, true);
+  for (std::size_t k = 1; k < px.size(); ++k) {
+    driver.move(px[k].x(), px[k].y());
+    if (k == px.size() / 2) driver.wheel(3);
+  }
+  let_go(driver);
+  REQUIRE(contours_of(driver) == 1);
+  const auto& points = driver.document().structure()->contours.front()->curves.front().points;
+  for (const Vec3& p : points) CHECK(p.z() == doctest::Approx(points.front().z()));
+  CHECK(points.size() > 20);
 }
 
 TEST_CASE("a stroke from a contour back to it draws that part anew and the mesh follows in one step to undo") {
@@ -323,7 +369,7 @@ TEST_CASE("curves of 3D Slicer come into the case as they are opened and landmar
   CHECK(bounds_of(mesh_of(driver)).max().x() < 22.5);
 }
 
-TEST_CASE("of a file with several structures one chooses and names of the case's structures are known") {
+TEST_CASE("of a file with several structures one chooses those to add") {
   const TemporaryFolder folder;
   Driver driver(ball_document(folder));
   driver.settle();

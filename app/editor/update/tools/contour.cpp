@@ -17,8 +17,9 @@ Vec3 in_micrometres(const Vec3& p_mm) {
   return (p_mm * per_mm).array().round() / per_mm;
 }
 
-Vec3 place_on_slice(const ViewMap& map, const EditorState& state, double x_px, double y_px) {
-  return in_micrometres(map.on_facing_plane(x_px, y_px, state.look.crosshair_mm));
+/// `on_plane`: a point of the slice.
+Vec3 place_on_slice(const ViewMap& map, const Vec3& on_plane, double x_px, double y_px) {
+  return in_micrometres(map.on_facing_plane(x_px, y_px, on_plane));
 }
 
 bool begin_contour(const Press& press) {
@@ -29,7 +30,7 @@ bool begin_contour(const Press& press) {
   drag.id = free_contour_id(press.document());
   drag.x_px = press.event.x_px;
   drag.y_px = press.event.y_px;
-  drag.points = {place_on_slice(press.map(), press.state, drag.x_px, drag.y_px)};
+  drag.points = {place_on_slice(press.map(), press.state.look.crosshair_mm, drag.x_px, drag.y_px)};
   drag.held = contour_at(press.map(), press.document(), press.shape()->structure, press.state.look.hidden_contours,
                          drag.x_px, drag.y_px, press.context.layout.scale);
   press.state.pointer.drag = std::move(drag);
@@ -63,7 +64,7 @@ void move_contour(const DragStep& step) {
   const double x_px = step.event.x_px, y_px = step.event.y_px, scale = step.context.layout.scale;
   if (std::hypot(x_px - drag.x_px, y_px - drag.y_px) < step_px * scale) return;
   const ViewMap map = step.map(drag.view);
-  drag.points.push_back(place_on_slice(map, step.state, x_px, y_px));
+  drag.points.push_back(place_on_slice(map, drag.points.front(), x_px, y_px));
   drag.x_px = x_px;
   drag.y_px = y_px;
   const auto start_px = map.to_px(drag.points.front());

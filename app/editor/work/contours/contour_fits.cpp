@@ -98,8 +98,8 @@ void ContourFits::start(SessionThread& session, const ContourFitJob& job, bool j
         auto edit = guarded("The fit", [&] { return fit_as_asked(document, id, job, &box->progress); });
         if (box->progress.cancelled()) return std::optional<Action>();
         if (!edit) return fail(edit.error());
-        ContoursFitted found{edit->action.points, {}, edit->result.warnings};
         const auto shown = document.view(id);
+        ContoursFitted found{edit->action.points, shown->structure.contours, {}, edit->result.warnings};
         found.off = contour_distance(drawn_contours(*shown), {shown->the_template().topology, *edit->action.points});
         {
           const std::lock_guard lock(box->mutex);

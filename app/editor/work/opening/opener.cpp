@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
 #include <utility>
 
 #include "app/editor/state/files/file_browser.h"
@@ -289,13 +290,24 @@ std::string whole_path(const fs::path& path) {
   return path.is_absolute() || !names_file(path.string()) ? path.string() : absolute_path(path).string();
 }
 
+/// Whether the first piece of a VTP file says that it has faces; only its beginning is read.
+bool says_faces(const fs::path& path) {
+  std::string start(std::size_t{1} << 16, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(in.gcount()));
+  constexpr std::string_view polygons = "NumberOfPolys=\"";
+  const std::size_t at = start.find(polygons);
+  return at != std::string::npos && at + polygons.size() < start.size() && start[at + polygons.size()] != '0';
+}
+
 /// Whether a file holds drawn curves and no surface.
 bool is_contour_file(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return false;
   const std::string name = lower_case(path.filename().string());
   if (name.ends_with(".mrk.json")) return read_slicer_curves(path).has_value();
-  if (name.ends_with(".vtp")) return !read_mesh_file(path) && read_curves(path);
+  if (name.ends_with(".vtp")) return !says_faces(path) && !read_mesh_file(path) && read_curves(path);
   return holds_contours(path);
 }
 

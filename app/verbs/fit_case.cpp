@@ -85,7 +85,7 @@ Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared
     if (!file) return fail(file.error());
     const auto started = FitClock::now();
     auto boundary = surface_boundary(*file, vertices, &progress, options.partial,
-                                     longest_hole_share({shared.the_template->topology, shared.the_template->points}));
+                                     long_rims({shared.the_template->topology, shared.the_template->points}).size());
     if (!boundary) return fail(path.string(), boundary.error().what);
     boundary->warnings.insert(boundary->warnings.begin(), file->warnings.begin(), file->warnings.end());
     return FitTarget{started, std::move(*boundary), std::nullopt};

@@ -68,7 +68,8 @@ void pin_landmarks(const ShapeView& shown, double reach_mm, SnapStart& start, Sn
 /// Pins the mesh to the contours that it lies near enough to.
 void pin_contours(const ShapeView& shown, double reach_mm, SnapStart& start, SnapEdit& edit) {
   constexpr double on_it_mm = 1e-6;
-  const auto drawn = drawn_contours(shown);
+  auto drawn = drawn_contours(shown);
+  std::erase_if(drawn, [](const DrawnContour& one) { return one.off_mm > 0; });  // a pin is met exactly
   if (drawn.empty()) return;
   std::vector<char> held(drawn.size(), 0);
   for (const Pin& pin : contour_pins(drawn, start.mesh)) {
@@ -213,7 +214,7 @@ Result<SnapEdit> snap_shape(const Scan& scan, const ShapeView& shown, const std:
   SnapEdit edit;
   if (holds == SnapHolds::all) hold_pulled(shape, start, edit);
   pin_landmarks(shown, options.edges.reach_mm, start, edit);
-  pin_contours(shown, options.edges.reach_mm, start, edit);
+  if (holds == SnapHolds::all) pin_contours(shown, options.edges.reach_mm, start, edit);
   SnapOptions learned = options;
   if (options.edges.polarity == Polarity::automatic && options.edges.appearance == nullptr)
     learned.edges.appearance = appearance_of_frames(scan, shown);

@@ -60,14 +60,14 @@ struct SnapEdit {
 
 /// What a snap may not move, beside what is confirmed.
 enum class SnapHolds {
-  all,       ///< the mesh at placed landmarks, and what was pulled since the last fit [Shape::pulled]
+  all,       ///< the mesh at placed landmarks and contours, and what was pulled since the last fit [Shape::pulled]
   landmarks  ///< the mesh at placed landmarks: for a snap that finishes a stroke
 };
 
 /// Snaps the mesh [snap.h], or the part of it in `region`, to its image; confirmed vertices stay. So does what was
 /// pulled, as far as the strokes carried it. Placed landmarks within the reach are met exactly, but where a person
-/// released them, and boundary contours of the frame that are as near, as in a fit to them. With automatic polarity and
-/// no appearance given, what the boundary looks like is learned from the nearest edited frame of a cine. Errors: no
+/// released them. So are boundary contours of the frame that are as near and may not lie off. With automatic polarity
+/// and no appearance given, what the boundary looks like is learned from the nearest edited frame of a cine. Errors: no
 /// mesh, no image, and those of snap().
 Result<SnapEdit> snap_shape(const Scan& scan, const ShapeView& shown, const std::optional<SnapArea>& region,
                             const SnapOptions& options, SnapHolds holds = SnapHolds::all);

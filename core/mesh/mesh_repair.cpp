@@ -338,12 +338,6 @@ Result<MeshRepair> mended_if_broken(const MeshFile& surface, double longest_rim_
   return repaired(surface, {longest_rim_share});
 }
 
-void close_holes(MeshRepair& repair, double longest_rim_share) {
-  const std::size_t rims = repair.mesh.topology->rims().size();
-  repair.mesh = capped(repair.mesh, longest_rim_share * bounds_of(repair.mesh.points).diagonal().norm());
-  repair.mended.holes += rims - repair.mesh.topology->rims().size();
-}
-
 Result<MeshRepair> repaired(const MeshFile& surface, const RepairOptions& options) {
   MeshRepair repair;
   if (auto sound = as_it_is(surface)) {
@@ -358,7 +352,10 @@ Result<MeshRepair> repaired(const MeshFile& surface, const RepairOptions& option
   const std::vector<Mesh> parts = sound_parts(parts_of(repair.mesh), repair.mended);
   if (std::ssize(parts) < repair.mesh.topology->components() || repair.mended.turned_faces > 0)
     repair.mesh = joined(parts);
-  close_holes(repair, options.longest_rim_share);
+  const double longest_mm = options.longest_rim_share * bounds_of(repair.mesh.points).diagonal().norm();
+  const std::size_t rims = repair.mesh.topology->rims().size();
+  repair.mesh = capped(repair.mesh, longest_mm);
+  repair.mended.holes = rims - repair.mesh.topology->rims().size();
   repair.mesh = without_flat_faces(std::move(repair.mesh), repair.mended);
   return repair;
 }

@@ -62,7 +62,4 @@ Result<MeshRepair> repaired(const MeshFile& surface, const RepairOptions& option
 /// The mesh as it is where it is sound; else mended, holes up to that share of its diagonal closed.
 Result<MeshRepair> mended_if_broken(const MeshFile& surface, double longest_rim_share = small_rim_share);
 
-/// Closes holes up to that share of the diagonal flat, and counts them.
-void close_holes(MeshRepair& repair, double longest_rim_share);
-
 }  // namespace homolog

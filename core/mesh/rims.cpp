@@ -133,16 +133,6 @@ std::vector<Rim> long_rims(const Mesh& mesh, double share) {
   return rims;
 }
 
-std::optional<double> longest_hole_share(const Mesh& mesh) {
-  std::optional<double> shortest_mm;
-  for (const Rim& rim : long_rims(mesh)) {
-    const double mm = rim_length_mm(rim, mesh.points);
-    shortest_mm = std::min(shortest_mm.value_or(mm), mm);
-  }
-  if (!shortest_mm) return std::nullopt;
-  return std::max(least_rim_share, *shortest_mm / 2 / bounds_of(mesh.points).diagonal().norm());
-}
-
 RimPlace nearest_on_rims(const std::vector<Rim>& rims, const Points& points, const Vec3& p) {
   RimPlace best;
   double least_mm2 = std::numeric_limits<double>::infinity();

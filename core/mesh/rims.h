@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,10 +21,6 @@ double rim_length_mm(const Rim& rim, const Points& points);
 
 /// The rims longer than `share` of the mesh's diagonal.
 std::vector<Rim> long_rims(const Mesh& mesh, double share = least_rim_share);
-
-/// The longest hole, as a share of the diagonal, that another surface of what `mesh` is of may have: half of its
-/// shortest long rim, at least least_rim_share. None where it has no long rim.
-std::optional<double> longest_hole_share(const Mesh& mesh);
 
 /// A place on a rim: between two of its neighbouring vertices, `share` of the way from the first to the second.
 struct RimPlace {

@@ -103,11 +103,9 @@ class Finder {
   Result<void> add_case(const std::string& name, const ShapeSource& of) {
     const auto shapes = read_shapes_of(of.file);
     if (!shapes) return fail(shapes.error());
-    std::vector<ShapeSource>& files = files_of(name);
     const fs::path meshes = whole_path(of.file).parent_path() / file_stem(of.file);
-    if (by_cases_.insert(meshes).second)
-      for (ShapeSource& there : files)
-        if (there.structure.empty() && whole_path(there.file).parent_path() == meshes) there = {};
+    if (by_cases_.insert(meshes).second) forget(meshes);
+    std::vector<ShapeSource>& files = files_of(name);
     for (const ShapesOfStructure& one : shapes->structures) {
       others_.insert(one.name);
       const auto found = std::find(structures_.begin(), structures_.end(), lower_case(one.name));
@@ -198,6 +196,15 @@ class Finder {
     }
     if (longest.empty()) return {};
     return add_file(name.substr(0, name.size() - longest.size() - 1), longest, file);
+  }
+
+  /// The meshes of a folder count no more.
+  void forget(const fs::path& meshes) {
+    std::erase_if(cases_, [&](auto& one) {
+      for (ShapeSource& there : one.second)
+        if (there.structure.empty() && whole_path(there.file).parent_path() == meshes) there = {};
+      return std::ranges::all_of(one.second, [](const ShapeSource& there) { return there.file.empty(); });
+    });
   }
 
   std::vector<ShapeSource>& files_of(const std::string& case_name) {

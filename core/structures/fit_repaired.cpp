@@ -5,8 +5,8 @@
 
 namespace homolog {
 
-Result<RepairedFit> fit_repaired(const SetOfTemplates& set, VolumeRead& map, int frame,
-                                 const MapRepairOptions& options, double gap_mm) {
+Result<RepairedFit> fit_repaired(const SetOfTemplates& set, VolumeRead& map, int frame, const MapRepairOptions& options,
+                                 double gap_mm) {
   constexpr double repair_share = 0.7;
   Progress unseen;
   Progress& whole = options.progress != nullptr ? *options.progress : unseen;

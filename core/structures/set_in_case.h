@@ -19,8 +19,8 @@ std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfT
                                           const FittedSet& fitted, const std::vector<std::string>& found = {});
 
 /// The edit that moves a structure (`of`: its id) out of the others of its case at the shown frame, where they lie
-/// within each other or nearer than `gap_mm`. It alone moves [keep_apart]. Others that hold it for the most part, or that it holds, as a
-/// chamber lies within its wall, are left out. None where nothing meets, or where a mesh is open.
+/// within each other or nearer than `gap_mm`. It alone moves [keep_apart]. Others that hold it for the most part, or
+/// that it holds, as a chamber lies within its wall, are left out. None where nothing meets, or where a mesh is open.
 std::optional<SetPoints> apart_from_others(const Document& document, const std::string& of, double gap_mm = 0);
 
 /// An id that no structure of the case has, nor one of `more`: "s3".

@@ -136,11 +136,11 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
   static constexpr auto has_several = [](const UiContext& shown) { return shown.document().structures.size() > 1; };
   static constexpr auto opens_structures = [](const UiContext& shown) {
     return has_several(shown) || shown.work.set_fitter.busy() ||
-           (shown.structure() == nullptr && shown.labels().values.size() > 1);
+           (shown.structure() == nullptr && shown.labels().label_count() > 1);
   };
   // Beside a mesh that one works on, a map of several labels may come and go: nothing above may move for it.
   static constexpr auto may_have_structures = [](const UiContext& shown) {
-    return !opens_structures(shown) && shown.labels().values.size() > 1;
+    return !opens_structures(shown) && shown.labels().label_count() > 1;
   };
   static constexpr auto has_contours = [](const UiContext& shown) {
     return shown.state.automatic.offered.read != nullptr ||

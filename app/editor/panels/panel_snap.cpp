@@ -79,8 +79,7 @@ void draw_last_snap(const UiContext& ui, Outbox& out) {
          : found.held.empty() ? "nothing"
                               : found.held,
          "Placed landmarks, contours and what was pulled since the last fit stay where you put them. The lock of a "
-         "landmark, and "
-         "Confirm (C) with Alt, let go");
+         "landmark, Confirm (C) with Alt, and a contour's mm let go");
   figure(theme, "Moved", snapped ? format("%.1f mm in %.2f s", found.moved_mm, found.seconds) : unknown,
          "Mean distance that the vertices moved, and how long it took");
 }

@@ -140,9 +140,10 @@ void draw_eyes(const UiContext& ui, const std::vector<const Structure*>& listed,
 void draw_others_opacity(const UiContext& ui, Outbox& out) {
   double opacity = 100 * ui.state.look.structures.others_opacity;
   bool released = false;
-  if (slider(ui.theme, "Others", opacity, {0, 100, "%.0f", "%", false},
-             "Opacity in 3D of the structures that you do not work on. At 0 only the one that you work on is drawn there",
-             released))
+  if (slider(
+          ui.theme, "Others", opacity, {0, 100, "%.0f", "%", false},
+          "Opacity in 3D of the structures that you do not work on. At 0 only the one that you work on is drawn there",
+          released))
     out.send(SetOthersOpacity{opacity / 100});
 }
 

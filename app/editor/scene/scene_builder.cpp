@@ -13,9 +13,9 @@ namespace {
 
 /// The stages before the last have far more vertices than can be told apart; the finished mesh shows its edges.
 constexpr Eigen::Index wireframe_below = 12000;
-constexpr float label_opacity = 0.35f;                           // of a label's surface: the mesh is compared with it
-constexpr float other_outline_px = 1.2f;                         // of a structure that is not worked on
-constexpr Rgb as_read_colour{1, 1, 1};                           // of one before its repair
+constexpr float label_opacity = 0.35f;    // of a label's surface: the mesh is compared with it
+constexpr float other_outline_px = 1.2f;  // of a structure that is not worked on
+constexpr Rgb as_read_colour{1, 1, 1};    // of one before its repair
 
 }  // namespace
 

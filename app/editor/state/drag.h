@@ -79,6 +79,7 @@ struct ContourDrag {
   std::vector<Vec3> points;           ///< along the pointer's path, in the plane of the slice
   double x_px = 0, y_px = 0;          ///< where the last of them was taken
   bool at_start = false;              ///< the pointer came back to where it began: the curve is closed
+  bool is_wide = false;               ///< the pointer went far from where it began
   std::optional<HeldContour> held{};  ///< that it began at: where it ends there too, it draws a part of that one anew
 };
 

@@ -41,8 +41,8 @@ using AllCommands = TypeList<
     // contours
     OpenContours, AddContours, CloseContours, ShowContours, SetBetweenContours, FitContours, CancelContourFit,
     // files
-    OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, ShowLabelsLayer, CancelOpening, CancelReading, CancelWriting, SaveCase,
-    SaveCaseAs, ExportMesh, ExportLabelMap, ExportStructuresMap, ExportStructuresMeshes, ExportLandmarks,
+    OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, ShowLabelsLayer, CancelOpening, CancelReading, CancelWriting,
+    SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ExportStructuresMap, ExportStructuresMeshes, ExportLandmarks,
     ExportTemplate, ExportTemplateLandmarks, ExportAllFrames, ExportPicture, ExportVolumes, ImportLandmarks,
     OpenFitModel, ImportStiffness, ImportTemplateLandmarks,
     // what is measured by a recipe

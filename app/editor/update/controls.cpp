@@ -121,6 +121,7 @@ std::string other_structure_at(const EditorState& state, const ControlsContext& 
                                const Hover& hover, double pick_mm) {
   const Structure* active = context.document.structure(context.structure);
   const bool in_space = !map.is_slice();
+  if (in_space && state.look.structures.others_opacity <= 0) return {};
   if (context.document.structures.size() < 2 || state.pointer.drag || (in_space && hover.on_mesh)) return {};
   const Ray ray = map.ray(hover.x_px, hover.y_px);
   const Vec3 from = in_space ? ray.from : *hover.p_mm;

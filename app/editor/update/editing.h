@@ -62,6 +62,7 @@ struct Work {
   ShapeMonitor<QualityFigures> quality;
   ShapeMonitor<ShapeMeasurements> measurements;
   ShapeMonitor<ScoredShape> scores;
+  Worker<ShapeModel> score_model;  ///< of a study's other cases
   Recovery recovery;
   WriteReport write_report;  ///< empty: this program cannot
 

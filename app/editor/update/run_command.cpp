@@ -23,13 +23,14 @@ Work::Work(const std::function<void()>& wake)
       quality(wake, "The mesh's figures", quality_of),
       measurements(wake, "The measurements", {}),
       scores(wake, "The score", {}),
+      score_model(wake),
       recovery(wake) {}
 
 bool Work::busy() const {
   return opener.busy() || imports.busy() || exports.busy() || template_maker.busy() || fitter.busy() ||
          set_fitter.busy() || propagator.busy() || observers.busy() || study_appearance.busy() ||
          study_optimiser.busy() || model_help.busy() || label_surfaces.busy() || models.busy() || worklist.busy() ||
-         snaps.busy() || contour_fits.busy() || recovery.busy();
+         snaps.busy() || contour_fits.busy() || score_model.busy() || recovery.busy();
 }
 
 void Outbox::apply(Action action, bool joined) {

@@ -25,6 +25,12 @@ struct ShownLabels : LabelMapLayer {
   std::vector<LabelMapLayer> layers;  ///< of the map
   std::size_t layer = 0;              ///< that is shown
 
+  /// In all layers.
+  std::size_t label_count() const {
+    std::size_t count = 0;
+    for (const LabelMapLayer& one : layers) count += one.values.size();
+    return count;
+  }
   /// "Label 3", or "kidney_left (3)" where it has a name.
   std::string label_name(int label) const;
 };

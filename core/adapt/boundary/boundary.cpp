@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <vector>
 
 #include "core/adapt/boundary/label_parts.h"
 #include "core/measure/compare.h"
@@ -11,6 +13,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mesh_repair.h"
 #include "core/mesh/remesh.h"
+#include "core/mesh/rims.h"
 #include "core/template_making/label_body.h"
 #include "core/template_making/level_set.h"
 #include "core/template_making/solid_voxels.h"
@@ -98,12 +101,24 @@ Boundary mesh_boundary(const Mesh& mesh, bool all_parts) {
   return boundary;
 }
 
+namespace {
+
+/// Closes what is a hole where `rims` of the boundary loops, the longest, are where the surface ends. Returns how many.
+std::size_t close_holes(Mesh& surface, std::size_t rims) {
+  std::vector<double> lengths_mm;
+  for (const Rim& rim : surface.topology->rims()) lengths_mm.push_back(rim_length_mm(rim, surface.points));
+  if (lengths_mm.size() <= rims) return 0;
+  std::ranges::sort(lengths_mm, std::greater());
+  surface = capped(surface, lengths_mm[rims - 1] / 2);
+  return lengths_mm.size() - surface.topology->rims().size();
+}
+
+}  // namespace
+
 Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress, bool all_parts,
-                                  std::optional<double> hole_share) {
-  auto repair = mended_if_broken(surface, hole_share.value_or(small_rim_share));
+                                  std::size_t rims) {
+  auto repair = mended_if_broken(surface, rims > 0 ? least_rim_share : small_rim_share);
   if (!repair) return fail(repair.error());
-  if (hole_share) close_holes(*repair, *hole_share);
-  const std::string mended = repair->mended.any() ? "was mended: " + repair->mended.words() : "";
   MeshFaults faults;
   faults.tunnels = repair->mesh.topology->genus();
   Boundary boundary;
@@ -122,8 +137,10 @@ Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices
                          " from it on average; mend it by repair-mesh --genus to see what is fitted to"};
   } else {
     boundary = mesh_boundary(repair->mesh, all_parts);
+    if (rims > 0 && !all_parts) repair->mended.holes += close_holes(boundary.surface, rims);
   }
-  if (!mended.empty()) boundary.warnings.insert(boundary.warnings.begin(), mended);
+  if (repair->mended.any())
+    boundary.warnings.insert(boundary.warnings.begin(), "was mended: " + repair->mended.words());
   return boundary;
 }
 

@@ -59,9 +59,10 @@ Boundary mesh_boundary(const Mesh& mesh, bool all_parts = false);
 
 /// The same of whatever surface a file holds: mended where it is broken [mesh_repair.h]. One that is riddled with
 /// tunnels is rebuilt from voxels [solid_voxels.h], as fine as a mesh of `vertices` vertices shows, with a warning that
-/// says how far that lies from it. `hole_share`: boundary loops up to that share of its diagonal are holes and are
-/// closed; without, those up to small_rim_share of a broken one are. Errors: no face is left; cancelled.
+/// says how far that lies from it. `rims`: how many long rims the
+/// template has [long_rims]. Above 0 as many of the surface's longest are rims too, and those shorter than half of
+/// these are holes, which are closed; else holes of a broken one are closed. Errors: no face is left; cancelled.
 Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress = nullptr,
-                                  bool all_parts = false, std::optional<double> hole_share = std::nullopt);
+                                  bool all_parts = false, std::size_t rims = 0);
 
 }  // namespace homolog

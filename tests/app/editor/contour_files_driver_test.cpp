@@ -53,6 +53,8 @@ TEST_CASE("of a structure set those that are called like structures are taken an
   driver.settle();
   driver.app().send(ChooseStructure{"s2"});
   driver.settle();
+  driver.app().send(ApplyEdit{SetStiffnessBase{7}});
+  driver.settle();
   driver.app().send(OpenFiles{{structure_set(folder.path)}});
   driver.wait_until("the others are offered", [&] { return driver.shows("In rt.dcm"); });
   driver.settle();
@@ -74,6 +76,28 @@ TEST_CASE("of a structure set those that are called like structures are taken an
   driver.wait_until("another case is open", [&] { return driver.document().structures.size() == 1; });
   driver.settle();
   CHECK_FALSE(driver.shows("In rt.dcm"));
+}
+
+TEST_CASE("contours that a lock refuses join no edit before to those that are added") {
+  const TemporaryFolder folder;
+  Driver driver(two_balls());
+  driver.settle();
+  driver.app().send(ApplyEdit{SetStiffnessBase{7}});
+  driver.settle();
+  driver.app().send(LockStructures{{"s1"}, true});
+  RtFile file;
+  file.names = {"liver", "spleen"};
+  for (int roi = 1; roi <= 2; ++roi)
+    file.drawn.push_back({roi, "CLOSED_PLANAR", "20\\0\\0\\0\\20\\0\\-20\\0\\0\\0\\-20\\0"});
+  write_bytes(folder.path / "rt.dcm", file.bytes());
+  driver.app().send(OpenFiles{{folder.path / "rt.dcm"}});
+  driver.wait_until("the spleen's are there", [&] { return called(driver, "spleen").contours.size() == 1; });
+  driver.settle();
+  CHECK(called(driver, "liver").contours.empty());
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK(called(driver, "spleen").contours.empty());
+  CHECK(called(driver, "liver").paint.base == 7);
 }
 
 TEST_CASE("a contour that gets the id of a hidden one that is gone is shown") {

@@ -305,6 +305,25 @@ TEST_CASE("a stroke from a contour back to it draws that part anew and the mesh 
   CHECK(mesh_of(driver) == mesh_before);
 }
 
+TEST_CASE("a small stroke from a contour back to it mends it although its ends are near each other") {
+  const TemporaryFolder folder;
+  Driver driver(ball_document(folder));
+  driver.settle();
+  draw_circle(driver, ViewKind::axial, 0);
+  const auto around = circle_px(driver, ViewKind::axial, 0);
+  const Eigen::Vector2d centre = (around[0] + around[20]) / 2, at = around[10];
+  const Eigen::Vector2d out = (at - centre).normalized(), along(-out.y(), out.x());
+  std::vector<Eigen::Vector2d> bump;
+  for (int k = -10; k <= 10; ++k) bump.emplace_back(at + 0.6 * k * along + (100 - k * k) * 0.2 * out);
+  draw(driver, bump);
+  let_go(driver);
+  REQUIRE(contours_of(driver) == 1);
+  const auto& points = driver.document().structure()->contours.front()->curves.front().points;
+  double farthest_mm = 0;
+  for (const Vec3& p : points) farthest_mm = std::max(farthest_mm, (p - middle).norm());
+  CHECK(farthest_mm > radius_mm + 1);
+}
+
 TEST_CASE("a stroke beside a contour or in another slice leaves it and the list closes and opens a curve") {
   const TemporaryFolder folder;
   Driver driver(ball_document(folder));

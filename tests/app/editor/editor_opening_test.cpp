@@ -6,6 +6,7 @@
 #include <set>
 
 #include "app/editor/update/controls.h"
+#include "app/editor/update/results/set_fit.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
@@ -247,6 +248,12 @@ TEST_CASE("of a label map whose segments overlap each layer can be shown and wor
     driver.settle();
     return Vec3(bounds_of(*driver.document().view()->shape.points).center());
   };
+  TemplateSet set;
+  set.structures = {{.name = "tumour"}, {.name = "liver"}};
+  ShownLabels shown;
+  shown.layers = {{.volume = nullptr, .values = {1}, .sizes_mm = {}, .names = {{1, "lung"}}, .colours = nullptr},
+                  {.volume = nullptr, .values = {1}, .sizes_mm = {}, .names = {{1, "tumour"}}, .colours = nullptr}};
+  CHECK(names_in_map(set, shown) == std::vector<std::string>{"tumour"});
   CHECK((made("first.ply") - Vec3(4, 0, 0)).norm() < 0.5);
   driver.app().send(ShowLabelsLayer{1});
   driver.settle();

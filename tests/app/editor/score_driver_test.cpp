@@ -43,15 +43,15 @@ struct ScoredBalls {
     REQUIRE(run(folder, "model" + names + " --keep-scale --variance 0.99 -o m.h5").status == 0);
     document = new_document("", nullptr, test::must(load_template(files[6].string())));
   }
-  void write_balls_study(std::size_t count) const {
+  void write_balls_study(std::size_t count, const char* name = "balls.study.json", std::size_t first = 0) const {
     Study study;
-    for (std::size_t k = 0; k < count; ++k) {
+    for (std::size_t k = first; k < count; ++k) {
       StudyCase one;
       one.name = "b" + std::to_string(k);
       one.file = files[k];
       study.cases.push_back(one);
     }
-    REQUIRE(write_study(study, folder.path / "balls.study.json"));
+    REQUIRE(write_study(study, folder.path / name));
   }
   /// What the verb says of the case as it is on the disk.
   Json of_verb(const Driver& driver) const {
@@ -205,6 +205,35 @@ TEST_CASE("the score's farthest vertex leads there and a mesh that does not fit 
   CHECK_FALSE(driver.has("Score/Colour the mesh by z"));
 }
 
+TEST_CASE("another study that is opened while the section is folded scores the mesh in place of the first") {
+  const ScoredBalls balls;
+  balls.write_balls_study(6);
+  balls.write_balls_study(5, "others.study.json", 1);
+  Driver driver(balls.document, {1280, 2400, 1});
+  driver.settle();
+  const auto open = [&](const char* name) {
+    const auto before = driver.state().models.fitted.model;
+    driver.app().send(OpenStudy{{balls.folder.path / name}});
+    driver.wait_until("the study has a model", [&] {
+      const auto& now = driver.state().models.fitted.model;
+      return now != nullptr && now != before;
+    });
+    driver.state().models.shown = false;
+    driver.settle();
+  };
+  open("balls.study.json");
+  driver.click("side panel/Score");
+  driver.wait_until("it is scored", [&] { return driver.state().scoring.z != nullptr; });
+  CHECK(driver.state().scoring.of_study->scores.cols() == 6);
+  driver.click("side panel/Score");
+  open("others.study.json");
+  driver.click("side panel/Score");
+  driver.frame();
+  CHECK((driver.state().scoring.of_study == nullptr || driver.state().scoring.of_study->scores.cols() == 4));
+  driver.wait_until("it is scored again", [&] { return driver.state().scoring.z != nullptr; });
+  CHECK(driver.state().scoring.of_study->scores.cols() == 4);
+}
+
 TEST_CASE("the open study's model scores the mesh without its own case") {
   const ScoredBalls balls;
   balls.write_balls_study(6);
@@ -217,6 +246,25 @@ TEST_CASE("the open study's model scores the mesh without its own case") {
   driver.wait_until("it is scored", [&] { return driver.state().scoring.z != nullptr; });
   CHECK(driver.state().scoring.left_out.empty());
   CHECK(driver.state().scoring.of_study->scores.cols() == 6);
+
+  // A case of the study is scored by the others.
+  Study own = test::must(read_study(balls.folder.path / "balls.study.json")).study;
+  own.cases.back().file = driver.case_file();
+  REQUIRE(write_study(own, balls.folder.path / "own.study.json"));
+  driver.app().send(OpenStudy{{balls.folder.path / "own.study.json"}});
+  driver.wait_until("it is left out", [&] { return driver.state().scoring.left_out == "b5"; });
+  driver.state().models.shown = false;
+  driver.wait_until("five score it", [&] {
+    const auto& model = driver.state().scoring.of_study;
+    return model != nullptr && model->scores.cols() == 5 && driver.state().scoring.z != nullptr;
+  });
+  driver.app().send(OpenStudy{{balls.folder.path / "balls.study.json"}});
+  driver.wait_until("all score it again", [&] {
+    const auto& model = driver.state().scoring.of_study;
+    return driver.state().scoring.left_out.empty() && model != nullptr && model->scores.cols() == 6;
+  });
+  driver.state().models.shown = false;
+  driver.settle();
 
   // The model of five others is that of `model` with their files.
   const StudyModel& study = *driver.state().models.fitted.model;

@@ -102,7 +102,7 @@ TEST_CASE("a snap leaves the mesh at placed landmarks whatever the image shows")
   }
 }
 
-TEST_CASE("a snap draws the mesh to contours whatever the image shows but not to those outside or far away") {
+TEST_CASE("a snap draws the mesh to contours whatever the image shows but not to those outside, inexact or far away") {
   const auto circle = [](double radius_mm) {
     Contour curve;
     for (int k = 0; k < 60; ++k) {
@@ -125,6 +125,7 @@ TEST_CASE("a snap draws the mesh to contours whatever the image shows but not to
   const auto [nothing, edge] =
       snapped({{.id = "c1", .curves = circle(33), .outside = true}, {.id = "c2", .curves = circle(60)}});
   CHECK(nothing.empty());
+  CHECK(snapped({{.id = "c1", .curves = circle(33), .off_mm = 3}}).first.empty());
   CHECK(edge == doctest::Approx(edge_mm).epsilon(0.02));
 }
 

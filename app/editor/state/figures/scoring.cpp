@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "app/editor/state/structure_looks.h"
 #include "core/adapt/judge_fit.h"
+#include "core/base/text.h"
 
 namespace homolog {
 
@@ -20,12 +22,14 @@ Result<Points> joined_points(const ShapeModel& model, const Document& document, 
   Points points(model.mean.size() / 3, 3);
   first = -1;
   for (const StructurePart& part : model.parts) {
-    const Shape* shape = nullptr;
-    for (const auto& one : document.structures)
-      if ((one->name.empty() ? one->id : one->name) == part.name) {
-        shape = one->shape(document.frame);
-        if (one.get() == &worked_on) first = part.first_vertex;
-      }
+    const Structure* found = nullptr;
+    for (const auto& one : document.structures) {
+      if (lower_case(structure_name(*one)) != lower_case(part.name)) continue;
+      if (found != nullptr) return fail("", "The case has two structures " + part.name + ". Rename one of them.");
+      found = one.get();
+    }
+    const Shape* shape = found != nullptr ? found->shape(document.frame) : nullptr;
+    if (found == &worked_on) first = part.first_vertex;
     if (shape == nullptr) return fail("", "The case has no mesh of " + part.name + ", which the model has.");
     if (shape->points->rows() != part.vertices)
       return fail("", other_vertices(part.name, shape->points->rows(), part.vertices));
@@ -40,7 +44,7 @@ ScoredShape scored_shape(const std::shared_ptr<const ShapeModel>& model, const D
                          const std::string& structure) {
   const ShapeView shown = *document.view(structure);
   const Points& own = *shown.shape.points;
-  ScoredShape scored{model, structure, shown.shape.points, nullptr, {}, nullptr};
+  ScoredShape scored{model, structure, shown.frame, shown.shape.points, nullptr, {}, nullptr};
   const auto refuse = [&](std::string sentence) {
     scored.refusal = std::move(sentence);
     return scored;

@@ -21,6 +21,7 @@ struct Scoring {
   std::shared_ptr<const ShapeModel> of_study;  ///< of the study's other cases; null: there is none, or it is computed
   std::string no_model;                        ///< why the study gives none; empty: it does, or that is not known yet
   std::shared_ptr<const StudyModel> study;     ///< that `of_study` was asked of
+  std::filesystem::path study_file;            ///< its
   std::string left_out;                        ///< the case that is not in it, by its name; empty: none
   std::shared_ptr<const VertexScalars> z;      ///< of the mesh that is worked on; null: it is not scored
 
@@ -31,6 +32,7 @@ struct Scoring {
 struct ScoredShape {
   std::shared_ptr<const ShapeModel> model;
   std::string structure;                    ///< that was asked for, by its id; empty: the first
+  int frame = 0;                            ///< of a cine
   std::shared_ptr<const Points> points;     ///< its vertices then
   std::shared_ptr<const ShapeScore> score;  ///< null: it cannot be scored
   std::string refusal;                      ///< why not: a sentence

@@ -72,12 +72,17 @@ std::string closed_flat_of(const Structure& structure) {
 /// The structures as they go into a label map: each with the value that the shown map gives its name, else with one
 /// that is free.
 std::vector<MeshOfSegment> segments_of(const Document& document, const ShownLabels& labels) {
-  std::map<std::string, int> values;
+  std::map<std::pair<std::size_t, std::string>, int> values;  // by layer and name
   std::set<int> taken;
-  for (const auto& [value, name] : labels.names) values.emplace(lower_case(name), value);
+  for (std::size_t layer = 0; layer < labels.layers.size(); ++layer)
+    for (const auto& [value, name] : labels.layers[layer].names)
+      values.emplace(std::pair(layer, lower_case(name)), value);
+  const auto known_value = [&](const Structure& one) {
+    const std::size_t layer = labels.layers.size() > 1 ? static_cast<std::size_t>(one.layer) : 0;
+    return values.find({layer, lower_case(structure_name(one))});
+  };
   for (const auto& one : document.structures)
-    if (const auto known = values.find(lower_case(structure_name(*one))); known != values.end())
-      taken.insert(known->second);
+    if (const auto known = known_value(*one); known != values.end()) taken.insert(known->second);
   std::vector<MeshOfSegment> meshes;
   for (const auto& one : document.structures) {
     const Shape* shape = one->shape(document.frame);
@@ -86,7 +91,7 @@ std::vector<MeshOfSegment> segments_of(const Document& document, const ShownLabe
     segment.name = structure_name(*one);
     segment.layer = static_cast<std::size_t>(one->layer);
     segment.colour = one->colour.value_or(colour_by_name(segment.name));
-    if (const auto known = values.find(lower_case(segment.name)); known != values.end()) {
+    if (const auto known = known_value(*one); known != values.end()) {
       segment.value = known->second;
       values.erase(known);
     } else {

@@ -129,14 +129,16 @@ void take_contours(Editing& editing, const std::string& name, const Contours& re
   for (const ContourRoi& roi : read.rois)
     if (!roi.contours.empty()) drawn.push_back(&roi);
   if (drawn.empty()) return add_notice(state, name + ": has no contours in any of its structures; draw some.");
-  if (drawn.size() == 1 && editing.structure() != nullptr)
-    return add_contours(editing, *drawn.front(), *editing.structure(), false);
+  if (drawn.size() == 1 && editing.structure() != nullptr) {
+    add_contours(editing, *drawn.front(), *editing.structure(), false);
+    return;
+  }
   Contours others = read;
   others.rois.clear();
   bool joined = false;
   for (const ContourRoi* roi : drawn)
     if (const Structure* structure = called_like(document, roi->name); structure != nullptr)
-      add_contours(editing, *roi, *structure, std::exchange(joined, true));
+      joined = add_contours(editing, *roi, *structure, joined) || joined;
     else
       others.rois.push_back(*roi);
   if (others.rois.empty()) return;
@@ -151,9 +153,11 @@ void take_contours(Editing& editing, const std::string& name, const Contours& re
 
 }  // namespace
 
-void add_contours(Editing& editing, const ContourRoi& roi, const Structure& structure, bool joined) {
-  if (editing.state.look.structures.locks(structure.id))
-    return add_notice(editing.state, locked_sentence(structure), false);
+bool add_contours(Editing& editing, const ContourRoi& roi, const Structure& structure, bool joined) {
+  if (editing.state.look.structures.locks(structure.id)) {
+    add_notice(editing.state, locked_sentence(structure), false);
+    return false;
+  }
   stop_playing(editing);
   // Edits that were posted before and are not done yet may take the next ids.
   const auto taken = [&](const std::string& id) {
@@ -164,6 +168,7 @@ void add_contours(Editing& editing, const ContourRoi& roi, const Structure& stru
   for (int again = 2; taken(id); ++again) id = "file" + std::to_string(roi.number) + "-" + std::to_string(again);
   SetContours action{.id = id, .name = roi.name, .curves = std::make_shared<const std::vector<Contour>>(roi.contours)};
   editing.shown.session().apply(std::move(action), joined, structure.id);
+  return true;
 }
 
 void import_contours(Editing& editing, const std::filesystem::path& path) {

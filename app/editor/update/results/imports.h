@@ -14,8 +14,8 @@ void import_landmarks(Editing& editing, const std::filesystem::path& path);
 /// Reads contours [OpenContours].
 void import_contours(Editing& editing, const std::filesystem::path& path);
 /// Adds one structure of a file to a structure of the case, as one edit. `joined`: undone together with the edit
-/// before.
-void add_contours(Editing& editing, const ContourRoi& roi, const Structure& structure, bool joined);
+/// before. False where the structure is locked, which is said.
+bool add_contours(Editing& editing, const ContourRoi& roi, const Structure& structure, bool joined);
 void import_stiffness(Editing& editing, const std::filesystem::path& path);
 void import_template_landmarks(Editing& editing, const std::filesystem::path& path);
 

@@ -22,23 +22,27 @@ void follow_study(Editing& editing) {
   const std::string left_out = own != nullptr ? own->name : std::string();
   const auto& study = state.models.fitted.model;
   if (study == scoring.study && left_out == scoring.left_out) return;
-  // Until the model is made anew, that of the same case goes on; another's would be wrong.
-  if (study == nullptr || left_out != scoring.left_out) scoring.of_study.reset();
+  // Until the model is made anew, that of the same study without the same case goes on; another would be wrong.
+  const bool goes_on =
+      study != nullptr && left_out == scoring.left_out && state.models.study_file == scoring.study_file;
+  if (!goes_on) scoring.of_study.reset();
   scoring.study = study;
+  scoring.study_file = state.models.study_file;
   scoring.left_out = left_out;
   scoring.no_model.clear();
+  editing.work.score_model.cancel();
   if (study == nullptr) return;
-  editing.work.imports.queue("The model of the other cases", [study, left_out](Progress&) -> Result<Work::Then> {
-    auto made = model_of_others(*study, study->index_of(left_out));
-    std::shared_ptr<const ShapeModel> model;
-    if (made) model = std::make_shared<const ShapeModel>(std::move(*made));
-    return Work::Then([study, left_out, model, why = made ? std::string() : made.error().sentence()](Editing& then) {
-      Scoring& asked = then.state.scoring;
-      if (asked.study != study || asked.left_out != left_out) return;
-      asked.of_study = model;
-      asked.no_model = why;
-    });
+  editing.work.score_model.start("The model of the other cases", [study, left_out](Progress&) {
+    return model_of_others(*study, study->index_of(left_out));
   });
+}
+
+void take_score_model(Editing& editing) {
+  Scoring& scoring = editing.state.scoring;
+  const auto made = editing.work.score_model.take();
+  if (!made) return;
+  scoring.of_study = *made ? std::make_shared<const ShapeModel>(**made) : nullptr;
+  scoring.no_model = *made ? std::string() : made->error().sentence();
 }
 
 }  // namespace
@@ -48,6 +52,7 @@ bool update_scores(Editing& editing) {
   Scoring& scoring = state.scoring;
   Work& work = editing.work;
   const bool looked_at = score_is_looked_at(state);
+  take_score_model(editing);
   if (looked_at && !scoring.by_file) follow_study(editing);
   const auto model = looked_at ? scoring.model() : nullptr;
   if (model != work.scored_by) {
@@ -60,7 +65,7 @@ bool update_scores(Editing& editing) {
   const auto& scored = work.scores.latest();
   const auto shown = editing.shape();
   const bool is_of_shown = scored && scored->z && shown && scored->structure == state.look.structure &&
-                           scored->z->size() == shown->shape.points->rows();
+                           scored->frame == shown->frame && scored->z->size() == shown->shape.points->rows();
   scoring.z = is_of_shown ? scored->z : nullptr;
   return changed;
 }

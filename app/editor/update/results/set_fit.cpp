@@ -120,9 +120,10 @@ void start_set_fit(Editing& editing, bool repair) {
   const std::filesystem::path& labels = editing.shown.labels().file;
   // A label map that was opened by itself is shown as an image, and shows no boundary but its own.
   const bool is_scan = std::filesystem::path(document.scan.source) != labels;
-  editing.work.set_fitter.start(editing.state.automatic.set,
-                                {labels, document.frame, is_scan ? document.scan.image : nullptr, editing.state.automatic.gap_mm}, repair,
-                                editing.shown.number());
+  editing.work.set_fitter.start(
+      editing.state.automatic.set,
+      {labels, document.frame, is_scan ? document.scan.image : nullptr, editing.state.automatic.gap_mm}, repair,
+      editing.shown.number());
 }
 
 bool update_set_fit(Editing& editing) {
@@ -153,11 +154,13 @@ bool update_set_fit(Editing& editing) {
 std::vector<std::string> names_in_map(const TemplateSet& set, const ShownLabels& labels) {
   std::vector<std::string> names;
   for (const TemplateOfSet& one : set.structures) {
-    const bool named = std::ranges::any_of(
-        labels.names, [&](const auto& label) { return lower_case(label.second) == lower_case(one.name); });
-    const bool numbered =
-        !labels.names.contains(one.value) && std::ranges::find(labels.values, one.value) != labels.values.end();
-    if (named || numbered) names.push_back(one.name);
+    const auto holds_it = [&](const LabelMapLayer& layer) {
+      const bool named = std::ranges::any_of(
+          layer.names, [&](const auto& label) { return lower_case(label.second) == lower_case(one.name); });
+      return named ||
+             (!layer.names.contains(one.value) && std::ranges::find(layer.values, one.value) != layer.values.end());
+    };
+    if (std::ranges::any_of(labels.layers, holds_it)) names.push_back(one.name);
   }
   return names;
 }

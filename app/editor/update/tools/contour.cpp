@@ -8,7 +8,7 @@ namespace homolog {
 
 namespace {
 
-constexpr double step_px = 3, closing_px = contour_reach_units;
+constexpr double step_px = 3, closing_px = contour_reach_units, wide_px = 4 * closing_px;
 constexpr std::size_t fewest_points = 8;  ///< of a curve: fewer are a click
 
 /// As a line of the case writes it.
@@ -39,7 +39,9 @@ bool begin_contour(const Press& press) {
 
 /// The held contour with the part that the stroke drew anew; none where the stroke goes elsewhere.
 std::optional<Action> redrawn(const ContourDrag& drag) {
-  if (!drag.held || drag.at_start) return std::nullopt;
+  if (!drag.held) return std::nullopt;
+  // A stroke around something that ends where it began is a curve of its own; a small one mends the contour.
+  if (drag.at_start && drag.is_wide) return std::nullopt;
   std::vector<Vec3> stroke = drag.points;
   for (Vec3& p : stroke) p = in_micrometres(p + drag.held->aside);
   auto curve = redrawn_contour(drag.held->curve, stroke, drag.held->near_mm);
@@ -68,8 +70,9 @@ void move_contour(const DragStep& step) {
   drag.x_px = x_px;
   drag.y_px = y_px;
   const auto start_px = map.to_px(drag.points.front());
-  drag.at_start = drag.points.size() >= fewest_points && start_px &&
-                  std::hypot(x_px - start_px->x(), y_px - start_px->y()) < closing_px * scale;
+  const double from_start_px = start_px ? std::hypot(x_px - start_px->x(), y_px - start_px->y()) : 0;
+  drag.is_wide = drag.is_wide || from_start_px > wide_px * scale;
+  drag.at_start = drag.points.size() >= fewest_points && start_px && from_start_px < closing_px * scale;
   if (auto action = contour_action(step.state)) step.out.preview(std::move(action));
 }
 

@@ -200,9 +200,10 @@ class Finder {
 
   /// The meshes of a folder count no more.
   void forget(const fs::path& meshes) {
-    std::erase_if(cases_, [&](auto& one) {
-      for (ShapeSource& there : one.second)
+    for (auto& [name, files] : cases_)
+      for (ShapeSource& there : files)
         if (there.structure.empty() && whole_path(there.file).parent_path() == meshes) there = {};
+    std::erase_if(cases_, [](const auto& one) {
       return std::ranges::all_of(one.second, [](const ShapeSource& there) { return there.file.empty(); });
     });
   }

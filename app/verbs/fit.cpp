@@ -20,6 +20,7 @@
 #include "app/verbs/study_make.h"
 #include "app/verbs/verb.h"
 #include "core/adapt/choose_closing.h"
+#include "core/adapt/image/fit_to_image.h"
 #include "core/adapt/judge_fit.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
@@ -35,7 +36,6 @@
 #include "core/model/doubtful_shapes.h"
 #include "core/model/model_prior.h"
 #include "core/model/statismo.h"
-#include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
 #include "core/structures/built_in_set.h"
 #include "core/template/template_warnings.h"
@@ -50,23 +50,11 @@ namespace {
 
 using FitClock = std::chrono::steady_clock;
 
-/// Where the template starts in an image: as the placement says, or on three named places.
-Result<Similarity> start_in_image(const FitShared& shared, const CaseLandmarks& landmarks) {
-  if (shared.fit.placement) return *shared.fit.placement;
-  const auto [from, to] = matched_landmarks(*shared.the_template, landmarks.places);
-  if (from.rows() < fewest_placing_landmarks)
-    return fail("", "needs --placement, or --landmarks with at least three of the template's landmarks");
-  const Similarity placement =
-      likely_similarity(from, to, PlacementPrior{}, bounds_of(shared.the_template->points).diagonal().norm());
-  if (!(placement.scale > 0))
-    return fail("", "cannot be placed: the landmarks contradict each other; check their places and names");
-  return placement;
-}
-
 Result<Report> fit_image(const FitJob& options, const FitShared& shared, Progress& progress) {
   const auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, options.image);
   if (!landmarks) return fail(landmarks.error());
-  const auto placement = start_in_image(shared, *landmarks);
+  const auto placement = shared.fit.placement ? Result<Similarity>(*shared.fit.placement)
+                                              : placement_by_landmarks(*shared.the_template, landmarks->places);
   if (!placement) return fail(options.image.string(), placement.error().what);
   auto image = read_image(options.image, options.snap.frame, progress);
   if (!image) return fail(image.error());
@@ -76,29 +64,15 @@ Result<Report> fit_image(const FitJob& options, const FitShared& shared, Progres
   snapping->progress = &progress;
 
   const auto started = FitClock::now();
-  Mesh mesh{the_template.topology, placement->apply(the_template.points)};
-  if (shared.fit.allowed) {
-    auto allowed = snap_allowed(image->volume, options.snap.frame, *shared.fit.allowed, the_template.topology,
-                                *placement, *snapping);
-    if (!allowed) return fail(options.image.string(), allowed.error().what);
-    mesh.points = std::move(allowed->points);
-    snapping->strength *= options.beyond;
-  }
-  const Points placed = mesh.points;
-  SnapStart start{mesh, placed, the_template.stiffness, VertexScalars::Ones(mesh.points.rows())};
-  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
-    const auto there = landmarks->places.find(the_template.landmarks[l].name);
-    if (there == landmarks->places.end()) continue;
-    if ((carried_landmark(the_template, l, mesh.points) - there->second).norm() <= snapping->edges.reach_mm)
-      start.pins.push_back({the_template.landmark_points[l], there->second});
-  }
-  const auto snapped = snap(image->volume, options.snap.frame, start, *snapping);
-  if (!snapped) return fail(options.image.string(), snapped.error().what);
+  auto drawn = fit_to_image(the_template, image->volume, options.snap.frame, *placement, landmarks->places, *snapping,
+                            shared.fit.allowed, options.beyond);
+  if (!drawn) return fail(options.image.string(), drawn.error().what);
   const double seconds = std::chrono::duration<double>(FitClock::now() - started).count();
-  mesh.points = snapped->points;
+  const Mesh& mesh = drawn->mesh;
+  const SnapResult& snapped = drawn->snapped;
   FitResult fit;
   fit.mesh = mesh;
-  fit.unseen = snapped->unseen;
+  fit.unseen = snapped.unseen;
   fit.landmarks = carried_landmarks(the_template, mesh.points);
   MeshFile file = fitted_file(the_template, fit, false);
   if (image->volume.frames > 1) note_frame(file, options.snap.frame);
@@ -106,11 +80,11 @@ Result<Report> fit_image(const FitJob& options, const FitShared& shared, Progres
   if (!record) return fail(record.error());
   file.record = std::move(*record);
   if (auto written = write_mesh_file(file, options.out); !written) return fail(written.error());
-  Report report = snap_report(*snapped, mesh, placed, options.image);
+  Report report = snap_report(snapped, mesh, drawn->placed, options.image);
   report.values["placement"] = to_json(nearest_similarity(the_template.points, mesh.points, *placement));
   report.values["landmarks_used"] = shared.fit.placement ? 0 : landmarks->places.size();
   if (shared.fit.allowed) {
-    const auto beyond_mm = (mesh.points - placed).rowwise().norm();
+    const auto beyond_mm = (mesh.points - drawn->placed).rowwise().norm();
     report.values["model"] = {{"beyond_mm", {{"mean", beyond_mm.mean()}, {"max", beyond_mm.maxCoeff()}}}};
   }
   report.values["seconds"] = seconds;

@@ -42,7 +42,7 @@ const std::array recorded_verbs{
     RecordedVerb{"repair-mesh", {"IN"}, "--output", {}},
     RecordedVerb{"repair", {"MAP", "--templates", "--model", "--image"}, "--output", {}},
     RecordedVerb{"set make", {"MAP", "--like"}, "--output", {}},
-    RecordedVerb{"score", {"NEW", "--model"}, "--output", {}},
+    RecordedVerb{"score", {"NEW", "--model", "--landmarks", "--template"}, "--output", {}},
     RecordedVerb{"test", {"SHAPE", "--covariates", "--permutation-file", "--templates"}, "--csv", {}},
     RecordedVerb{"evaluate", {"SHAPE"}, "--csv", {}},
     RecordedVerb{

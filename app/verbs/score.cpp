@@ -1,16 +1,20 @@
 #include <algorithm>
 #include <sstream>
 
+#include "app/verbs/case_landmarks.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/record.h"
 #include "app/verbs/verbs.h"
 #include "core/adapt/choose_closing.h"
 #include "core/adapt/fit.h"
+#include "core/adapt/image/fit_to_image.h"
 #include "core/adapt/judge_fit.h"
 #include "core/base/files.h"
 #include "core/base/listed.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/formats/formats.h"
 #include "core/model/model_files.h"
+#include "core/model/model_prior.h"
 #include "core/model/score.h"
 #include "core/model/shape_files.h"
 #include "core/model/statismo.h"
@@ -29,6 +33,8 @@ namespace {
 struct ScoreJob {
   std::vector<fs::path> files;
   fs::path model, out;
+  fs::path landmarks;  ///< in the images that NEW are: one's file, or a folder with a file of each one's name
+  fs::path the_template;
   std::string label;
   std::optional<int> frame;
   GivenCommand command;
@@ -62,6 +68,44 @@ Result<NewShape> shape_of_map(const ScoreJob& job, const std::shared_ptr<const T
   shape.mesh.triangles = fit->mesh.topology->triangles();
   shape.mesh.doubt_mm = fit->doubt_mm;
   if (judgement.doubtful) shape.doubt = "the fit is doubtful; look at it with fit";
+  return shape;
+}
+
+/// What the images are drawn with: the template that has the landmarks, and the shapes that the model allows.
+struct ImageScoring {
+  std::shared_ptr<const Template> the_template;
+  AllowedShapes allowed;
+};
+
+Result<ImageScoring> image_scoring(const ScoreJob& job, const ShapeModel& model) {
+  auto the_template = load_template(job.the_template.string());
+  if (!the_template) return fail(the_template.error());
+  auto allowed = allowed_by(model, **the_template);
+  if (!allowed) return fail(job.model.string(), allowed.error().what);
+  return ImageScoring{std::move(*the_template), std::move(*allowed)};
+}
+
+/// Draws the model's mean to the boundary that an image shows, from where the landmarks place it, as `fit --image
+/// --landmarks --model` does.
+Result<NewShape> shape_of_image(const ScoreJob& job, const ImageScoring& with, const fs::path& path,
+                                std::vector<std::string>& warnings, Progress& progress) {
+  const auto landmarks =
+      read_case_landmarks({job.landmarks, job.the_template.string(), false}, *with.the_template, path);
+  if (!landmarks) return fail(landmarks.error());
+  const auto placement = placement_by_landmarks(*with.the_template, landmarks->places);
+  if (!placement) return fail(path.string(), "needs at least three of the template's landmarks (--landmarks)");
+  const int frame = job.frame.value_or(0);
+  const auto image = read_image(path, frame, progress);
+  if (!image) return fail(image.error());
+  warnings.insert(warnings.end(), image->warnings.begin(), image->warnings.end());
+  SnapOptions options;
+  options.progress = &progress;
+  auto fit =
+      fit_to_image(*with.the_template, image->volume, frame, *placement, landmarks->places, options, &with.allowed);
+  if (!fit) return fail(path.string(), fit.error().what);
+  NewShape shape{path.string(), {}, {}};
+  shape.mesh.points = std::move(fit->mesh.points);
+  shape.mesh.triangles = with.the_template->topology->triangles();
   return shape;
 }
 
@@ -110,6 +154,15 @@ Result<std::vector<NewShape>> read_new_shapes(const ScoreJob& job, const ShapeMo
     shapes.push_back(std::move(*shape));
   };
   std::shared_ptr<const Template> mean;
+  std::optional<ImageScoring> of_images;
+  if (!job.landmarks.empty()) {
+    if (!model.parts.empty())
+      return fail(job.model.string(),
+                  "is of several structures, whose places no landmarks give; score a case's folder");
+    auto made = image_scoring(job, model);
+    if (!made) return fail(made.error());
+    of_images = std::move(*made);
+  }
   std::error_code error;
   const auto count = static_cast<double>(job.files.size());
   for (std::size_t k = 0; k < job.files.size(); ++k) {
@@ -120,6 +173,10 @@ Result<std::vector<NewShape>> read_new_shapes(const ScoreJob& job, const ShapeMo
     if (!model.parts.empty() && (fs::is_directory(path, error) || is_case_file(path))) {
       add(joined_shape(model, path));
     } else if (!fs::is_directory(path, error) && !is_mesh_name(path) && looks_like_volume(path)) {
+      if (of_images) {
+        add(shape_of_image(job, *of_images, path, warnings, own));
+        continue;
+      }
       if (mean == nullptr) mean = mean_of(model);
       if (mean == nullptr) return fail(job.model.string(), "has a mean that is no surface, so nothing can be fitted");
       add(shape_of_map(job, mean, path, warnings, own));
@@ -252,12 +309,22 @@ void add_score(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "score", "How far subjects are from a model, which stays as it is");
   verb->add_option(
           "NEW", job->files,
-          "Meshes in the model's numbering, cases, studies, or label maps to which the model's mean is fitted; "
-          "for a joint model folders of cases")
+          "Meshes in the model's numbering, cases, studies, label maps to which the model's mean is fitted, or images "
+          "with --landmarks; for a joint model folders of cases")
       ->required();
   verb->add_option("--model", job->model, "The model (.h5, .h5.json)")->required()->check(CLI::ExistingFile);
   add_label_option(*verb, job->label, "Which label of a map");
   add_mask_frame_option(*verb, job->frame);
+  auto* landmarks = verb->add_option("--landmarks", job->landmarks,
+                                     "NEW are images: the landmarks that were placed in one, or a folder with a file "
+                                     "of each one's name; the mean starts there and is drawn to the boundary")
+                        ->check(CLI::ExistingPath)
+                        ->excludes("--label");
+  auto* the_template = verb->add_option("--template", job->the_template,
+                                        "The model's template, which says where the landmarks lie on it")
+                           ->check(CLI::ExistingFile)
+                           ->needs(landmarks);
+  landmarks->needs(the_template);
   verb->add_option("-o,--output", job->out,
                    "Folder for scores.csv and for each mesh (.vtp) with z, z_low and z_high of every vertex");
   verb->callback([job, verb, &asked] {

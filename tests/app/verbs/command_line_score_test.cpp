@@ -1,6 +1,8 @@
 // The command-line contract of docs/commands.md: score.
 #include "core/mesh/icosphere.h"
+#include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
 #include "tests/command_line.h"
 #include "tests/joint_cases.h"
 
@@ -58,6 +60,49 @@ TEST_CASE("a case of several structures is scored in all and in each") {
   const Json parts = ran.json()["subjects"][0]["structures"];
   CHECK(parts[1]["name"] == "high");
   CHECK(parts[1]["z_rms"].get<double>() > 1.5);
+}
+
+TEST_CASE("an image with landmarks is scored as the mesh that a fit to it with the model gives") {
+  const TemporaryFolder folder;
+  put_subjects(folder);
+  REQUIRE(run(folder, "model c0.ply c1.ply c2.ply c3.ply c4.ply c5.ply --keep-scale -o m.h5 --variance 0.9").status ==
+          0);
+  const MeshFile truth = read_mesh_file(folder.path / "c6.ply").value();
+  MeshFile marked = read_mesh_file(folder.path / "c1.ply").value();
+  Json points = Json::array();
+  for (const int vertex : {0, 3, 7, 11}) {
+    const std::string name = "p" + std::to_string(vertex);
+    marked.landmarks.push_back({name, marked.points.row(vertex)});
+    const Vec3 at = truth.points.row(vertex);
+    points.push_back({{"id", name}, {"label", name}, {"position", {at.x(), at.y(), at.z()}}});
+  }
+  REQUIRE(write_mesh_file(marked, folder.path / "t.ply"));
+  const Json markups{{"type", "Fiducial"}, {"coordinateSystem", "LPS"}, {"controlPoints", points}};
+  REQUIRE(write_whole_file(folder.path / "ct.mrk.json", Json{{"markups", {markups}}}.dump()));
+  const Box box = bounds_of(truth.points);
+  VolumeGeometry grid;
+  grid.origin_mm = box.min() - Vec3::Constant(12);
+  const Vec3 size = (box.sizes() + Vec3::Constant(24)).array().ceil();
+  grid.dims = {static_cast<int>(size.x()), static_cast<int>(size.y()), static_cast<int>(size.z())};
+  const Mesh organ{Topology::make(truth.points.rows(), truth.triangles).value(), truth.points};
+  REQUIRE(write_volume(label_map(organ, grid, 100), folder.path / "ct.nii.gz"));
+
+  const Ran ran = run(folder, "score ct.nii.gz --landmarks ct.mrk.json --template t.ply --model m.h5 -o scores --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json of_image = ran.json()["subjects"][0];
+  REQUIRE(run(folder, "fit t.ply --image ct.nii.gz --landmarks ct.mrk.json --model m.h5 -o fitted.ply").status == 0);
+  const Json of_fit = run(folder, "score fitted.ply --model m.h5 --json").json()["subjects"][0];
+  CHECK(of_image["distance"].get<double>() == doctest::Approx(of_fit["distance"].get<double>()).epsilon(1e-6));
+  const Json of_truth = run(folder, "score c6.ply --model m.h5 --json").json()["subjects"][0];
+  CHECK(of_image["distance"].get<double>() == doctest::Approx(of_truth["distance"].get<double>()).epsilon(0.15));
+  CHECK(of_image["percentile"] == 100);
+  const Ran verified = run(folder, "verify scores/ct.vtp --inputs .");
+  CHECK_MESSAGE(verified.status == 0, verified.errors);
+
+  check_refused(run(folder, "score ct.nii.gz --landmarks ct.mrk.json --model m.h5"), "--template");
+  marked.landmarks.resize(2);
+  REQUIRE(write_mesh_file(marked, folder.path / "t.ply"));
+  CHECK(run(folder, "score ct.nii.gz --landmarks ct.mrk.json --template t.ply --model m.h5").status != 0);
 }
 
 TEST_CASE("what cannot be scored is named, and the rest goes on") {

@@ -65,7 +65,7 @@ Result<Report> fit_image(const FitJob& options, const FitShared& shared, Progres
 
   const auto started = FitClock::now();
   auto drawn = fit_to_image(the_template, image->volume, options.snap.frame, *placement, landmarks->places, *snapping,
-                            shared.fit.allowed, options.beyond);
+                            shared.fit.allowed.get(), options.beyond);
   if (!drawn) return fail(options.image.string(), drawn.error().what);
   const double seconds = std::chrono::duration<double>(FitClock::now() - started).count();
   const Mesh& mesh = drawn->mesh;
@@ -84,7 +84,7 @@ Result<Report> fit_image(const FitJob& options, const FitShared& shared, Progres
   report.values["placement"] = to_json(nearest_similarity(the_template.points, mesh.points, *placement));
   report.values["landmarks_used"] = shared.fit.placement ? 0 : landmarks->places.size();
   if (shared.fit.allowed) {
-    const auto beyond_mm = (mesh.points - drawn->placed).rowwise().norm();
+    const VertexScalars beyond_mm = (mesh.points - drawn->placed).rowwise().norm();
     report.values["model"] = {{"beyond_mm", {{"mean", beyond_mm.mean()}, {"max", beyond_mm.maxCoeff()}}}};
   }
   report.values["seconds"] = seconds;

@@ -39,8 +39,14 @@ double believed(double strain_ratio) {
 KnownMatches with_rims(KnownMatches known, const Mesh& mesh, const Boundary& boundary, Target& target) {
   if (long_rims(boundary.surface).empty()) return known;
   constexpr double noise_share = 0.015, as_sure_as = 10;  // of the diagonal, of so many places
+  constexpr std::size_t most_places = 200;                // the time goes by their number to the third power
+  const std::vector<Rim> rims = long_rims(mesh);
+  std::size_t vertices = 0;
+  for (const Rim& rim : rims) vertices += rim.size();
+  const std::size_t step = std::max<std::size_t>(1, (vertices + most_places - 1) / most_places);
   std::vector<std::int32_t> on_rim;
-  for (const Rim& rim : long_rims(mesh)) on_rim.insert(on_rim.end(), rim.begin(), rim.end());
+  for (const Rim& rim : rims)
+    for (std::size_t k = 0; k < rim.size(); k += step) on_rim.push_back(rim[k]);
   if (on_rim.empty()) return known;
   const Points to = target.nearest(mesh).targets(on_rim, Eigen::all);
   const auto count = std::ssize(on_rim);

@@ -30,6 +30,8 @@ void forget_peak_memory();
 /// Lets this process keep memory that it freed, up to some hundred MB, and use it again. To give it back and to get it
 /// anew costs a fit as much time as to compute. To be called before there are other threads.
 void keep_freed_memory();
+/// Gives all of it back, after work that needed much once.
+void give_back_freed_memory();
 
 /// Fails where `needed_bytes` exceed the memory that is available; the sentence names `file` and both sizes.
 Result<void> check_memory(const std::filesystem::path& file, double needed_bytes);

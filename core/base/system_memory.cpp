@@ -129,6 +129,12 @@ void keep_freed_memory() {
 #endif
 }
 
+void give_back_freed_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
+}
+
 Result<void> check_memory(const fs::path& file, double needed_bytes) {
   const double available = available_memory_bytes();
   if (needed_bytes <= available) return {};

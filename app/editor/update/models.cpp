@@ -6,6 +6,7 @@
 
 #include "core/base/files.h"
 #include "core/base/index.h"
+#include "core/base/memory.h"
 #include "core/base/paths.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/case_of_shape.h"
@@ -281,8 +282,11 @@ void Models::build(EditorState& state, const Snapshot& snapshot) {
   std::erase_if(cases, [](const StudyCase& one) { return one.waits(); });  // they have no shape of their own
   StudyModelRequest request{
       std::move(cases), models.study.template_file, models.alignment, models.files, built_document_, snapshot.file};
-  builder_.start("The study's model",
-                 [request = std::move(request)](Progress& progress) { return build_study_model(request, progress); });
+  builder_.start("The study's model", [request = std::move(request)](Progress& progress) {
+    auto built = build_study_model(request, progress);
+    give_back_freed_memory();
+    return built;
+  });
 }
 
 void Models::check(const ModelsState& models) {
@@ -301,6 +305,7 @@ void Models::check(const ModelsState& models) {
   const auto look = [model = models.model, meshes = std::move(meshes),
                      known = known_doubts_](Progress& progress) mutable -> Result<Checked> {
     auto found = find_suspicions(*model, meshes, known, progress);
+    give_back_freed_memory();
     if (!found) return fail(found.error());
     return Checked{model, std::make_shared<const Suspicions>(std::move(*found)), std::move(known)};
   };

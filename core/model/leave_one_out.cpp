@@ -44,12 +44,7 @@ LeaveOneOut::LeaveOneOut(const PrincipalComponents& components, Eigen::Index sha
   for (Eigen::Index k = 0; k < poles_.size(); ++k) {
     const bool last = k + 1 == poles_.size();
     Mode mode = root_between(k, last);
-    double norm2 = 0;
-    for (Eigen::Index j = 0; j < poles_.size(); ++j) {
-      const double gap = distance(j, mode);
-      norm2 += weights_[j] / (gap * gap);
-    }
-    mode.square = 1 / norm2;
+    mode.square = 1 / (weights_.array() / (poles_.array() - poles_[mode.near] + mode.offset).square()).sum();
     (mode.eigenvalue > mode_share * d[0] ? modes_ : beyond_).push_back(mode);
   }
   std::stable_sort(modes_.begin(), modes_.end(),
@@ -63,15 +58,13 @@ LeaveOneOut::Mode LeaveOneOut::root_between(Eigen::Index upper, bool down_to_zer
   struct Value {
     double f, slope;
   };
-  // By the offset t = pole − μ from a pole; for the lower end t < 0.
+  // By the offset t = pole − μ from a pole; for the lower end t < 0. As whole arrays, several at a time: all the time
+  // of large sets goes here.
+  Eigen::ArrayXd inverse(poles_.size());
   const auto value = [&](Eigen::Index pole, double t) {
-    Value v{1, 0};
-    for (Eigen::Index j = 0; j < poles_.size(); ++j) {
-      const double inverse = 1 / (poles_[j] - poles_[pole] + t);
-      v.f -= rho_ * weights_[j] * inverse;
-      v.slope += rho_ * weights_[j] * inverse * inverse;  // df/dt
-    }
-    return v;
+    inverse = (poles_.array() - poles_[pole] + t).inverse();
+    const double sum = (weights_.array() * inverse).sum(), squares = (weights_.array() * inverse.square()).sum();
+    return Value{1 - rho_ * sum, rho_ * squares};  // slope: df/dt
   };
   const bool near_upper = down_to_zero || value(upper, width / 2).f > 0;
   const Eigen::Index near = near_upper ? upper : upper + 1;

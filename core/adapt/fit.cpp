@@ -121,6 +121,8 @@ VertexScalars outlier_marks(const FitResult& fit) {
 }
 
 Result<FitResult> fit_to_boundary(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
+  if (!boundary.surface.topology || boundary.surface.points.rows() == 0)
+    return fail("", "gives no surface to fit to; give a boundary that has one");
   if (!options.allowed) return fit_within(the_template, boundary, options);
   const auto mean = mean_template(the_template, *options.allowed);
   auto fit = fit_within(*mean, boundary, options);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_quality.h"
@@ -163,6 +164,7 @@ Agreement compare_meshes(const Mesh& a, const Mesh& b) {
 }
 
 double mean_surface_distance_mm(const Mesh& a, const Mesh& b) {
+  if (!a.topology || !b.topology) return std::numeric_limits<double>::quiet_NaN();
   const SurfaceSearch search_a(a), search_b(b);
   return mean_of(DirectedDistances(a, search_b), DirectedDistances(b, search_a));
 }

@@ -29,7 +29,7 @@ SurfaceDistance surface_distance(const Mesh& from, const Mesh& to);
 /// finer where both meshes together are less than 64 mm long; 1 where both are too flat to hold a voxel).
 Agreement compare_meshes(const Mesh& a, const Mesh& b);
 
-/// `assd_mm` of compare_meshes alone.
+/// `assd_mm` of compare_meshes alone; NaN where one of them has no faces.
 double mean_surface_distance_mm(const Mesh& a, const Mesh& b);
 
 /// Against label `label` of a mask: surfaces against the mask's 0.5 isosurface, Dice on the mask's grid.

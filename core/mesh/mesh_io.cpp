@@ -75,6 +75,23 @@ Result<void> check_seams(const Mesh& mesh) {
                       " are duplicates at an open edge; merge duplicate vertices of the mesh");
 }
 
+/// What a mesh says that was put together wrongly: it must not become a file.
+Result<void> check_parts(const MeshFile& mesh) {
+  const Eigen::Index vertices = mesh.points.rows();
+  for (const auto& triangle : mesh.triangles.rowwise())
+    for (const std::int32_t vertex : triangle)
+      if (vertex < 0 || vertex >= vertices)
+        return fail("", "a face names vertex " + std::to_string(vertex) + " of " + std::to_string(vertices) +
+                            " (counted from 0), so it is not written; correct the mesh");
+  const auto fits = [&](const VertexScalars& values) { return values.size() == vertices; };
+  const auto fits_if_there = [&](const std::optional<VertexScalars>& values) { return !values || fits(*values); };
+  const bool all_fit = fits_if_there(mesh.stiffness) && fits_if_there(mesh.outlier) && fits_if_there(mesh.doubt_mm) &&
+                       std::ranges::all_of(mesh.values, [&](const auto& one) { return fits(one.second); });
+  if (!all_fit)
+    return fail("", "values of other than its vertices belong to it, so it is not written; correct the mesh");
+  return {};
+}
+
 }  // namespace
 
 const MeshFormat* mesh_format_of(const std::filesystem::path& path) {
@@ -112,6 +129,7 @@ Result<MeshFile> read_mesh_file(const std::filesystem::path& path) {
 Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& path) {
   const auto format = format_of(path);
   if (!format) return fail(format.error());
+  if (auto sound = check_parts(mesh); !sound) return fail(path.string(), sound.error().what);
   auto written = write_whole_file(path, [&](std::ostream& out) {
     (*format)->write(mesh, out);
     return Result<void>();

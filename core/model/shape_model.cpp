@@ -1,6 +1,7 @@
 #include "core/model/shape_model.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -44,7 +45,7 @@ Eigen::VectorXd PrincipalComponents::variances() const {
 }
 
 Eigen::MatrixXd PrincipalComponents::basis(Eigen::Index count) const {
-  assert(count <= scatter.size());
+  count = std::clamp<Eigen::Index>(count, 0, scatter.size());
   const Eigen::MatrixXd combinations = weights().leftCols(count);
   Eigen::MatrixXd axes(centred.rows(), count);
   in_parallel(centred.rows(), [&](Eigen::Index first, Eigen::Index last) {
@@ -55,6 +56,11 @@ Eigen::MatrixXd PrincipalComponents::basis(Eigen::Index count) const {
 
 PrincipalComponents principal_components(ShapeMatrix shapes) {
   PrincipalComponents components;
+  if (shapes.size() == 0) {
+    components.mean = Eigen::VectorXd::Zero(shapes.rows());
+    components.centred = std::move(shapes);
+    return components;
+  }
   components.mean = shapes.rowwise().mean();
   shapes.colwise() -= components.mean;
   components.centred = std::move(shapes);
@@ -112,8 +118,8 @@ Eigen::VectorXd clamped(const ShapeModel& model, const Eigen::VectorXd& b, doubl
 }
 
 Points shape_of(const ShapeModel& model, const Eigen::VectorXd& b) {
-  assert(b.size() <= model.modes());
-  const Eigen::VectorXd shape = model.mean + model.basis.leftCols(b.size()) * b;
+  const Eigen::Index count = std::min(b.size(), model.modes());
+  const Eigen::VectorXd shape = model.mean + model.basis.leftCols(count) * b.head(count);
   return points_of(shape);
 }
 

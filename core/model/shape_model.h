@@ -28,11 +28,11 @@ struct PrincipalComponents {
   Eigen::MatrixXd scores() const { return scatter.cwiseSqrt().asDiagonal() * vectors.transpose(); }
   /// M×r: centred · weights is the basis.
   Eigen::MatrixXd weights() const { return vectors * scatter.cwiseSqrt().cwiseInverse().asDiagonal(); }
-  /// The first `count` axes as columns, 3n×count.
+  /// The first `count` axes as columns, 3n×count; all where there are fewer.
   Eigen::MatrixXd basis(Eigen::Index count) const;
 };
 
-/// Takes the shapes over: beside them only M×M numbers are needed. Needs at least one shape.
+/// Takes the shapes over: beside them only M×M numbers are needed. Of no shapes it has no axes.
 PrincipalComponents principal_components(ShapeMatrix shapes);
 
 /// Smallest number of modes whose variances hold `share` (0…1] of their sum, at least 1; 0 where all are 0.

@@ -56,6 +56,13 @@ bool Boundary::shows(const Vec3& p) const {
 
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> asked_closing_mm,
                                 Eigen::Index vertices, const LabelParts& parts) {
+  if (frame < 0 || frame >= mask.frames)
+    return fail(
+        "", "has no frame " + std::to_string(frame) + "; it has " + std::to_string(mask.frames) + ", counted from 0");
+  const std::size_t values = std::visit([](const auto& voxels) { return voxels.size(); }, mask.data);
+  if (values != mask.geometry.voxels() * static_cast<std::size_t>(mask.frames))
+    return fail("", "holds " + std::to_string(values) + " values, which is not what its grid says; read it again");
+  if (vertices < 4) return fail("", "cannot be shown by fewer than four vertices; use another template");
   const LabelExtent extent = label_extent(mask, label, frame);
   const double closing_mm = asked_closing_mm.value_or(ball_share * organ_size_mm(extent));
   const double edge_mm = spread_edge_mm(extent.area_mm2, vertices), margin_mm = closing_mm + edge_mm;

@@ -50,7 +50,8 @@ struct Boundary {
 
 /// The boundary of a label: its largest part (or `parts`) with cavities filled, and with everything that a ball of
 /// radius `closing_mm` (without: ball_share of the label's size) cannot reach from outside. Computed on isotropic
-/// voxels of about a third of the mean edge of a mesh of `vertices` vertices. Errors: the label does not occur.
+/// voxels of about a third of the mean edge of a mesh of `vertices` vertices. Errors: the label does not occur; no such
+/// frame; a volume of other values than its grid says; fewer than four vertices.
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> closing_mm,
                                 Eigen::Index vertices, const LabelParts& parts = {});
 

@@ -224,6 +224,7 @@ SetPoints points_edit(const ShapeView& shown, const Points& points, std::string 
 
 SetPoints points_edit(const ShapeView& shown, int frame, const Points& points, std::string by) {
   Points rounded = *shape_of_frame(shown.structure, shown.frame, frame).points;
+  if (points.rows() != rounded.rows()) rounded = points;  // applying it says what is wrong
   for (Eigen::Index k = 0; k < rounded.size(); ++k)
     if (const double to = points.data()[k]; to != rounded.data()[k]) rounded.data()[k] = on_grid(to);
   return {std::move(by), std::nullopt, std::make_shared<const Points>(std::move(rounded)), frame, {}, {}, {}};

@@ -24,7 +24,7 @@ using namespace homolog;
 namespace {
 
 /// Semi-axes of the egg that is cut, mm, and the height of the cut.
-constexpr double long_mm = 40, wide_mm = 30, deep_mm = 22, cut_mm = 18;
+constexpr double long_mm = 40, wide_mm = 30, deep_mm = 22, rim_height_mm = 18;
 
 /// An egg with a dent, whose vertices are numbered alike at every growth.
 Mesh dented_egg(double growth) {
@@ -38,7 +38,7 @@ Mesh dented_egg(double growth) {
 }
 
 Mesh open_egg(double growth = 1) {
-  return clipped(dented_egg(growth), Vec3::UnitZ(), growth * cut_mm).value();
+  return clipped(dented_egg(growth), Vec3::UnitZ(), growth * rim_height_mm).value();
 }
 
 MeshFile file_of(const Mesh& mesh) {
@@ -234,7 +234,7 @@ TEST_CASE("where parts may be missing the rim of what is left does not draw that
   CHECK_FALSE(fit.outliers.empty());
   CHECK(mean_distance(fit.mesh.points, whole.points) < 2);
   const double ends_mm = long_rims(fit.mesh).front().empty() ? 0 : fit.mesh.points.col(2).maxCoeff();
-  CHECK(ends_mm == doctest::Approx(1.05 * cut_mm).epsilon(0.15));
+  CHECK(ends_mm == doctest::Approx(1.05 * rim_height_mm).epsilon(0.15));
   CHECK_FALSE(judgement.doubtful);
   for (const std::string& warning : judgement.warnings) CHECK(warning.find("rims") == std::string::npos);
 }

@@ -53,6 +53,9 @@ using FitClock = std::chrono::steady_clock;
 Result<Report> fit_image(const FitJob& options, const FitShared& shared, Progress& progress) {
   const auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, options.image);
   if (!landmarks) return fail(landmarks.error());
+  if (!shared.fit.placement && landmarks->places.empty())
+    return fail(options.image.string(),
+                "needs --placement, or --landmarks with at least three of the template's landmarks");
   const auto placement = shared.fit.placement ? Result<Similarity>(*shared.fit.placement)
                                               : placement_by_landmarks(*shared.the_template, landmarks->places);
   if (!placement) return fail(options.image.string(), placement.error().what);

@@ -93,7 +93,7 @@ Result<NewShape> shape_of_image(const ScoreJob& job, const ImageScoring& with, c
       read_case_landmarks({job.landmarks, job.the_template.string(), false}, *with.the_template, path);
   if (!landmarks) return fail(landmarks.error());
   const auto placement = placement_by_landmarks(*with.the_template, landmarks->places);
-  if (!placement) return fail(path.string(), "needs at least three of the template's landmarks (--landmarks)");
+  if (!placement) return fail(path.string(), placement.error().what);
   const int frame = job.frame.value_or(0);
   const auto image = read_image(path, frame, progress);
   if (!image) return fail(image.error());

@@ -7,6 +7,7 @@
 
 #include "core/adapt/contours/contour_fit.h"
 #include "core/adapt/refine.h"
+#include "core/base/listed.h"
 #include "core/case/held_landmarks.h"
 #include "core/deform/falloff.h"
 #include "core/mesh/mesh_quality.h"
@@ -124,10 +125,7 @@ std::string held_in_words(const SnapEdit& edit) {
   if (edit.landmarks > 0) words.push_back(counted_words(edit.landmarks, "landmark"));
   if (edit.contours > 0) words.push_back(counted_words(edit.contours, "contour"));
   if (edit.pulls > 0) words.push_back(counted_words(edit.pulls, "pull"));
-  std::string all;
-  for (std::size_t k = 0; k < words.size(); ++k)
-    all += (k == 0 ? "" : k + 1 < words.size() ? ", " : " and ") + words[k];
-  return all;
+  return listed(words, " and ");
 }
 
 Result<ShapeView> shape_to(const std::string& what, const Document& document, const std::string& of) {
@@ -188,8 +186,9 @@ Result<FitEdit> fit_shape_to_contours(const ShapeView& shown, const BetweenConto
     fit->mesh.points = snapped->points;
   }
   FitEdit edit;
-  edit.action = from_mesh ? points_edit(shown, fit->mesh.points, by_contours)
-                          : points_edit(shown, fit->mesh.points, by_contours, fit->placement);
+  // A placement says that it is the template, not the mesh, that went to the contours.
+  edit.action = points_edit(shown, fit->mesh.points, by_contours,
+                            from_mesh ? std::nullopt : std::optional<Similarity>(fit->placement));
   if (fit->doubt_mm.size() > 0) edit.action.doubt_mm = doubt_on_grid(fit->doubt_mm);
   edit.result = std::move(*fit);
   return edit;

@@ -101,12 +101,17 @@ class Finder {
   /// The structures that a case file holds, in place of all meshes of that case. `of`: which frame of it, and what a
   /// study says; where it names a structure, that one alone is taken.
   Result<void> add_case(const std::string& name, const ShapeSource& of) {
-    const auto shapes = read_shapes_of(of.file);
-    if (!shapes) return fail(shapes.error());
+    // A study names a file once for each of its frames or structures.
+    if (of.file != read_file_) {
+      auto read = read_shapes_of(of.file);
+      if (!read) return fail(read.error());
+      read_file_ = of.file;
+      read_ = std::move(*read);
+    }
     const fs::path meshes = whole_path(of.file).parent_path() / file_stem(of.file);
     if (by_cases_.insert(meshes).second) forget(meshes);
     std::vector<ShapeSource>& files = files_of(name);
-    for (const ShapesOfStructure& one : shapes->structures) {
+    for (const ShapesOfStructure& one : read_.structures) {
       others_.insert(one.name);
       const auto found = std::find(structures_.begin(), structures_.end(), lower_case(one.name));
       if (found == structures_.end() || one.frames.empty()) continue;
@@ -216,6 +221,8 @@ class Finder {
   ShapeWorksFrame frame_;
   std::map<std::string, std::vector<ShapeSource>> cases_;
   std::set<std::string> others_;  ///< names of all structures that are there
+  fs::path read_file_;            ///< the case that was read last
+  ShapesOfFile read_;             ///< what it holds
   std::set<fs::path> by_cases_;   ///< folders of meshes whose case file is taken in their place
 };
 

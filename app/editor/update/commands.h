@@ -9,6 +9,7 @@
 #include "app/editor/update/commands/case_commands.h"
 #include "app/editor/update/commands/contour_commands.h"
 #include "app/editor/update/commands/dialog_commands.h"
+#include "app/editor/update/commands/export_commands.h"
 #include "app/editor/update/commands/file_commands.h"
 #include "app/editor/update/commands/looks/setting_commands.h"
 #include "app/editor/update/commands/looks/view_commands.h"

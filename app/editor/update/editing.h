@@ -124,4 +124,7 @@ void run(const Command& command, Editing& editing);
 /// Stops a cine, and commits the frame that is shown.
 void stop_playing(Editing& editing);
 
+/// Says so where the case has no template.
+bool lacks_template(Editing& editing);
+
 }  // namespace homolog

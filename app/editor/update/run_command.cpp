@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "app/editor/update/editing.h"
+#include "app/editor/update/status.h"
 #include "core/base/guarded.h"
 
 namespace homolog {
@@ -70,6 +71,13 @@ void stop_playing(Editing& editing) {
     editing.log.is_done(ShowFrame{*editing.state.look.shown_frame});
   }
   editing.state.look.shown_frame.reset();
+}
+
+bool lacks_template(Editing& editing) {
+  const Document& document = *editing.shown.snapshot().document;
+  if (!document.structures.empty()) return false;
+  add_notice(editing.state, why_no_mesh(editing.state, document), false);
+  return true;
 }
 
 }  // namespace homolog

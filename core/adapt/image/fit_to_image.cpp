@@ -9,7 +9,7 @@ namespace homolog {
 Result<Similarity> placement_by_landmarks(const Template& the_template, const std::map<std::string, Vec3>& landmarks) {
   const auto [from, to] = matched_landmarks(the_template, landmarks);
   if (from.rows() < fewest_placing_landmarks)
-    return fail("", "needs --placement, or --landmarks with at least three of the template's landmarks");
+    return fail("", "needs at least three of the template's landmarks; place more of them");
   const Similarity placement =
       likely_similarity(from, to, PlacementPrior{}, bounds_of(the_template.points).diagonal().norm());
   if (!(placement.scale > 0))

@@ -142,13 +142,13 @@ void take_contours(Editing& editing, const std::string& name, const Contours& re
     else
       others.rois.push_back(*roi);
   if (others.rois.empty()) return;
-  const std::string count = std::to_string(others.rois.size()) + (joined ? " more" : "");
+  const std::string count = std::to_string(others.rois.size()) + (joined ? " more structure" : " structure") +
+                            (others.rois.size() == 1 ? "" : "s");
   state.automatic.offered = {name, std::make_shared<const Contours>(std::move(others))};
-  add_notice(
-      state,
-      name + (drawn.size() == 1 ? " holds contours. Load a template, then add them in the section Contours."
-                                : " holds " + count + " structures. Choose those to add in the section Contours."),
-      false);
+  add_notice(state,
+             name + (drawn.size() == 1 ? " holds contours. Load a template, then add them in the section Contours."
+                                       : " holds " + count + ". Choose what to add in the section Contours."),
+             false);
 }
 
 }  // namespace

@@ -30,8 +30,7 @@ void follow_study(Editing& editing) {
   scoring.study_file = state.models.study_file;
   scoring.left_out = left_out;
   scoring.no_model.clear();
-  editing.work.score_model.cancel();
-  if (study == nullptr) return;
+  if (study == nullptr) return editing.work.score_model.cancel();
   editing.work.score_model.start("The model of the other cases", [study, left_out](Progress&) {
     return model_of_others(*study, study->index_of(left_out));
   });

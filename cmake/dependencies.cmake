@@ -22,6 +22,8 @@ need(PkgConfig_FOUND "pkg-config, without which some others are not found" pkg-c
 find_package(Threads REQUIRED)
 find_package(Eigen3 QUIET NO_MODULE)
 need(Eigen3_FOUND "Eigen 3.4" libeigen3-dev)
+find_package(spectra QUIET)
+need(spectra_FOUND "Spectra 1.0" libspectra-dev)
 find_package(tl-expected QUIET)
 need(tl-expected_FOUND "tl::expected" libexpected-dev)
 find_package(nlohmann_json QUIET)

@@ -2,7 +2,7 @@
 
 build_packages="g++ cmake ninja-build pkg-config
   libglfw3-dev libimgui-dev libstb-dev libfreetype-dev libglm-dev libepoxy-dev libegl-dev libgl-dev
-  libeigen3-dev libmetis-dev libopenmesh-dev libopenimageio-dev libgif-dev libpng-dev libtiff-dev libinsighttoolkit5-dev libgdcm-dev libnifti2-dev libznz-dev
+  libeigen3-dev libspectra-dev libmetis-dev libopenmesh-dev libopenimageio-dev libgif-dev libpng-dev libtiff-dev libinsighttoolkit5-dev libgdcm-dev libnifti2-dev libznz-dev
   libbz2-dev zlib1g-dev libssl-dev libpugixml-dev libhdf5-dev libcli11-dev nlohmann-json3-dev libexpected-dev doctest-dev
   fonts-inter fonts-fork-awesome fonts-droid-fallback libjs-three libegl1 libgl1-mesa-dri
   pybind11-dev python3-dev patchelf"

@@ -21,10 +21,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Json cumulative(const Eigen::VectorXd& variances) {
+Json cumulative(const PrincipalComponents& components) {
   Json shares = Json::array();
+  const double total = components.total_variance();
   double held = 0;
-  for (const double variance : variances) shares.push_back((held += variance) / variances.sum());
+  for (const double variance : components.variances()) shares.push_back((held += variance) / total);
   return shares;
 }
 
@@ -153,7 +154,10 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   const PrincipalComponents& components = training->components;
   const auto names = training->parts.empty() ? shape_names(training->names) : training->names;
   if (auto done = write_beside(options, *training, names); !done) return fail(done.error());
-  ShapeModel model = make_model(components, options.variance, training->topology, names);
+  const Eigen::Index modes = options.training.leading_modes > 0
+                                 ? options.training.leading_modes
+                                 : modes_holding(components.variances(), options.variance);
+  ShapeModel model = model_of_modes(components, modes, training->topology, names);
   model.alignment = options.training.alignment();
   model.parts = training->parts;
   model.poses = training->poses;
@@ -171,7 +175,7 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
                    {"vertices", components.vertices()},
                    {"modes", model.modes()},
                    {"variances", std::vector<double>(variances.begin(), variances.end())},
-                   {"explained", cumulative(variances)}};
+                   {"explained", cumulative(components)}};
   training->report(report.values);
   if (options.optimise) report.values["optimise"] = std::move(optimised);
   return report;
@@ -187,6 +191,10 @@ void add_model(CLI::App& app, CommandLine& asked) {
       ->required();
   verb->add_option("--variance", options->variance, "Keep as many modes as hold this share of the variance")
       ->check(CLI::Range(0.01, 1.0));
+  verb->add_option("--modes", options->training.leading_modes,
+                   "Keep this many modes. Of thousands of shapes no others are computed, which is faster")
+      ->check(CLI::PositiveNumber)
+      ->excludes("--variance");
   verb->add_option("--csv", options->tables, "Folder for mean.csv, variances.csv and scores.csv");
   verb->add_option("--aligned", options->aligned, "Folder for the aligned shapes as .ply and .particles");
   verb->add_flag("--complete", options->training.complete,

@@ -18,6 +18,17 @@ Json listed_shapes(const std::vector<DoubtfulShape>& shapes) {
   return list;
 }
 
+/// Errors: more modes are asked for than the shapes have.
+Result<void> find_components(ShapeMatrix shapes, const TrainingVerb& options, Training& training) {
+  const Eigen::Index most = std::min(shapes.cols() - 1, shapes.rows());
+  if (options.leading_modes > most)
+    return fail("--modes " + std::to_string(options.leading_modes),
+                "is more than " + std::to_string(shapes.cols()) + " shapes allow; the most is " + std::to_string(most));
+  training.components = options.leading_modes > 0 ? leading_components(std::move(shapes), options.leading_modes)
+                                                  : principal_components(std::move(shapes));
+  return {};
+}
+
 Result<Training> of_several(const TrainingVerb& options, Progress& progress, bool keep_unaligned) {
   if (options.no_align && options.together == "each")
     return fail("--alignment each", "aligns each structure on its own; leave --no-align out");
@@ -39,7 +50,7 @@ Result<Training> of_several(const TrainingVerb& options, Progress& progress, boo
   ShapeMatrix shapes = std::move(joint->read.set.shapes);
   for (Eigen::Index k = 0; k < shapes.cols(); ++k) training.sizes_mm.push_back(centroid_size_mm(points_of(shapes, k)));
   training.poses = align_structures(shapes, training.parts, options.alignment(), options.together == "each");
-  training.components = principal_components(std::move(shapes));
+  if (auto found = find_components(std::move(shapes), options, training); !found) return fail(found.error());
   if (!training.completed.empty())
     training.warnings.push_back(
         std::to_string(training.completed.size()) +
@@ -138,12 +149,13 @@ Result<Training> train(TrainingSetRead read, const TrainingVerb& options) {
   training.topology = read.set.topology;
   training.warnings = std::move(read.warnings);
   training.groups = std::move(read.groups);
+  if (options.reading.flip_mirrored) training.flipped = read.mirrored.size();
   for (Eigen::Index k = 0; k < read.set.shapes.cols(); ++k)
     training.sizes_mm.push_back(centroid_size_mm(points_of(read.set.shapes, k)));
   training.doubtful = std::move(read.doubtful);
   training.left_out = std::move(read.left_out);
   align(read.set.shapes, options.alignment());
-  training.components = principal_components(std::move(read.set.shapes));
+  if (auto found = find_components(std::move(read.set.shapes), options, training); !found) return fail(found.error());
   return varied(std::move(training));
 }
 

@@ -17,6 +17,7 @@ struct TrainingVerb {
   std::vector<std::filesystem::path> files;
   bool keep_scale = false, no_align = false;
   TrainingOptions reading;
+  Eigen::Index leading_modes = 0;  ///< how many components are computed; 0: all
   // Of several structures.
   std::vector<std::string> structures;  ///< empty: shapes of one
   std::string together = "common";      ///< or "each"
@@ -41,6 +42,7 @@ struct Training {
   std::vector<double> sizes_mm;  ///< centroid sizes before they were aligned
   std::vector<std::string> groups;
   std::vector<DoubtfulShape> doubtful, left_out;
+  std::size_t flipped = 0;  ///< mirror images that were flipped, as asked
   // Of several structures.
   std::vector<StructurePart> parts;
   std::optional<StructurePoses> poses;

@@ -35,7 +35,7 @@ std::string mean_table(const PrincipalComponents& components) {
 std::string variance_table(const PrincipalComponents& components) {
   std::string text = "mode,variance_mm2,share,cumulative_share\n";
   const Eigen::VectorXd variances = components.variances();
-  const double total = variances.sum();
+  const double total = components.total_variance();
   double held = 0;
   for (Eigen::Index k = 0; k < variances.size(); ++k) {
     held += variances[k];

@@ -1,5 +1,8 @@
 #include "core/model/shape_model.h"
 
+#include <Spectra/MatOp/DenseSymMatProd.h>
+#include <Spectra/SymEigsSolver.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
@@ -19,21 +22,78 @@ constexpr double rank_share = 1e-13;
 /// Of the mean's square; below it lies what alignment leaves of equal shapes.
 constexpr double still_equal = 1e-18;
 
-/// The lower half of Xᵀ X, tile by tile: the same bits whatever the number of cores.
-Eigen::MatrixXd gram_matrix(const ShapeMatrix& x) {
+/// Sides of a Gram matrix up to which all of its eigenvectors are found soon enough, and how many of them Lanczos'
+/// method must not pass to be the faster way.
+constexpr Eigen::Index small_side = 600, leading_part = 8;
+
+/// The lower half of `product(i, j, rows, columns)`, a square of `side`, tile by tile: the same bits whatever the
+/// number of cores.
+template <class Product>
+Eigen::MatrixXd in_tiles(Eigen::Index side, const Product& product) {
   constexpr Eigen::Index tile = 128;
   std::vector<std::pair<Eigen::Index, Eigen::Index>> corners;
-  for (Eigen::Index j = 0; j < x.cols(); j += tile)
-    for (Eigen::Index i = j; i < x.cols(); i += tile) corners.emplace_back(i, j);
-  Eigen::MatrixXd gram(x.cols(), x.cols());
+  for (Eigen::Index j = 0; j < side; j += tile)
+    for (Eigen::Index i = j; i < side; i += tile) corners.emplace_back(i, j);
+  Eigen::MatrixXd gram(side, side);
   in_parallel(corners.size(), [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       const auto [i, j] = corners[k];
-      const Eigen::Index rows = std::min(tile, x.cols() - i), columns = std::min(tile, x.cols() - j);
-      gram.block(i, j, rows, columns).noalias() = x.middleCols(i, rows).transpose() * x.middleCols(j, columns);
+      const Eigen::Index rows = std::min(tile, side - i), columns = std::min(tile, side - j);
+      gram.block(i, j, rows, columns).noalias() = product(i, j, rows, columns);
     }
   });
   return gram;
+}
+
+/// Shapes lie on more axes than they have coordinates only if there are more of them; the smaller square is made.
+bool by_coordinates(const ShapeMatrix& x) {
+  return x.cols() > x.rows();
+}
+
+/// The lower half of Xᵀ X or X Xᵀ, whichever is smaller.
+Eigen::MatrixXd gram_matrix(const ShapeMatrix& x) {
+  using Index = Eigen::Index;
+  if (by_coordinates(x))
+    return in_tiles(x.rows(), [&](Index i, Index j, Index rows, Index columns) {
+      return x.middleRows(i, rows) * x.middleRows(j, columns).transpose();
+    });
+  return in_tiles(x.cols(), [&](Index i, Index j, Index rows, Index columns) {
+    return x.middleCols(i, rows).transpose() * x.middleCols(j, columns);
+  });
+}
+
+/// Takes eigenvalues of the Gram matrix, descending, and its eigenvectors as components, as far as they are above
+/// rounding.
+void take_axes(Eigen::VectorXd scatter, Eigen::MatrixXd axes, PrincipalComponents& components) {
+  const Eigen::Index most = std::min(scatter.size(), components.shapes() - 1);
+  const double floor = std::max(rank_share * scatter[0], still_equal * components.mean.squaredNorm());
+  Eigen::Index rank = 0;
+  while (rank < most && scatter[rank] > floor) ++rank;
+  components.scatter = scatter.head(rank);
+  if (!by_coordinates(components.centred)) {
+    components.vectors = axes.leftCols(rank);
+    return;
+  }
+  const Eigen::MatrixXd scaled = axes.leftCols(rank) * components.scatter.cwiseSqrt().cwiseInverse().asDiagonal();
+  components.vectors.resize(components.shapes(), rank);
+  in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
+    components.vectors.middleRows(first, last - first).noalias() =
+        components.centred.middleCols(first, last - first).transpose() * scaled;
+  });
+}
+
+PrincipalComponents centred_on_mean(ShapeMatrix shapes) {
+  PrincipalComponents components;
+  components.mean = Eigen::VectorXd::Zero(shapes.rows());
+  if (shapes.cols() > 0) components.mean = shapes.rowwise().mean();
+  shapes.colwise() -= components.mean;
+  components.centred = std::move(shapes);
+  return components;
+}
+
+void all_axes(const Eigen::MatrixXd& gram, PrincipalComponents& components) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
+  take_axes(solver.eigenvalues().reverse(), solver.eigenvectors().rowwise().reverse(), components);
 }
 
 }  // namespace
@@ -41,7 +101,11 @@ Eigen::MatrixXd gram_matrix(const ShapeMatrix& x) {
 Eigen::VectorXd PrincipalComponents::variances() const {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(std::max<Eigen::Index>(0, shapes() - 1));
   if (shapes() > 1) all.head(scatter.size()) = scatter / static_cast<double>(shapes() - 1);
-  return all;
+  return beyond > 0 ? all.head(scatter.size()).eval() : all;
+}
+
+double PrincipalComponents::total_variance() const {
+  return shapes() > 1 ? (scatter.sum() + beyond) / static_cast<double>(shapes() - 1) : 0;
 }
 
 Eigen::MatrixXd PrincipalComponents::basis(Eigen::Index count) const {
@@ -55,23 +119,30 @@ Eigen::MatrixXd PrincipalComponents::basis(Eigen::Index count) const {
 }
 
 PrincipalComponents principal_components(ShapeMatrix shapes) {
-  PrincipalComponents components;
-  if (shapes.size() == 0) {
-    components.mean = Eigen::VectorXd::Zero(shapes.rows());
-    components.centred = std::move(shapes);
-    return components;
+  PrincipalComponents components = centred_on_mean(std::move(shapes));
+  if (components.centred.size() > 0) all_axes(gram_matrix(components.centred), components);
+  return components;
+}
+
+PrincipalComponents leading_components(ShapeMatrix shapes, Eigen::Index count) {
+  PrincipalComponents components = centred_on_mean(std::move(shapes));
+  if (components.centred.size() == 0) return components;
+  const Eigen::MatrixXd gram = gram_matrix(components.centred);
+  const Eigen::Index side = gram.rows();
+  bool found = false;
+  if (side > small_side && count < side / leading_part) {
+    constexpr double exact_to = 1e-12;
+    constexpr int most_restarts = 100;
+    Spectra::DenseSymMatProd<double> product(gram);
+    Spectra::SymEigsSolver<Spectra::DenseSymMatProd<double>> solver(
+        product, count, std::min(side, std::max<Eigen::Index>(2 * count, 40)));
+    solver.init();
+    solver.compute(Spectra::SortRule::LargestAlge, most_restarts, exact_to);
+    found = solver.info() == Spectra::CompInfo::Successful;
+    if (found) take_axes(solver.eigenvalues(), solver.eigenvectors(), components);
   }
-  components.mean = shapes.rowwise().mean();
-  shapes.colwise() -= components.mean;
-  components.centred = std::move(shapes);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram_matrix(components.centred));
-  const Eigen::VectorXd& ascending = solver.eigenvalues();
-  const Eigen::Index m = ascending.size();
-  const double floor = std::max(rank_share * ascending[m - 1], still_equal * components.mean.squaredNorm());
-  Eigen::Index rank = 0;
-  while (rank + 1 < m && ascending[m - 1 - rank] > floor) ++rank;
-  components.scatter = ascending.tail(rank).reverse();
-  components.vectors = solver.eigenvectors().rightCols(rank).rowwise().reverse();
+  if (found) components.beyond = std::max(0.0, gram.trace() - components.scatter.sum());
+  if (!found) all_axes(gram, components);
   return components;
 }
 
@@ -87,8 +158,14 @@ Eigen::Index modes_holding(const Eigen::VectorXd& variances, double share) {
 
 ShapeModel make_model(const PrincipalComponents& components, double share, std::shared_ptr<const Topology> topology,
                       std::vector<std::string> names) {
+  return model_of_modes(components, modes_holding(components.variances(), share), std::move(topology),
+                        std::move(names));
+}
+
+ShapeModel model_of_modes(const PrincipalComponents& components, Eigen::Index modes,
+                          std::shared_ptr<const Topology> topology, std::vector<std::string> names) {
+  modes = std::min(modes, components.scatter.size());
   const Eigen::VectorXd variances = components.variances();
-  const Eigen::Index modes = modes_holding(variances, share);
   ShapeModel model;
   model.topology = std::move(topology);
   model.mean = components.mean;

@@ -12,18 +12,20 @@
 
 namespace homolog {
 
-/// The principal components of M shapes, from the M×M Gram matrix of what is left after the mean is taken off; the
-/// 3n×3n covariance is never formed.
+/// The principal components of M shapes: all of them, or the leading ones alone.
 struct PrincipalComponents {
   Eigen::VectorXd mean;     ///< 3n
   ShapeMatrix centred;      ///< 3n×M, shapes − mean
   Eigen::VectorXd scatter;  ///< r eigenvalues of centredᵀ · centred, descending, > 0; r ≤ M − 1 is the rank
   Eigen::MatrixXd vectors;  ///< M×r, their unit eigenvectors
+  double beyond = 0;        ///< the sum of the eigenvalues that were not computed; 0 where all were
 
   Eigen::Index shapes() const { return centred.cols(); }
   Eigen::Index vertices() const { return centred.rows() / 3; }
-  /// λ of the covariance with 1/(M−1), mm²; all M − 1 of them, 0 beyond the rank.
+  /// λ of the covariance with 1/(M−1), mm²: all M − 1 of them, 0 beyond the rank; r where the leading ones are known.
   Eigen::VectorXd variances() const;
+  /// The sum of all M − 1 of them, mm².
+  double total_variance() const;
   /// r×M, the coefficients b of every shape, mm.
   Eigen::MatrixXd scores() const { return scatter.cwiseSqrt().asDiagonal() * vectors.transpose(); }
   /// M×r: centred · weights is the basis.
@@ -32,8 +34,11 @@ struct PrincipalComponents {
   Eigen::MatrixXd basis(Eigen::Index count) const;
 };
 
-/// Takes the shapes over: beside them only M×M numbers are needed. Of no shapes it has no axes.
+/// Takes the shapes over. Beside them only the smaller of M×M and 3n×3n numbers is needed. Of no shapes it has no axes.
 PrincipalComponents principal_components(ShapeMatrix shapes);
+/// The leading `count` components, by Lanczos' method with restarts. Where `count` is no small part of all, or the
+/// shapes are few, it gives all: they are known as soon.
+PrincipalComponents leading_components(ShapeMatrix shapes, Eigen::Index count);
 
 /// Smallest number of modes whose variances hold `share` (0…1] of their sum, at least 1; 0 where all are 0.
 Eigen::Index modes_holding(const Eigen::VectorXd& variances, double share);
@@ -56,6 +61,9 @@ struct ShapeModel {
   Eigen::Index modes() const { return variances.size(); }
 };
 
+/// The model of the first `modes` modes; of all where there are fewer.
+ShapeModel model_of_modes(const PrincipalComponents& components, Eigen::Index modes,
+                          std::shared_ptr<const Topology> topology, std::vector<std::string> names);
 /// The model whose modes hold `share` of the variance.
 ShapeModel make_model(const PrincipalComponents& components, double share, std::shared_ptr<const Topology> topology,
                       std::vector<std::string> names);

@@ -131,10 +131,10 @@ def propagate(mesh: Any, image: Any, frame: int, *, output: Optional[PathOrText]
 
 
 def model(shapes: Any, *, output: Optional[PathOrText] = None, variance: Optional[float] = None,
-          keep_scale: bool = False, no_align: bool = False, structures: Optional[Sequence[str]] = None,
-          without_doubtful: bool = False, flip_mirrored: bool = False, group: Optional[str] = None,
-          optimise: bool = False, csv: Optional[PathOrText] = None, aligned: Optional[PathOrText] = None,
-          progress: Progress = None, jobs: Optional[int] = None, **options: Any):
+          modes: Optional[int] = None, keep_scale: bool = False, no_align: bool = False,
+          structures: Optional[Sequence[str]] = None, without_doubtful: bool = False, flip_mirrored: bool = False,
+          group: Optional[str] = None, optimise: bool = False, csv: Optional[PathOrText] = None,
+          aligned: Optional[PathOrText] = None, progress: Progress = None, jobs: Optional[int] = None, **options: Any):
     """A statistical shape model of shapes in correspondence; see docs/models.md.
 
     shapes: Meshes, Fits, files, cases, a folder or a study. output: also written there (.h5, .h5.json). Gives a Model,
@@ -143,7 +143,7 @@ def model(shapes: Any, *, output: Optional[PathOrText] = None, variance: Optiona
     with Call("model") as call:
         out = os.fspath(output) if output is not None else call.new_file(".h5.json")
         call.add_shapes(shapes)
-        call.options(variance=variance, keep_scale=keep_scale, no_align=no_align, structures=structures,
+        call.options(variance=variance, modes=modes, keep_scale=keep_scale, no_align=no_align, structures=structures,
                      without_doubtful=without_doubtful, flip_mirrored=flip_mirrored, group=group, optimise=optimise,
                      csv=csv, aligned=aligned, **options)
         call.arguments += ["-o", out]

@@ -70,6 +70,25 @@ TEST_CASE("a training set becomes a model that info and evaluate know") {
   CHECK(run(folder, "evaluate" + files + " --modes all --json").json()["modes"] == Json::array({1, 2, 3, 4}));
 }
 
+TEST_CASE("model --modes keeps so many modes") {
+  const TemporaryFolder folder;
+  const std::string files = put_training_set(folder.path);
+  const Json all = run(folder, "model" + files + " --variance 1 -o all.h5 --json").json();
+  const Ran made = run(folder, "model" + files + " --modes 2 -o two.h5 --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  CHECK(made.json()["modes"] == 2);
+  // Of few shapes all variances are known as soon.
+  CHECK(made.json()["variances"] == all["variances"]);
+  CHECK(made.json()["explained"] == all["explained"]);
+  CHECK(run(folder, "info two.h5 --json").json()["variances"].size() == 2);
+  CHECK(run(folder, "verify two.h5 --json").json()["same"] == true);
+  const Ran too_many = run(folder, "model" + files + " --modes 6 -o no.h5");
+  CHECK(too_many.status == 1);
+  CHECK(too_many.errors.find("--modes 6: is more than 6 shapes allow; the most is 5") != std::string::npos);
+  CHECK(run(folder, "model" + files + " --modes 2 --variance 0.9 -o no.h5").status == 2);
+  CHECK_FALSE(fs::exists(folder.path / "no.h5"));
+}
+
 TEST_CASE("model --optimise slides vertices and writes the meshes and what it gained") {
   const TemporaryFolder folder;
   const std::string files = put_training_set(folder.path);

@@ -181,6 +181,48 @@ TEST_CASE("the Gram matrix gives the components that the covariance would give")
   CHECK((components.basis(5).transpose() * components.basis(5) - Eigen::MatrixXd::Identity(5, 5)).norm() < 1e-12);
 }
 
+TEST_CASE("of more shapes than coordinates the components are those of the covariance too") {
+  const ShapeMatrix shapes = random_shapes(4, 40);
+  const PrincipalComponents components = principal_components(shapes);
+  const auto direct = direct_components(shapes);
+  REQUIRE(components.scatter.size() == 12);
+  REQUIRE(components.variances().size() == 39);
+  for (Eigen::Index k = 0; k < 12; ++k) {
+    CHECK(std::abs(components.variances()[k] - direct.eigenvalues()[11 - k]) < 1e-9);
+    CHECK(std::abs(components.basis(12).col(k).dot(direct.eigenvectors().col(11 - k))) == doctest::Approx(1));
+  }
+  CHECK(components.variances().tail(27).isZero(0));
+  CHECK((components.basis(12) * components.scores() - components.centred).cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("leading components are the first of all, and know how much lies beyond them") {
+  // More coordinates than shapes, and fewer.
+  for (const auto& [landmarks, count, leading] : {std::tuple(300, 700, 20), {220, 900, 12}}) {
+    ShapeMatrix shapes = random_shapes(landmarks, count);
+    // Strengths that fall as an organ's do, so that the axes are told apart.
+    const ShapeMatrix waves = random_shapes(landmarks, 30, 2), strengths = random_shapes(10, count, 3);
+    for (Eigen::Index k = 0; k < 30; ++k) shapes += waves.col(k) * strengths.row(k) / (1 + k);
+    const PrincipalComponents all = principal_components(shapes), some = leading_components(shapes, leading);
+    CAPTURE(landmarks);
+    REQUIRE(some.scatter.size() == leading);
+    CHECK(some.variances().size() == leading);
+    CHECK((some.scatter - all.scatter.head(leading)).cwiseAbs().maxCoeff() < 1e-9 * all.scatter[0]);
+    CHECK(some.total_variance() == doctest::Approx(all.total_variance()).epsilon(1e-12));
+    CHECK(some.total_variance() == doctest::Approx(all.variances().sum()).epsilon(1e-12));
+    const Eigen::MatrixXd overlap = some.basis(leading).transpose() * all.basis(leading);
+    CHECK((overlap.cwiseAbs() - Eigen::MatrixXd::Identity(leading, leading)).cwiseAbs().maxCoeff() < 1e-6);
+    CHECK(model_of_modes(some, leading, nullptr, {}).modes() == leading);
+    // How far a shape lies from the others' model, in as many modes.
+    const Eigen::VectorXd near = left_out_distances(some, leading), exact = left_out_distances(all, leading);
+    CHECK(((near - exact).array() / exact.array()).abs().maxCoeff() < 0.15);
+    CHECK(leading_components(shapes, leading).vectors == some.vectors);
+  }
+  // Few shapes: all components are known as soon.
+  const ShapeMatrix few = random_shapes(9, 6);
+  CHECK(leading_components(few, 2).beyond == 0);
+  CHECK(leading_components(few, 2).vectors == principal_components(few).vectors);
+}
+
 TEST_CASE("a model with all modes rebuilds each of its training shapes") {
   const ShapeMatrix shapes = random_shapes(30, 7);
   const ShapeModel model = make_model(principal_components(shapes), 1, nullptr, {});

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -6,6 +7,7 @@
 #include <string>
 
 #include "core/volume/formats/formats.h"
+#include "core/volume/named_labels.h"
 #include "core/volume/readers.h"
 
 // FreeSurfer's MGH [FreeSurfer wiki, MghFormat]: a header of 284 bytes with the most significant byte first, then the
@@ -26,14 +28,23 @@ struct MghHeader {
   std::array<float, 12> place{};  ///< directions of the axes, then the centre; in RAS
 };
 
-/// Goes through numbers with the most significant byte first.
+/// Goes through numbers with the most significant byte first. Behind the end all are 0.
 class BigEndian {
  public:
   explicit BigEndian(const std::string& bytes) : bytes_(bytes) {}
   std::uint32_t number(std::size_t size) {
     std::uint32_t value = 0;
-    for (std::size_t b = 0; b < size; ++b) value = value << 8 | static_cast<std::uint8_t>(bytes_[at_++]);
+    for (std::size_t b = 0; b < size; ++b)
+      value = value << 8 | (at_ < bytes_.size() ? static_cast<std::uint8_t>(bytes_[at_++]) : 0U);
     return value;
+  }
+  std::size_t left() const { return bytes_.size() - at_; }
+  /// The next bytes up to a 0 in them. Nothing where there are not as many.
+  std::optional<std::string> text(std::int64_t bytes) {
+    if (bytes < 0 || static_cast<std::uint64_t>(bytes) > left()) return {};
+    const std::string whole = bytes_.substr(at_, static_cast<std::size_t>(bytes));
+    at_ += static_cast<std::size_t>(bytes);
+    return whole.substr(0, whole.find('\0'));
   }
   std::int32_t whole() { return static_cast<std::int32_t>(number(4)); }
   float real() {
@@ -62,6 +73,48 @@ std::optional<MghHeader> parse_mgh_header(const std::string& bytes) {
   for (float& size : header.spacing_mm) size = in.real();
   for (float& number : header.place) number = in.real();
   return header;
+}
+
+/// FreeSurfer's colour table as it is embedded, of either version [FreeSurfer, CTABreadFromBinary].
+Segmentation embedded_table(BigEndian& in) {
+  Segmentation labels;
+  std::int32_t entries = in.whole();
+  const bool numbered = entries < 0;  // the second version says the value of each
+  if (numbered && entries != -2) return {};
+  if (numbered) in.number(4);  // the largest value
+  if (!in.text(in.whole())) return {};
+  if (numbered) entries = in.whole();
+  for (std::int32_t k = 0; k < entries && in.left() > 0; ++k) {
+    const std::int32_t value = numbered ? in.whole() : k;
+    const auto name = in.text(in.whole());
+    if (!name) return {};
+    LabelColour colour{};
+    for (std::uint8_t& channel : colour) channel = static_cast<std::uint8_t>(std::clamp(in.whole(), 0, 255));
+    in.number(4);  // opacity
+    if (value <= 0 || name->empty()) continue;
+    if (!add_name(value, *name, colour, labels)) return {};
+  }
+  return labels;
+}
+
+/// The names of labels behind the voxels: five numbers of the scan, then tags, each with its length but for old ones.
+Segmentation names_behind_voxels(const fs::path& path, std::size_t voxel_bytes) {
+  constexpr std::uintmax_t most_bytes = 1 << 22;
+  constexpr std::size_t scan_numbers = 20;
+  constexpr std::int32_t table_tag = 1, old_transform_tag = 30;
+  const auto rest = read_to_end(
+      {.file = path, .skip = mgh_header_bytes + voxel_bytes, .compression = compression_of(path)}, most_bytes);
+  if (!rest || rest->size() <= scan_numbers) return {};
+  BigEndian in(*rest);
+  in.text(scan_numbers);
+  while (in.left() >= 8) {
+    const std::int32_t tag = in.whole();
+    if (tag == table_tag) return embedded_table(in);
+    std::int64_t length = in.whole();
+    if (tag != old_transform_tag) length = (length << 32) | static_cast<std::int64_t>(in.number(4));
+    if (!in.text(length)) return {};
+  }
+  return {};
 }
 
 std::optional<Scalar> mgh_type(int type) {
@@ -130,16 +183,19 @@ Result<VolumeRead> read_mgh(const fs::path& path, const VolumeReadOptions& optio
   if (!stored) return fail(stored.error());
   if (auto kept = keep_voxels(std::move(*stored), {}, path.string(), result.volume, result.warnings); !kept)
     return fail(kept.error());
+  if (*type != Scalar::float32 && header->frames == 1)
+    result.segmentation = names_behind_voxels(path, size_of(*type) * result.volume.geometry.voxels());
   return result;
 }
 
 }  // namespace
 
-const VolumeFormat formats::mgh{.name = "MGH",
-                                .endings = {".mgz", ".mgh", ".mgh.gz"},
-                                .written = {},
-                                .in_folder = {},
-                                .note = "of FreeSurfer, also compressed; the place of its header (vox2ras)",
-                                .read = read_mgh};
+const VolumeFormat formats::mgh{
+    .name = "MGH",
+    .endings = {".mgz", ".mgh", ".mgh.gz"},
+    .written = {},
+    .in_folder = {},
+    .note = "of FreeSurfer, also compressed; the place of its header (vox2ras), names and colours of an embedded table",
+    .read = read_mgh};
 
 }  // namespace homolog

@@ -355,6 +355,46 @@ TEST_CASE("MGH volumes of FreeSurfer are read with the place of their header") {
   CHECK(refused(huge, "size of -1"));
 }
 
+TEST_CASE("the colour table that FreeSurfer embeds in a label map names its labels") {
+  const TemporaryFolder folder;
+  const auto big = [](std::uint64_t value, std::size_t bytes) {
+    std::string text;
+    for (std::size_t b = bytes; b-- > 0;) text += static_cast<char>(value >> (8 * b) & 255);
+    return text;
+  };
+  const auto named = [&](const std::string& name) { return big(name.size() + 1, 4) + name + std::string(1, '\0'); };
+  const std::string colour = big(220, 4) + big(216, 4) + big(20, 4) + big(0, 4);
+  const std::string scan(20, '\0');
+  // A command line before it, as mri_convert writes one.
+  const std::string before = big(3, 4) + big(5, 8) + "abcd" + std::string(1, '\0');
+  const std::string second = big(1, 4) + big(std::uint32_t(-2), 4) + big(54, 4) + named("lut.txt") + big(2, 4) +
+                             big(17, 4) + named("Left-Hippocampus") + colour + big(53, 4) + named("Right-Hippocampus") +
+                             colour;
+  const std::string first =
+      big(1, 4) + big(3, 4) + named("lut.txt") + named("Unknown") + colour + named("a") + colour + named("b") + colour;
+  const std::string voxels("\0\x11\0\x35\0\0\0\x11\0\0\0\0", 12);
+  write_bytes(folder.path / "aseg.mgh", mgh_bytes(4, voxels) + scan + before + second);
+  const auto read = read_volume(folder.path / "aseg.mgh");
+  REQUIRE_MESSAGE(read, read.error().sentence());
+  REQUIRE(read->segmentation.segments.size() == 2);
+  CHECK(read->segmentation.segments[0].value == 17);
+  CHECK(read->segmentation.segments[0].name == "Left-Hippocampus");
+  CHECK(read->segmentation.segments[1].name == "Right-Hippocampus");
+  CHECK(read->segmentation.segments[0].colour == std::array<std::uint8_t, 3>{220, 216, 20});
+  write_bytes(folder.path / "old.mgh", mgh_bytes(4, voxels) + scan + first);
+  const auto old = read_volume(folder.path / "old.mgh");
+  REQUIRE(old->segmentation.segments.size() == 2);
+  CHECK(old->segmentation.segments[1].name == "b");
+  CHECK(old->segmentation.segments[1].value == 2);
+  // Torn at any byte, or with sizes that are not so, it is a map without names.
+  for (std::size_t length = 0; length < second.size(); ++length) {
+    write_bytes(folder.path / "torn.mgh", mgh_bytes(4, voxels) + scan + second.substr(0, length));
+    CHECK(read_volume(folder.path / "torn.mgh"));
+  }
+  write_bytes(folder.path / "huge.mgh", mgh_bytes(4, voxels) + scan + big(3, 4) + big(std::uint64_t(-1), 8) + second);
+  CHECK(read_volume(folder.path / "huge.mgh")->segmentation.segments.empty());
+}
+
 TEST_CASE("what is no number in a single mask is background and a share is rounded as in a label map") {
   const TemporaryFolder folder;
   Volume mask;

@@ -1,10 +1,14 @@
 #include "core/assist/cine.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <utility>
 
+#include "core/base/statistics.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/surface_search.h"
 
 namespace homolog {
 
@@ -45,8 +49,93 @@ Result<CineEdit> propagate_shape(const Scan& scan, const ShapeView& shown, const
   return edit;
 }
 
-VolumeCurve volume_curve(const Structure& structure, const VolumeCurve& before) {
+namespace {
+
+constexpr double within_mm = 0.5, beyond_share = 0.02, least_cavity = 0.2;
+
+/// The part of `inner`'s vertices that lies outside of `outer` by more than a rim needs.
+double share_outside(const Points& inner, const Mesh& outer) {
+  const SurfaceSearch search(outer);
+  Eigen::Index outside = 0;
+  for (Eigen::Index v = 0; v < inner.rows(); ++v) {
+    const Vec3 p = inner.row(v);
+    const auto nearest = search.nearest(p);
+    const bool beyond = (p - nearest.position).dot(area_normal(outer, nearest.at.face)) > 0;
+    if (beyond && nearest.distance_mm > within_mm) ++outside;
+  }
+  return static_cast<double>(outside) / static_cast<double>(inner.rows());
+}
+
+bool lies_around(const Mesh& outer, const Mesh& inner) {
+  const double cavity = enclosed_volume_ml(inner), whole = enclosed_volume_ml(outer);
+  return cavity < whole && cavity >= least_cavity * whole &&
+         bounds_of(outer.points).intersects(bounds_of(inner.points)) &&
+         share_outside(inner.points, outer) <= beyond_share;
+}
+
+WallOfFrame wall_between(const Mesh& inner, const Mesh& outer) {
+  const SurfaceSearch search(outer);
+  std::vector<double> away;
+  for (Eigen::Index v = 0; v < inner.points.rows(); ++v)
+    away.push_back(search.nearest(Vec3(inner.points.row(v))).distance_mm);
+  return {enclosed_volume_ml(outer) - enclosed_volume_ml(inner), quantile(std::move(away), 0.5)};
+}
+
+/// A structure and the cavity in it.
+struct WallPair {
+  const Structure *inner = nullptr, *outer = nullptr;
+};
+
+/// The wall in a frame, or as it was known before.
+void put_wall(const WallPair& pair, int frame, const VolumeCurve& before, VolumeCurve::Frame& one) {
+  const Shape *inner = pair.inner->shape(frame), *outer = pair.outer->shape(frame);
+  if (inner == nullptr || outer == nullptr || inner->strokes == 0 || outer->strokes == 0) return;
+  one.inner = inner->points;
+  one.outer = outer->points;
+  const auto known = before.frames.find(frame);
+  const bool same =
+      known != before.frames.end() && known->second.inner == one.inner && known->second.outer == one.outer;
+  one.wall = same ? known->second.wall
+                  : wall_between({pair.inner->the_template->topology, *one.inner},
+                                 {pair.outer->the_template->topology, *one.outer});
+}
+
+/// The wall that a structure has a part in. Once known it stays, as long as both are there.
+std::optional<WallPair> wall_of(const Document& document, const Structure& structure, const VolumeCurve& before) {
+  if (before.inner == structure.id || before.outer == structure.id) {
+    const Structure *inner = document.structure(before.inner), *outer = document.structure(before.outer);
+    if (!before.inner.empty() && inner != nullptr && outer != nullptr) return WallPair{inner, outer};
+  }
+  std::optional<WallPair> found;
+  double thinnest_ml = std::numeric_limits<double>::infinity();
+  for (const auto& [frame, shape] : structure.shapes) {
+    if (shape->strokes == 0) continue;
+    const Mesh own{structure.the_template->topology, *shape->points};
+    for (const auto& other : document.structures) {
+      const Shape* there = other.get() == &structure ? nullptr : other->shape(frame);
+      if (there == nullptr || there->strokes == 0) continue;
+      const Mesh mesh{other->the_template->topology, *there->points};
+      const double between_ml = std::abs(enclosed_volume_ml(mesh) - enclosed_volume_ml(own));
+      if (between_ml >= thinnest_ml) continue;
+      if (lies_around(mesh, own))
+        found = WallPair{&structure, other.get()};
+      else if (lies_around(own, mesh))
+        found = WallPair{other.get(), &structure};
+      else
+        continue;
+      thinnest_ml = between_ml;
+    }
+    break;
+  }
+  return found;
+}
+
+}  // namespace
+
+VolumeCurve volume_curve(const Document& document, const Structure& structure, const VolumeCurve& before) {
   VolumeCurve curve;
+  const auto wall = wall_of(document, structure, before);
+  if (wall) curve.inner = wall->inner->id, curve.outer = wall->outer->id;
   std::map<int, double> trusted;
   for (const auto& [frame, shared] : structure.shapes) {
     const Shape& shape = *shared;
@@ -62,6 +151,7 @@ VolumeCurve volume_curve(const Structure& structure, const VolumeCurve& before) 
     one.volume_ml = known != before.frames.end() && known->second.points == shape.points
                         ? known->second.volume_ml
                         : enclosed_volume_ml({structure.the_template->topology, *shape.points});
+    if (wall) put_wall(*wall, frame, before, one);
     if (one.doubt.empty()) trusted[frame] = one.volume_ml;
   }
   if (trusted.size() >= 2) curve.ejection = ejection_of(trusted);
@@ -69,12 +159,23 @@ VolumeCurve volume_curve(const Structure& structure, const VolumeCurve& before) 
 }
 
 std::string volume_table(const VolumeCurve& curve, double frame_seconds) {
-  std::string table = "frame,seconds,volume_ml,known,doubt\n";
+  const bool walls = std::any_of(curve.frames.begin(), curve.frames.end(),
+                                 [](const auto& one) { return one.second.wall.has_value(); });
+  std::string table = "frame,seconds,volume_ml,known,doubt";
+  table += walls ? ",wall_ml,wall_mm,mass_g\n" : "\n";
   for (const auto& [frame, one] : curve.frames) {
     char line[96];
     std::snprintf(line, sizeof line, "%d,%.4f,%.3f,%d,", frame, frame * frame_seconds, one.volume_ml,
                   one.known ? 1 : 0);
-    table += line + (one.doubt.empty() ? "" : '"' + one.doubt + '"') + "\n";
+    table += line + (one.doubt.empty() ? "" : '"' + one.doubt + '"');
+    if (one.wall) {
+      std::snprintf(line, sizeof line, ",%.3f,%.3f,%.3f", one.wall->volume_ml, one.wall->thickness_mm,
+                    one.wall->mass_g());
+      table += line;
+    } else if (walls) {
+      table += ",,,";
+    }
+    table += '\n';
   }
   return table;
 }

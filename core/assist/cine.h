@@ -8,6 +8,7 @@
 
 #include "core/adapt/propagate.h"
 #include "core/case/action.h"
+#include "core/case/document.h"
 
 namespace homolog {
 
@@ -26,22 +27,35 @@ struct CineEdit {
 /// Errors: no mesh, no image, and those of propagate().
 Result<CineEdit> propagate_shape(const Scan& scan, const ShapeView& shown, const PropagateOptions& options);
 
+/// The wall between a cavity and the structure around it, as between endocardium and epicardium.
+struct WallOfFrame {
+  double volume_ml = 0;     ///< what the outer mesh encloses less the inner one
+  double thickness_mm = 0;  ///< median over the inner mesh's vertices of how far the outer surface is
+  double mass_g() const { return 1.05 * volume_ml; }  ///< with the density of heart muscle, 1.05 g/ml
+};
+
 /// The volume that the mesh encloses, frame by frame. Frames whose mesh nobody has edited or carried there are left
 /// out.
 struct VolumeCurve {
   struct Frame {
     std::shared_ptr<const Points> points;
     double volume_ml = 0;
-    bool known = false;  ///< a person made it
-    std::string doubt;   ///< why it has to be looked at; empty where it need not
+    bool known = false;                          ///< a person made it
+    std::string doubt;                           ///< why it has to be looked at; empty where it need not
+    std::optional<WallOfFrame> wall{};           ///< where both its structures have a mesh
+    std::shared_ptr<const Points> inner, outer;  ///< of the wall
   };
   std::map<int, Frame> frames;
   std::optional<Ejection> ejection;  ///< of the frames that are in no doubt; none where there are fewer than two
+  std::string inner, outer;          ///< the structures of the wall, by their ids; empty: there is none
 };
-/// `before`: of an earlier state of the case; its volumes serve again where the mesh is still the same.
-VolumeCurve volume_curve(const Structure& structure, const VolumeCurve& before = {});
+/// `structure` is one of the document's. Its wall is that to the nearest structure that lies around it in the first
+/// frame that was edited (all but 2 % of the inner one's vertices within 0.5 mm of its inside), or that it lies around,
+/// where the cavity is a fifth of the whole or more. `before`: of an earlier state of the case; its figures serve again
+/// where the meshes are still the same.
+VolumeCurve volume_curve(const Document& document, const Structure& structure, const VolumeCurve& before = {});
 
-/// The curve as a CSV table: frame, seconds, volume_ml, known, doubt.
+/// The curve as a CSV table: frame, seconds, volume_ml, known, doubt; with a wall also wall_ml, wall_mm, mass_g.
 std::string volume_table(const VolumeCurve& curve, double frame_seconds);
 
 }  // namespace homolog

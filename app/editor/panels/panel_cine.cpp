@@ -68,9 +68,15 @@ void draw_propagate(const UiContext& ui, Outbox& out) {
   const bool busy = ui.work.propagator.busy();
   const std::string needs = ui.work.fitter.busy() ? "Wait for the fit." : ui.needs_shape();
   const std::string from = needs.empty() ? frames_in_words(starting_frames(ui.shown())) : "";
+  const Look& look = ui.state.look;
+  const std::size_t others =
+      needs.empty() ? carried_structures(look.structures, ui.document(), look.structure).size() - 1 : 0;
   if (button(theme, "Propagate",
-             "Carries the mesh of " + from +
-                 " through the cine. Frames that you edited or confirmed stay as they are. One step to undo",
+             "Carries the mesh of " + from + " through the cine" +
+                 (others == 0 ? ""
+                              : format(", and %zu more %s from their own frames. Locked ones stay", others,
+                                       others == 1 ? "structure" : "structures")) +
+                 ". Frames that you edited or confirmed stay as they are. One step to undo",
              busy ? "The mesh is being carried through the cine." : needs, ImGui::GetContentRegionAvail().x, true))
     out.send(PropagateFrames{});
   std::optional<WorkShown> running;
@@ -232,6 +238,21 @@ void draw_ejection(const UiContext& ui, const VolumeCurve& curve) {
          "(largest volume \xe2\x88\x92 smallest volume) / largest volume");
 }
 
+/// The wall between a cavity and the structure around it, where the case has both.
+void draw_wall(const UiContext& ui, const VolumeCurve& curve) {
+  const Structure *inner = ui.document().structure(curve.inner), *outer = ui.document().structure(curve.outer);
+  if (curve.inner.empty() || inner == nullptr || outer == nullptr) return;
+  const Theme& theme = ui.theme;
+  const auto here = curve.frames.find(shown_frame(ui.state, ui.document()));
+  const bool known = here != curve.frames.end() && here->second.wall;
+  const WallOfFrame wall = known ? *here->second.wall : WallOfFrame{};
+  const std::string between = "Between " + structure_name(*inner) + " and " + structure_name(*outer) + ", this frame. ";
+  figure(theme, "Wall thickness", known ? format("%.1f mm", wall.thickness_mm) : "not known",
+         between + "Half of the inner mesh's points are farther from the outer surface, half are nearer");
+  figure(theme, "Wall mass", known ? format("%.0f g (%.1f ml)", wall.mass_g(), wall.volume_ml) : "not known",
+         between + "Outer volume \xe2\x88\x92 inner volume, times 1.05 g/ml of heart muscle");
+}
+
 }  // namespace
 
 void draw_cine_section(const UiContext& ui, Outbox& out) {
@@ -242,6 +263,7 @@ void draw_cine_section(const UiContext& ui, Outbox& out) {
   gap(ui.theme, 4);
   draw_volumes(ui, curve, out);
   draw_ejection(ui, curve);
+  draw_wall(ui, curve);
   draw_doubts(ui, curve, out);
 }
 

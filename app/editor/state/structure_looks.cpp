@@ -37,6 +37,16 @@ std::string locked_sentence(const Structure& structure) {
   return "\"" + structure_name(structure) + "\" is locked. The lock in its row (Structures) opens it.";
 }
 
+std::vector<std::string> carried_structures(const StructureLooks& looks, const Document& document,
+                                            const std::string& active) {
+  const Structure* first = document.structure(active);
+  std::vector<std::string> ids{active};
+  for (const auto& structure : document.structures)
+    if (structure.get() != first && !structure->shapes.empty() && !looks.locks(structure->id))
+      ids.push_back(structure->id);
+  return ids;
+}
+
 std::vector<const Structure*> listed_structures(const StructureLooks& looks, const Document& document) {
   std::vector<const Structure*> listed;
   const std::string wanted = lower_case(looks.filter);

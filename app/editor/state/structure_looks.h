@@ -38,6 +38,11 @@ bool is_doubtful(const Structure& structure);
 /// The first sentence for a person who wants to edit it although it is locked.
 std::string locked_sentence(const Structure& structure);
 
+/// The structures that go through a cine with the one that is worked on: all with a mesh that are not locked.
+/// `active`: its id; empty: the first.
+std::vector<std::string> carried_structures(const StructureLooks& looks, const Document& document,
+                                            const std::string& active);
+
 /// The structures that the list shows, in its order. Worst first: those in doubt, then by their confidence; those that
 /// nobody judged come last.
 std::vector<const Structure*> listed_structures(const StructureLooks& looks, const Document& document);

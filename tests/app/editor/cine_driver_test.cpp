@@ -72,6 +72,33 @@ TEST_CASE("a cine is propagated and corrected and propagated again in the window
   CHECK(*driver.document().structure()->shape(2)->points == corrected);
 }
 
+TEST_CASE("all structures that are not locked go through a cine, as one step to undo, and their wall is measured") {
+  Document document = BeatingBall::document();
+  for (const auto& [id, by] : {std::pair("s2", 1.25), std::pair("s3", 1.1)}) {
+    auto further = std::make_shared<Structure>(*document.structures.front());
+    further->id = id;
+    further->name = id;
+    Shape shape = *further->shape(0);
+    shape.points = std::make_shared<const Points>(*shape.points * by);
+    further->set_shape(0, std::move(shape));
+    document.structures.push_back(std::move(further));
+  }
+  Driver driver(document, {1280, 1400, 1});
+  driver.app().send(LockStructures{{"s3"}, true});
+  driver.settle();
+  driver.click("Cine/Propagate");
+  const auto frames_of = [&](std::size_t k) { return driver.document().structures[k]->shapes.size(); };
+  driver.wait_until("both have all frames", [&] { return frames_of(0) == 6 && frames_of(1) == 6; });
+  driver.settle();
+  CHECK(frames_of(2) == 1);
+  CHECK(driver.shows("Wall thickness"));
+  CHECK(driver.state().found.volume_curve.outer == "s2");
+  CHECK(driver.state().found.volume_curve.frames.at(0).wall->thickness_mm ==
+        doctest::Approx(0.25 * BeatingBall::radius_mm(0)).epsilon(0.05));
+  driver.press('Z', {false, true, false});
+  driver.wait_until("one step back", [&] { return frames_of(0) == 1 && frames_of(1) == 1; });
+}
+
 TEST_CASE("a propagation that is cancelled or overtaken by an edit leaves the meshes") {
   Driver driver(BeatingBall::document());
   driver.hurry(true);

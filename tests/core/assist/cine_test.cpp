@@ -41,7 +41,7 @@ TEST_CASE("a cine is propagated in one step and a corrected frame stays as it is
   const Document first = session.document();
   CHECK(first.frame == 0);
   CHECK(first.structure()->shapes.size() == BeatingBall::frames);
-  const VolumeCurve curve = volume_curve(*first.structure());
+  const VolumeCurve curve = volume_curve(first, *first.structure());
   REQUIRE(curve.ejection);
   CHECK(curve.ejection->end_diastole == 0);
   CHECK(curve.ejection->end_systole == 3);
@@ -67,7 +67,7 @@ TEST_CASE("a cine is propagated in one step and a corrected frame stays as it is
   CHECK(*session.document().structure()->shape(2)->points == corrected);
   REQUIRE(session.apply(Undo{}));
   REQUIRE(session.apply(Undo{}));
-  CHECK(volume_curve(*session.document().structure()).frames.empty());
+  CHECK(volume_curve(session.document(), *session.document().structure()).frames.empty());
 }
 
 TEST_CASE("a confirmed frame counts as known and a copied one does not") {
@@ -96,7 +96,7 @@ TEST_CASE("what was carried through a cine and its doubts come back from the cas
   CHECK(std::get<SetPoints>(read->action) == carried);
   CHECK(session.document().structure()->shape(3)->doubt == carried.doubt);
   CHECK_FALSE(frame_is_known(*session.document().structure()->shape(3)));
-  CHECK(volume_curve(*session.document().structure()).frames.at(3).doubt == carried.doubt);
+  CHECK(volume_curve(session.document(), *session.document().structure()).frames.at(3).doubt == carried.doubt);
 
   const auto checkpoint = checkpoint_line(start, session.document(), 7);
   REQUIRE(checkpoint);
@@ -110,7 +110,7 @@ TEST_CASE("what was carried through a cine and its doubts come back from the cas
   REQUIRE(
       session.apply(points_edit(*session.document().view(), 1.01 * *session.document().view()->shape.points, "snap")));
   CHECK(frame_is_known(*session.document().structure()->shape(3)));
-  CHECK(volume_curve(*session.document().structure()).frames.at(3).doubt.empty());
+  CHECK(volume_curve(session.document(), *session.document().structure()).frames.at(3).doubt.empty());
   SetPoints nowhere = carried;
   nowhere.of_frame = 17;
   CHECK_FALSE(session.apply(nowhere));
@@ -134,6 +134,48 @@ TEST_CASE("frames between two known ones are reached from both and agree with ei
   }
   options.known[9] = ball.points;
   CHECK_FALSE(propagate(*document.scan.image, 0, ball, ones, options));
+}
+
+TEST_CASE("a cavity and the structure around it have a wall, with its thickness and its mass in every frame") {
+  // An inner ball that shrinks, and an outer one that stays; both edited in frames 0 and 3.
+  Document document = BeatingBall::document();
+  const auto grown = [&](double by) {
+    auto structure = std::make_shared<Structure>(*document.structures.front());
+    for (const int frame : {0, 3}) {
+      Shape shape = *document.structures.front()->shape(0);
+      shape.points = std::make_shared<const Points>(*shape.points * (frame == 3 && by == 1 ? 0.8 : by));
+      shape.strokes = 1;
+      structure->set_shape(frame, std::move(shape));
+    }
+    return structure;
+  };
+  const auto inner = grown(1), outer = grown(1.4), far = grown(1);
+  outer->id = "s2";
+  far->id = "s3";
+  for (const int frame : {0, 3}) {
+    Shape shape = *far->shape(frame);
+    shape.points = std::make_shared<const Points>(shape.points->rowwise() + Eigen::RowVector3d(200, 0, 0));
+    far->set_shape(frame, std::move(shape));
+  }
+  document.structures = {inner, far};
+  CHECK(volume_curve(document, *inner).outer.empty());
+  document.structures = {inner, far, outer};
+  const VolumeCurve curve = volume_curve(document, *inner);
+  CHECK(curve.outer == "s2");
+  const auto& rest = curve.frames.at(0).wall;
+  REQUIRE(rest);
+  const double cavity = curve.frames.at(0).volume_ml;
+  CHECK(rest->volume_ml == doctest::Approx(cavity * (std::pow(1.4, 3) - 1)));
+  CHECK(rest->mass_g() == doctest::Approx(1.05 * rest->volume_ml));
+  CHECK(rest->thickness_mm == doctest::Approx(0.4 * BeatingBall::radius_mm(0)).epsilon(0.03));
+  // It thickens as the cavity shrinks.
+  CHECK(curve.frames.at(3).wall->thickness_mm == doctest::Approx(0.6 * BeatingBall::radius_mm(0)).epsilon(0.03));
+  CHECK(volume_table(curve, 0.05).find("frame,seconds,volume_ml,known,doubt,wall_ml,wall_mm,mass_g\n0,") == 0);
+  // From the outside it is the same wall; what lies elsewhere has none.
+  CHECK(volume_curve(document, *outer).frames.at(3).wall->thickness_mm == curve.frames.at(3).wall->thickness_mm);
+  CHECK(volume_curve(document, *far).inner.empty());
+  // What was known serves again.
+  CHECK(volume_curve(document, *inner, curve).frames.at(3).wall->volume_ml == curve.frames.at(3).wall->volume_ml);
 }
 
 }  // namespace homolog

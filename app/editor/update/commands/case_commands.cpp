@@ -139,7 +139,8 @@ void PropagateFrames::run(Editing& editing) const {
   const Document& document = editing.shown.document();
   if (!editing.shape() || !document.scan.image || document.scan.image->frames < 2) return;
   stop_playing(editing);
-  editing.work.propagator.start(editing.shown.done(), editing.state.look.structure);
+  editing.work.propagator.start(
+      editing.shown.done(), carried_structures(editing.state.look.structures, document, editing.state.look.structure));
 }
 
 void CancelPropagation::run(Editing& editing) const {

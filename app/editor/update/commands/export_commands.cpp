@@ -211,7 +211,7 @@ void ExportVolumes::run(Editing& editing) const {
   if (structure == nullptr) return no_mesh_to_export(editing);
   const double frame_seconds = document.scan.image ? document.scan.image->frame_seconds : 0;
   write_beside(editing, path,
-               [table = volume_table(volume_curve(*structure), frame_seconds)](const auto& to, Progress&) {
+               [table = volume_table(volume_curve(document, *structure), frame_seconds)](const auto& to, Progress&) {
                  return write_whole_file(to, table);
                });
 }

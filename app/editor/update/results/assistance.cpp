@@ -112,12 +112,19 @@ void update_propagation(Editing& editing) {
   editing.log.is_done(PropagateFrames{});
   std::size_t in_doubt = 0, carried = 0;
   bool joined = false;
-  for (SetPoints& action : (**done).actions) {
-    in_doubt += action.doubt.empty() ? 0 : 1;
-    carried += action.by == by_propagation ? 1 : 0;
-    editing.shown.session().apply(std::move(action), std::exchange(joined, true), propagator.of());
-  }
-  const std::string news = "Carried through " + std::to_string(carried) + (carried == 1 ? " frame" : " frames");
+  for (auto& [structure, edit] : **done)
+    for (SetPoints& action : edit.actions) {
+      in_doubt += action.doubt.empty() ? 0 : 1;
+      carried += action.by == by_propagation ? 1 : 0;
+      editing.shown.session().apply(std::move(action), std::exchange(joined, true), structure);
+    }
+  const std::size_t structures = (**done).size();
+  const std::string news =
+      (structures > 1 ? std::to_string(structures) + " structures carried: " : "Carried through ") +
+      std::to_string(carried) + (structures > 1 ? " mesh" : " frame") +
+      (carried == 1     ? ""
+       : structures > 1 ? "es"
+                        : "s");
   add_notice(editing.state,
              in_doubt == 0 ? news + "; none is in doubt."
                            : news + "; " + std::to_string(in_doubt) + (in_doubt == 1 ? " is" : " are") +

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct LabelLayer {
   int frame = 0;
   float opacity = 0.4f;                               ///< twice that on the edges of a label
   std::shared_ptr<const std::map<int, Rgb>> colours;  ///< that the map gives; null where it gives none
+  std::shared_ptr<const std::set<int>> hidden{};      ///< labels that are not drawn; null: all are
 };
 
 /// Of a mesh without colours of its own: bone.

@@ -1,6 +1,8 @@
 #include "render/slice_pass.h"
 
+#include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,14 +12,20 @@
 namespace homolog {
 namespace {
 
-gl::Texture make_label_colours(const std::map<int, Rgb>* own) {
+/// The colours of the labels from 1 on, clear where one is hidden. They repeat behind the last; what is hidden does
+/// not.
+gl::Texture make_label_colours(const std::map<int, Rgb>* own, const std::set<int>* hidden) {
+  constexpr int most_turns = 64;
+  const int last = hidden == nullptr || hidden->empty() ? 1 : *hidden->rbegin();
+  const int turns = std::clamp((last + label_colour_count - 1) / label_colour_count, 1, most_turns);
   std::vector<float> colours;
-  for (int label = 1; label <= label_colour_count; ++label) {
+  for (int label = 1; label <= turns * label_colour_count; ++label) {
     for (const float channel : label_colour(label, own)) colours.push_back(channel);
+    colours.push_back(hidden != nullptr && hidden->contains(label) ? 0.0f : 1.0f);
   }
   gl::Texture texture = gl::Texture::make();
   glBindTexture(GL_TEXTURE_2D, texture.name());
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, label_colour_count, 1, 0, GL_RGB, GL_FLOAT, colours.data());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, turns * label_colour_count, 1, 0, GL_RGBA, GL_FLOAT, colours.data());
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glBindTexture(GL_TEXTURE_2D, 0);
@@ -77,7 +85,7 @@ Result<SlicePass> SlicePass::make() {
   pass.plain_ = std::move(*plain);
   pass.labelled_ = std::move(*labelled);
   pass.no_attributes_ = gl::VertexArray::make();
-  pass.label_colours_ = make_label_colours(nullptr);
+  pass.label_colours_ = make_label_colours(nullptr, nullptr);
   return pass;
 }
 
@@ -89,9 +97,10 @@ void SlicePass::draw(const Scene& scene, const PlaneInSpace& part, const Project
       labels.labels && labels.opacity > 0 ? textures_.of(labels.labels, labels.frame) : nullptr;
   if (image_texture == nullptr && label_texture == nullptr) return;
 
-  if (label_texture != nullptr && labels.colours != own_colours_) {
+  if (label_texture != nullptr && (labels.colours != own_colours_ || labels.hidden != hidden_)) {
     own_colours_ = labels.colours;
-    label_colours_ = make_label_colours(own_colours_.get());
+    hidden_ = labels.hidden;
+    label_colours_ = make_label_colours(own_colours_.get(), hidden_.get());
   }
   const gl::Program& program = label_texture != nullptr ? labelled_ : plain_;
   program.use();

@@ -21,6 +21,7 @@ class SlicePass {
   gl::VertexArray no_attributes_;
   gl::Texture label_colours_;
   std::shared_ptr<const std::map<int, Rgb>> own_colours_;  ///< that label_colours_ holds
+  std::shared_ptr<const std::set<int>> hidden_;            ///< whose colours are clear in it
   VolumeTextures textures_;
 };
 

@@ -38,7 +38,8 @@ vec4 label_layer() {
               label_at(label_position + up) != label || label_at(label_position - up) != label;
   float cover = label > 0.0 ? min(edge ? 2.0 * label_opacity : label_opacity, 1.0) : 0.0;
   int index = (int(label) - 1) % textureSize(label_colours, 0).x;
-  return vec4(texelFetch(label_colours, ivec2(max(index, 0), 0), 0).rgb, 1.0) * cover;
+  vec4 colour = texelFetch(label_colours, ivec2(max(index, 0), 0), 0);
+  return vec4(colour.rgb, 1.0) * (colour.a * cover);
 }
 #endif
 

@@ -217,6 +217,13 @@ TEST_CASE("labels are laid over the image in their colours by nearest voxel") {
   expect(60, 1);
   expect(100, 300);
   CHECK(label_colour(300) == label_colour(300 - label_colour_count));
+  // A hidden label is not drawn; the one that has its colour stays.
+  scene.labels.hidden = std::make_shared<const std::set<int>>(std::set<int>{300});
+  const Picture without = picture_of(scene, axial(Vec3(5.5, 5.5, 1), 0.1), 120, 120);
+  CHECK(pixel(without, 60, 60) == pixel(picture, 60, 60));
+  CHECK(pixel(without, 100, 60) == pixel(picture, 20, 60));
+  scene.labels.hidden = std::make_shared<const std::set<int>>(std::set<int>{300 - label_colour_count});
+  CHECK(pixel(picture_of(scene, axial(Vec3(5.5, 5.5, 1), 0.1), 120, 120), 100, 60) == pixel(picture, 100, 60));
 }
 
 TEST_CASE("a label's edge is more opaque than its inside") {

@@ -12,7 +12,7 @@ auto key(const ImageLayer& x) {
   return std::tie(x.volume, x.frame, x.window_low, x.window_high, x.linear);
 }
 auto key(const LabelLayer& x) {
-  return std::tie(x.labels, x.frame, x.opacity, x.colours);
+  return std::tie(x.labels, x.frame, x.opacity, x.colours, x.hidden);
 }
 auto key(const MeshLayer& x) {
   return std::tie(x.topology, x.points, x.points_revision, x.colours, x.colours_revision, x.outline, x.outline_px,

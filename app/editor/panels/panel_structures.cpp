@@ -224,6 +224,7 @@ void draw_structures_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto& document = ui.document();
   if (document.structures.size() < 2) {
+    draw_labels(ui, out);
     draw_set_fit(ui, out);
     return draw_gap(ui, out);
   }

@@ -102,6 +102,8 @@ void draw_fit(const UiContext& ui, Outbox& out);
 void draw_refinement(const UiContext& ui, Outbox& out);
 /// In the section Structures: the fit of a template set to the overlay.
 void draw_set_fit(const UiContext& ui, Outbox& out);
+/// The labels of the map with their eyes; nothing where it has fewer than two.
+void draw_labels(const UiContext& ui, Outbox& out);
 /// Why the mesh cannot be scored: a sentence; empty where a model is there.
 std::string why_not_scored(const UiContext& ui);
 /// The figures of a mesh that a template is judged by. `fans`: it ends in fans of thin triangles, as tubes do.

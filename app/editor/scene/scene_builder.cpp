@@ -150,7 +150,8 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
                  state.preferences.linear};
   if (input.labels) {
     const int label_frame = input.labels->frames > frame ? frame : 0;
-    scene.labels = {input.labels, label_frame, static_cast<float>(state.look.label_opacity), input.label_colours};
+    scene.labels = {input.labels, label_frame, static_cast<float>(state.look.label_opacity), input.label_colours,
+                    state.look.hidden_labels};
   }
   if (making_) {
     MeshLayer mesh;

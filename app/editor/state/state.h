@@ -209,9 +209,10 @@ struct Look {
 
   double window_low = 0, window_high = 1;
   double label_opacity = 0.4;
-  Colouring colouring = Colouring::vertex_hue;  ///< that was chosen; never confidence
-  bool shows_confidence = true;                 ///< instead of it, while there is one
-  double organ_mm = 125;                        ///< the diagonal of the organ that sizes in mm were last chosen for
+  std::shared_ptr<const std::set<int>> hidden_labels;  ///< of the label map, whose eye is shut; null: none
+  Colouring colouring = Colouring::vertex_hue;         ///< that was chosen; never confidence
+  bool shows_confidence = true;                        ///< instead of it, while there is one
+  double organ_mm = 125;  ///< the diagonal of the organ that sizes in mm were last chosen for
   double glyph_spacing_mm = 10.5;
 
   std::optional<int> shown_frame;  ///< of a cine while it plays or its slider is dragged; else the document's

@@ -37,8 +37,8 @@ using AllCommands = TypeList<
     BlendModel, CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
     // structures
     ChooseStructure, ClickStructure, NextStructure, AcceptStructure, RenameLevels, ShowStructures, ShowOnlyStructures,
-    LockStructures, ChooseSet, FitSet, CancelSetFit, FilterStructures, SortStructures, ShowAsRead, TakeBackRepair,
-    KeepApart, KeepApartAfterStrokes, SetStructureGap, SetOthersOpacity,
+    LockStructures, HideLabels, ChooseSet, FitSet, CancelSetFit, FilterStructures, SortStructures, ShowAsRead,
+    TakeBackRepair, KeepApart, KeepApartAfterStrokes, SetStructureGap, SetOthersOpacity,
     // contours
     OpenContours, AddContours, CloseContours, ShowContours, SetBetweenContours, FitContours, CancelContourFit,
     // files

@@ -93,6 +93,12 @@ void Fields::read(const Json& from, const char*, std::vector<double>& to) {
   to = from.get<std::vector<double>>();
 }
 
+void Fields::read(const Json& from, const char* key, std::vector<int>& to) {
+  if (!from.is_array()) throw Unreadable{std::string("\"") + key + "\" is no list of whole numbers"};
+  to.clear();
+  for (const Json& one : from) read(one, key, to.emplace_back());
+}
+
 void Fields::read(const Json& from, const char* key, Vec3& to) {
   if (!from.is_array() || from.size() != 3) throw Unreadable{std::string("\"") + key + "\" is not [x,y,z]"};
   to = {from[0].get<double>(), from[1].get<double>(), from[2].get<double>()};

@@ -118,6 +118,7 @@ class Fields {
   static void read(const Json& from, const char* key, std::vector<std::filesystem::path>& to);
   static void read(const Json& from, const char* key, Json& to);
   static void read(const Json& from, const char* key, std::vector<double>& to);
+  static void read(const Json& from, const char* key, std::vector<int>& to);
   static void read(const Json& from, const char* key, Vec3& to);
   static void read(const Json& from, const char* key, Eigen::Quaterniond& to);  ///< a rotation
   template <class Value>

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "core/base/files.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/structures/template_set.h"
@@ -72,6 +73,37 @@ double off_ball_mm(const Document& document, std::size_t structure, double x_mm)
 }
 
 }  // namespace
+
+TEST_CASE("the labels of a map are a list before anything is fitted, with a choice and an eye each") {
+  const TwoBalls balls;
+  Driver driver(balls.document);
+  REQUIRE(write_whole_file(balls.folder.path / "labels.json", R"({"3": "right ball", "5": "left ball"})"));
+  driver.app().send(open_labels(balls.labels));
+  driver.settle();
+  REQUIRE(driver.has("right ball (3)/right ball (3)"));
+  REQUIRE(driver.has("left ball (5)/left ball (5)"));
+  CHECK(driver.state().look.hidden_labels == nullptr);
+  driver.click("left ball (5)/left ball (5)");
+  CHECK(driver.state().automatic.fit_settings.label == 5);
+  driver.click("right ball (3)/eye");
+  REQUIRE(driver.state().look.hidden_labels);
+  CHECK(*driver.state().look.hidden_labels == std::set<int>{3});
+  driver.click("right ball (3)/eye");
+  CHECK(driver.state().look.hidden_labels == nullptr);
+  driver.click("Only this");
+  CHECK(*driver.state().look.hidden_labels == std::set<int>{3});
+  driver.click("Show none");
+  CHECK(driver.state().look.hidden_labels->size() == 2);
+  driver.app().send(FilterStructures{"right"});
+  driver.settle();
+  CHECK_FALSE(driver.has("left ball (5)/left ball (5)"));
+  driver.click("Show all");
+  CHECK(*driver.state().look.hidden_labels == std::set<int>{5});
+  // Another map begins with all eyes open.
+  driver.app().send(open_labels(balls.labels));
+  driver.settle();
+  CHECK(driver.state().look.hidden_labels == nullptr);
+}
 
 TEST_CASE("the window fits a set and one undo takes all of its structures back") {
   const TwoBalls balls;

@@ -165,6 +165,14 @@ void LockStructures::run(EditorState& state) const {
       state.look.structures.locked.erase(id);
 }
 
+void HideLabels::spell(Fields& line) {
+  line.member("labels", labels);
+}
+void HideLabels::run(EditorState& state) const {
+  state.look.hidden_labels =
+      labels.empty() ? nullptr : std::make_shared<const std::set<int>>(labels.begin(), labels.end());
+}
+
 void ChooseSet::spell(Fields& line) {
   line.member("source", source);
 }

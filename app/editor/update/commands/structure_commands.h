@@ -85,6 +85,13 @@ struct LockStructures {
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
+/// Shuts the eyes of these labels of the map, and opens those of all others.
+struct HideLabels {
+  static constexpr const char* key = "hide labels";
+  std::vector<int> labels;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
 /// Reads a template set, of a file or built in, to be fitted to the label map.
 struct ChooseSet {
   static constexpr const char* key = "choose set";

@@ -42,6 +42,7 @@ void show_labels(Editing& editing, const Opened& opened, std::optional<int> fitt
                    " If it belongs to another one, go there and press \"It is of this frame\" (Case).",
                false);
   }
+  editing.state.look.hidden_labels.reset();
   editing.shown.show_labels({opened.labels.front(), name, absolute_path(opened.request.labels), frame, opened.labels});
 }
 

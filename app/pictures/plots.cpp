@@ -48,6 +48,11 @@ std::vector<double> round_ticks(double low, double high, int most) {
 Plot::Plot(Page& page, const PageBox& box, const PlotAxis& x, const PlotAxis& y) : page_(page), x_(x), y_(y) {
   constexpr double above = 6, below = 9.5, right = 3;
   const auto marks = [](const PlotAxis& axis, double room_mm, double each_mm) {
+    if (!axis.names.empty()) {
+      std::vector<double> places;
+      for (std::size_t k = 0; k < axis.names.size(); ++k) places.push_back(static_cast<double>(k));
+      return places;
+    }
     auto ticks = round_ticks(axis.low, axis.high, std::max(2, static_cast<int>(room_mm / each_mm)));
     if (axis.whole) std::erase_if(ticks, [](double tick) { return std::abs(tick - std::round(tick)) > 1e-9; });
     return ticks;
@@ -66,7 +71,9 @@ Plot::Plot(Page& page, const PageBox& box, const PlotAxis& x, const PlotAxis& y)
   for (const double tick : marks(x, area_.width, 9)) {
     const double place = at(tick, y.low).x();
     page.add_line({{place, bottom}, {place, bottom + 0.8}});
-    page.add_text(place, bottom + 1.4 + number_mm, figure(tick), PageText::Anchor::middle, number_pt);
+    page.add_text(place, bottom + 1.4 + number_mm,
+                  x.names.empty() ? figure(tick) : x.names[static_cast<std::size_t>(tick)], PageText::Anchor::middle,
+                  number_pt);
   }
   page.add_line({{area_.x, area_.y}, {area_.x, bottom}, {area_.x + area_.width, bottom}});
   page.add_text(box.x + 1, box.y + title_pt * 25.4 / 72, y.title, PageText::Anchor::start, title_pt);

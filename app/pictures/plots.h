@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,8 @@ struct PageBox {
 struct PlotAxis {
   std::string title;
   double low = 0, high = 1;
-  bool whole = false;  ///< whole numbers alone are marked
+  bool whole = false;                ///< whole numbers alone are marked
+  std::vector<std::string> names{};  ///< of the places 0, 1, …, in place of numbers
 };
 
 /// Places for round numbers from low to high, at most `most` of them.
@@ -62,6 +64,13 @@ void add_colour_bar(Page& page, const PageBox& box, const ColourScale& scale);
 inline constexpr double colour_bar_mm = 11;
 
 /// Colours of plots that colour-blind eyes tell apart [Okabe and Ito 2008].
+inline constexpr std::array<Rgb, 7> plot_colours{{{0.0f, 0.447f, 0.698f},
+                                                  {0.835f, 0.369f, 0.0f},
+                                                  {0.0f, 0.62f, 0.451f},
+                                                  {0.8f, 0.475f, 0.655f},
+                                                  {0.902f, 0.624f, 0.0f},
+                                                  {0.337f, 0.706f, 0.914f},
+                                                  {0.3f, 0.3f, 0.3f}}};
 inline constexpr Rgb plot_blue{0.0f, 0.447f, 0.698f}, plot_orange{0.835f, 0.369f, 0.0f}, plot_grey{0.62f, 0.62f, 0.62f};
 
 }  // namespace homolog

@@ -17,6 +17,7 @@
 #include "core/model/shape_files.h"
 #include "core/model/structure_files.h"
 #include "core/model/study.h"
+#include "core/model/training_set.h"
 #include "core/session/case_file.h"
 #include "render/offscreen.h"
 
@@ -77,6 +78,31 @@ Result<Report> write(Result<MadePicture> made, const PictureVerb& verb) {
       {{"glyphs", glyphs}, {"size", Json::array({made->picture.width, made->picture.height})}}, {}, {verb.out}};
 }
 
+/// Mirror images of most others are named, and flipped where that is asked. One that stays has its faces turned, so
+/// that they look outward.
+std::vector<std::string> settle_mirrored(const PictureVerb& verb, const std::vector<std::string>& names,
+                                         std::vector<Mesh>& shapes) {
+  TrainingSet all{names, shapes.front().topology, ShapeMatrix(shapes.front().points.size(), std::ssize(shapes))};
+  for (std::size_t k = 0; k < shapes.size(); ++k)
+    all.shapes.col(static_cast<Eigen::Index>(k)) =
+        Eigen::Map<const Eigen::VectorXd>(shapes[k].points.data(), shapes[k].points.size());
+  std::vector<std::string> found;
+  for (const Eigen::Index k : mirrored_shapes(all)) {
+    Mesh& shape = shapes[static_cast<std::size_t>(k)];
+    found.push_back(names[static_cast<std::size_t>(k)] +
+                    ": a mirror image of the other shapes (left and right exchanged); " +
+                    (verb.flip_mirrored ? "flipped" : "use --flip-mirrored to flip it"));
+    if (verb.flip_mirrored) {
+      shape.points.col(0) *= -1;
+      continue;
+    }
+    Triangles faces = shape.topology->triangles();
+    faces.col(1).swap(faces.col(2));
+    if (auto own = Topology::make(shape.topology->vertices(), std::move(faces))) shape.topology = *own;
+  }
+  return found;
+}
+
 Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
   const auto sources = shape_sources(verb.in);
   if (!sources) return fail(sources.error());
@@ -108,6 +134,8 @@ Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
   };
   auto warnings = read_shapes(*sources, {verb.all_frames}, take, &progress);
   if (!warnings) return fail(warnings.error());
+  const auto mirrored = settle_mirrored(verb, names, shapes);
+  warnings->insert(warnings->end(), mirrored.begin(), mirrored.end());
   auto report = write(correspondence_picture(shapes, names, montage_options(verb)), verb);
   if (report) report->warnings = std::move(*warnings);
   return report;
@@ -281,6 +309,7 @@ void add_picture(CLI::App& app, CommandLine& asked) {
                   "Shapes in correspondence: meshes, case files (.homolog), a study (.study.json)")
       ->required();
   all->add_flag("--all-frames", options->all_frames, "Show every edited frame of a cine");
+  all->add_flag("--flip-mirrored", options->flip_mirrored, "Flip shapes that are mirror images of most others");
   auto* structures =
       all->add_option("--structures", options->structures,
                       "Join several structures, as A,B, of a folder with CASE/A.ply as fit SET writes it")

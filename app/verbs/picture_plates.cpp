@@ -30,6 +30,7 @@ struct PlateVerb {
   std::vector<double> range;
   std::vector<fs::path> against;
   TestCasesAsked cases;
+  TablePlot plot;
 };
 
 /// All values of vertices that a mesh's file has, by name.
@@ -214,10 +215,13 @@ Result<Report> of_score(const PlateVerb& verb, Progress& progress) {
 Result<Report> of_plot(const PlateVerb& verb) {
   const fs::path& file = verb.picture->in.front();
   const double width_mm = montage_options(*verb.picture).width_mm;
+  if (is_model_name(file) && !verb.plot.x.empty())
+    return fail(file.string(), "is a model, so --x and --y have no effect; leave them out");
   if (!is_model_name(file)) {
     const auto table = read_text_table(file);
     if (!table) return fail(table.error());
-    return write_plate(measure_plots(*table, width_mm), *verb.picture);
+    return write_plate(verb.plot.x.empty() ? measure_plots(*table, width_mm) : table_plot(*table, verb.plot, width_mm),
+                       *verb.picture);
   }
   const auto model = read_model(file);
   if (!model) return fail(model.error());
@@ -340,10 +344,16 @@ void add_plates(CLI::App& picture, const std::shared_ptr<PictureVerb>& options, 
   add_view(*score, *options);
   runs(score, [](const PlateVerb& verb, Progress& progress) { return of_score(verb, progress); });
 
-  CLI::App* plot = add_verb(picture, "plot", "The variances and the training shapes of a model, or its measures");
-  plot->add_option("FILE", options->in, "A model (.h5, .h5.json), or a table that evaluate --csv wrote")
+  CLI::App* plot =
+      add_verb(picture, "plot", "The variances and the training shapes of a model, its measures, or a table's columns");
+  plot->add_option("FILE", options->in,
+                   "A model (.h5, .h5.json), a table that evaluate --csv wrote, or any with --x, --y")
       ->required()
       ->expected(1);
+  auto* x = plot->add_option("--x", plate->plot.x, "The column of a table that goes across: numbers, or groups");
+  auto* y = plot->add_option("--y", plate->plot.y, "The column of numbers that goes up")->needs(x);
+  x->needs(y);
+  plot->add_option("--by", plate->plot.by, "The column of groups, each a colour")->needs(x);
   add_plate_options(*plot, *options);
   runs(plot, [](const PlateVerb& verb, Progress&) { return of_plot(verb); });
 }

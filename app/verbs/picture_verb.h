@@ -18,7 +18,7 @@ struct PictureVerb {
   std::filesystem::path out;
   std::string size = "1280x960", view = "anterior";
   double glyph_spacing_mm = 0, width_mm = 0;
-  bool transparent = false, all_frames = false, captions = false;
+  bool transparent = false, all_frames = false, flip_mirrored = false, captions = false;
   std::string ground, only;             ///< empty: as it always was
   std::vector<std::string> structures;  ///< joined; empty: shapes of one
   std::string structure;                ///< of those this one alone; empty: all

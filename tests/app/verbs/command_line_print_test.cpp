@@ -185,6 +185,36 @@ TEST_CASE("a page as PDF is whole and has its font and its size") {
   CHECK(read(folder, "text").find("Mode 1 (standard deviations)") != std::string::npos);
 }
 
+TEST_CASE("columns of a table are plotted, as numbers and as groups") {
+  const TemporaryFolder folder;
+  std::string table = "case;age;volume_ml;group\n";
+  for (int k = 0; k < 12; ++k)
+    table += "c" + std::to_string(k) + ";" + std::to_string(40 + k) + ",5;" + std::to_string(100 + 3 * k) +
+             (k % 3 == 0 ? ";ill\n" : ";well\n");
+  REQUIRE(write_whole_file(folder.path / "t.csv", table + "c12;;180;ill\n"));
+  const auto count = [](const std::string& text, const std::string& part) {
+    std::size_t found = 0;
+    for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+    return found;
+  };
+  const Ran numbers = run(folder, "picture plot t.csv --x age --y volume_ml --by group -o n.svg");
+  REQUIRE_MESSAGE(numbers.status == 0, numbers.errors);
+  const std::string drawn = read(folder, "n.svg");
+  for (const char* word : {">age<", ">volume ml<", ">ill<", ">well<"})
+    CHECK_MESSAGE(drawn.find(word) != drawn.npos, word);
+  const Ran groups = run(folder, "picture plot t.csv --x group --y volume_ml --width-mm 85 -o g.svg");
+  REQUIRE_MESSAGE(groups.status == 0, groups.errors);
+  // The case without an age counts here: a dot more than there.
+  const std::string by_group = read(folder, "g.svg");
+  CHECK(by_group.find(">ill<") != by_group.npos);
+  CHECK(count(by_group, "<path") != count(drawn, "<path"));
+  check_refused(run(folder, "picture plot t.csv --x age --y weight -o a.svg"),
+                "has no column weight; it has case, age");
+  check_refused(run(folder, "picture plot t.csv --x age --y group -o a.svg"), "where group should be a number");
+  CHECK(run(folder, "picture plot t.csv --x age -o a.svg").status == 2);
+  CHECK_FALSE(fs::exists(folder.path / "a.svg"));
+}
+
 TEST_CASE("measures are plotted with their errors and a broken table is refused by its line") {
   const TemporaryFolder folder;
   const std::string files = put_shapes(folder);

@@ -118,8 +118,8 @@ const std::map<std::string_view, Examples> examples{
 
 /// What a checked value may be: "N (1 to 1024)" of "INT:INT in [1 - 1024]".
 std::string type_in_words(const CLI::Option& option) {
-  static const std::set<std::string> words{"--scheme", "--schemes", "--group", "--series", "--modes",
-                                           "--size",   "--view",    "--shown", "--only"};
+  static const std::set<std::string> words{"--formula", "--paired", "--title", "--scheme", "--schemes", "--group",
+                                           "--series",  "--modes",  "--size",  "--view",   "--shown",   "--only"};
   std::string type = option.get_type_name();
   const bool any_value = type.starts_with(':');  // read as text, and checked as what follows
   if (any_value) type.erase(0, 1);

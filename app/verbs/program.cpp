@@ -170,6 +170,16 @@ std::string embedded(const unsigned char* bytes, std::size_t size) {
 }
 
 /// The command that prints the help of the verb that was given.
+/// What the parser says, without the largest number there is.
+std::string in_plain_words(const std::string& message) {
+  const std::string value = "Value ", range = " not in range 0.0";
+  const std::size_t from = message.find(value), to = message.find(range);
+  if (from == message.npos || to == message.npos || to < from || message.find("17976931348623157") == message.npos)
+    return message;
+  return message.substr(0, from) + "\"" + message.substr(from + value.size(), to - from - value.size()) +
+         "\" is no number of 0 or more";
+}
+
 std::string help_for(const CLI::App& app) {
   const std::string verb = full_name(*verb_given(app));
   return "homolog " + (verb.empty() ? "" : verb + " ") + "--help";
@@ -243,7 +253,7 @@ int run_program(int argc, char** argv, const Program& program) {
     const int status = app.exit(help_or_version);
     return shown() ? status : refused;
   } catch (const CLI::Error& error) {
-    std::cerr << "homolog: " << printable(error.what()) << "; see " << help_for(app) << '\n';
+    std::cerr << "homolog: " << printable(in_plain_words(error.what())) << "; see " << help_for(app) << '\n';
     return wrong_command_line;
   }
   if (integrate != nullptr && integrate->count() > 0) {
@@ -292,7 +302,7 @@ Result<Report> run_verb_here(const std::vector<std::string>& arguments, Progress
   } catch (const CLI::Success&) {
     return Report{{{"help", verb_given(app)->help()}}, {}};
   } catch (const CLI::Error& error) {
-    return fail("", std::string(error.what()) + "; see " + help_for(app));
+    return fail("", in_plain_words(error.what()) + "; see " + help_for(app));
   }
   if (!asked.run) return fail("", full_name(*verb_given(app)) + " is a program of its own; run it by homolog");
   wrong_command_line = false;

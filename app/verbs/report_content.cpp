@@ -229,6 +229,10 @@ Result<PageContent> content_of_set(const ReportVerb& verb, Progress& progress) {
   content.distance_modes = modes_holding(components.variances(), share_of_distances);
   content.model.left_out_distances = left_out_distances(components, content.distance_modes);
   put_distances(content);
+  content.flipped = static_cast<Eigen::Index>(training->flipped);
+  if (const auto of_studies = cases_of_studies(verb.training.files))
+    for (const std::string& name : training->names)
+      if (const auto one = of_studies->find(name); one != of_studies->end() && one->second.flipped) ++content.flipped;
   content.model.parts = training->parts;
   content.model.alignment = verb.training.alignment();
   content.shapes = components.centred.colwise() + components.mean;
@@ -263,7 +267,8 @@ Result<PageContent> page_content(const ReportVerb& verb, Progress& progress) {
   if (!content) return content;
   if (!verb.recipe.empty() || !verb.the_template.empty())
     if (auto measured = measure_page(verb, *content, progress); !measured) return fail(measured.error());
-  content->title = verb.title.empty() ? plain_title(files.front()) : verb.title;
+  const bool names_a_case = verb.without_names && files.size() > 1;
+  content->title = !verb.title.empty() ? verb.title : names_a_case ? "Shapes" : plain_title(files.front());
   content->command = plain_command(verb);
   if (verb.without_names)
     for (std::size_t k = 0; k < content->cases.size(); ++k) content->cases[k].name = "case " + std::to_string(k + 1);

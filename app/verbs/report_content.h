@@ -48,6 +48,7 @@ struct PageContent {
   std::vector<PageCase> cases;                   ///< those in the model in the order of `shapes`, then the others
   VertexScalars doubt_mm;                        ///< n: root mean square over the cases that have a doubt; or empty
   Eigen::Index doubt_cases = 0;                  ///< how many have one
+  Eigen::Index flipped = 0;                      ///< how many shapes were flipped left for right
   Measures generalisation_rms, specificity_rms;  ///< at m = 1…M−2; empty: not known
   Eigen::Index samples = 0;                      ///< of the specificity
   std::shared_ptr<const Recipe> recipe;          ///< null: nothing is measured

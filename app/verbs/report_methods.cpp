@@ -93,13 +93,20 @@ std::string shapes_paragraph(const PageContent& content, Citations& works) {
   return text + groups_sentence(content) + excluded_sentence(content);
 }
 
+std::string flipped_sentence(const PageContent& content) {
+  if (content.flipped == 0) return "";
+  return " Before, " + counted(content.flipped, "shape was", "shapes were") + " flipped left for right.";
+}
+
 std::string alignment_sentence(const PageContent& content, Citations& works) {
   if (!content.model.alignment) return "The file does not say how the shapes were aligned.";
   if (*content.model.alignment == Alignment::none) return "The shapes were not aligned: they vary as they lie.";
   const std::string procrustes = "The shapes were aligned by generalised Procrustes analysis " + works.cite(gower_work);
-  return procrustes + (*content.model.alignment == Alignment::similarity
-                           ? ": translation, rotation, and scale to the mean centroid size."
-                           : ": translation and rotation; size is part of the model.");
+  return procrustes +
+         (*content.model.alignment == Alignment::similarity
+              ? ": translation, rotation, and scale to the mean centroid size."
+              : ": translation and rotation; size is part of the model.") +
+         flipped_sentence(content);
 }
 
 std::string modes_sentence(const PageContent& content) {

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "app/verbs/case_landmarks.h"
+#include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/record.h"
 #include "app/verbs/verbs.h"
@@ -15,12 +17,15 @@
 #include "core/mesh/formats/formats.h"
 #include "core/model/model_files.h"
 #include "core/model/model_prior.h"
+#include "core/model/numbering.h"
 #include "core/model/score.h"
 #include "core/model/shape_files.h"
 #include "core/model/statismo.h"
 #include "core/model/structure_files.h"
+#include "core/model/training_set.h"
 #include "core/session/case_file.h"
 #include "core/template/template.h"
+#include "core/volume/label_likeness.h"
 
 // The verb `score`: subjects against a model that stays as it is.
 
@@ -37,7 +42,15 @@ struct ScoreJob {
   fs::path the_template;
   std::string label;
   std::optional<int> frame;
+  bool flip_mirrored = false;
   GivenCommand command;
+};
+
+/// What label maps are fitted with: the model's mean, and the shapes that the model allows, of which the nearest comes
+/// first. So the fit lies in the model's correspondence as far as the map leaves it open.
+struct MapScoring {
+  std::shared_ptr<const Template> mean;
+  std::shared_ptr<const AllowedShapes> allowed;  ///< null: of a model of several structures
 };
 
 /// A shape to score, in the model's numbering.
@@ -48,17 +61,24 @@ struct NewShape {
   std::size_t from = 0;  ///< which of the files that were named
 };
 
-/// Fits the model's mean to a label map, as `fit` does with one case.
-Result<NewShape> shape_of_map(const ScoreJob& job, const std::shared_ptr<const Template>& mean, const fs::path& path,
+/// Fits the model's mean to a label map, as `fit --model` does with one case.
+Result<NewShape> shape_of_map(const ScoreJob& job, const MapScoring& with, const fs::path& path,
                               std::vector<std::string>& warnings, Progress& progress) {
+  const std::shared_ptr<const Template>& mean = with.mean;
   auto mask = read_mask(path, job.label, {job.frame, {}, {}}, progress);
-  if (!mask) return fail(mask.error());
+  if (!mask) {
+    const auto read = read_volume(path);
+    if (read && !holds_labels(read->volume) && job.label.empty())
+      return fail(path.string(), "is an image and no label map; give --landmarks and --template with images");
+    return fail(mask.error());
+  }
   warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
   const auto boundary =
       label_boundary(mask->volume, mask->label, mask->frame, usual_closing_mm(mask->volume, mask->label, mask->frame),
                      mean->points.rows(), parts_for(*mean->topology));
   if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
   FitOptions options;
+  options.allowed = with.allowed;
   options.progress = &progress;
   auto fit = fit_to_boundary(*mean, *boundary, options);
   if (!fit) return fail(path.string(), fit.error().what);
@@ -135,12 +155,40 @@ Result<NewShape> joined_shape(const ShapeModel& model, const fs::path& folder) {
   return shape;
 }
 
-std::shared_ptr<const Template> mean_of(const ShapeModel& model) {
+Result<MapScoring> map_scoring(const ScoreJob& job, const ShapeModel& model) {
   MeshFile mean;
   mean.points = points_of(model.mean);
-  mean.triangles = model.topology->triangles();
+  mean.triangles = model.topology ? model.topology->triangles() : Triangles();
   auto made = make_template(std::move(mean), "the model's mean");
-  return made ? *made : nullptr;
+  if (!made) return fail(job.model.string(), "has a mean that is no surface, so nothing can be fitted");
+  MapScoring with{std::move(*made), nullptr};
+  if (auto allowed = allowed_by(model, *with.mean); allowed && model.parts.empty())
+    with.allowed = std::make_shared<const AllowedShapes>(std::move(*allowed));
+  return with;
+}
+
+/// What looks wrong about a shape beside the model's mean, a sentence each. Flips a mirror image where that is asked.
+std::vector<std::string> check_against_mean(const ScoreJob& job, const ShapeModel& model, NewShape& shape) {
+  std::vector<std::string> found;
+  const Points mean = points_of(model.mean);
+  Points& points = shape.mesh.points;
+  if (points.rows() != mean.rows() || model.alignment == Alignment::none) return found;
+  if (looks_mirrored(mean, points)) {
+    if (job.flip_mirrored) points.col(0) *= -1;
+    found.push_back(shape.name + ": looks like a mirror image of the model's mean (left and right exchanged); " +
+                    (job.flip_mirrored ? "flipped" : "use --flip-mirrored to flip it"));
+  }
+  if (const int power = power_of_ten(centroid_size_mm(points) / centroid_size_mm(mean)); power != 0)
+    found.push_back(shape.name + ": about " + std::to_string(std::lround(std::pow(10, std::abs(power)))) +
+                    " times as " + (power > 0 ? "large" : "small") +
+                    " as the model's mean; its lengths may not be in mm, so convert it first");
+  ShapeMatrix both(model.mean.size(), 2);
+  both << model.mean, Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
+  if (model.parts.empty() && !other_numbering(both, model.topology).shapes.empty())
+    found.push_back(shape.name +
+                    ": has its vertices in another order than the model; its score means nothing, so make it from the "
+                    "model's template");
+  return found;
 }
 
 /// All shapes, in the order in which they were named. What cannot be read becomes a warning.
@@ -151,9 +199,10 @@ Result<std::vector<NewShape>> read_new_shapes(const ScoreJob& job, const ShapeMo
   const auto add = [&](Result<NewShape> shape) {
     if (!shape) return warnings.push_back(shape.error().sentence());
     shape->from = from;
+    for (std::string& sentence : check_against_mean(job, model, *shape)) warnings.push_back(std::move(sentence));
     shapes.push_back(std::move(*shape));
   };
-  std::shared_ptr<const Template> mean;
+  std::optional<MapScoring> of_maps;
   std::optional<ImageScoring> of_images;
   if (!job.landmarks.empty()) {
     if (!model.parts.empty())
@@ -177,9 +226,12 @@ Result<std::vector<NewShape>> read_new_shapes(const ScoreJob& job, const ShapeMo
         add(shape_of_image(job, *of_images, path, warnings, own));
         continue;
       }
-      if (mean == nullptr) mean = mean_of(model);
-      if (mean == nullptr) return fail(job.model.string(), "has a mean that is no surface, so nothing can be fitted");
-      add(shape_of_map(job, mean, path, warnings, own));
+      if (!of_maps) {
+        auto made = map_scoring(job, model);
+        if (!made) return fail(made.error());
+        of_maps = std::move(*made);
+      }
+      add(shape_of_map(job, *of_maps, path, warnings, own));
     } else {
       const auto sources = shape_sources({path});
       if (!sources) {
@@ -187,7 +239,9 @@ Result<std::vector<NewShape>> read_new_shapes(const ScoreJob& job, const ShapeMo
         continue;
       }
       const auto take = [&](ReadShape shape) -> Result<void> {
-        shapes.push_back({std::move(shape.name), *shape.mesh, std::move(shape.doubt), k});
+        NewShape taken{std::move(shape.name), *shape.mesh, std::move(shape.doubt), k};
+        for (std::string& sentence : check_against_mean(job, model, taken)) warnings.push_back(std::move(sentence));
+        shapes.push_back(std::move(taken));
         return {};
       };
       const auto read = read_shapes(*sources, {.doubts = true}, take, &own);
@@ -255,7 +309,23 @@ Result<void> write_score_table(const Json& subjects, const fs::path& path) {
   return write_whole_file(path, table.str());
 }
 
-Result<Report> score(const ScoreJob& job, Progress& progress) {
+/// The same job with folders of label maps opened; folders with shapes stay.
+ScoreJob with_maps_opened(ScoreJob job) {
+  std::vector<fs::path> files;
+  for (const fs::path& file : job.files) {
+    std::error_code error;
+    const bool is_folder = fs::is_directory(file, error);
+    const auto maps = is_folder && !shape_sources({file}) ? volumes_in(file) : std::vector<fs::path>();
+    const auto kept = job.landmarks.empty() ? label_maps_among(maps) : maps;
+    files.insert(files.end(), kept.begin(), kept.end());
+    if (kept.empty()) files.push_back(file);
+  }
+  job.files = std::move(files);
+  return job;
+}
+
+Result<Report> score(const ScoreJob& asked, Progress& progress) {
+  const ScoreJob job = with_maps_opened(asked);
   const auto model = read_model(job.model);
   if (!model) return fail(model.error());
   Report report;
@@ -325,6 +395,7 @@ void add_score(CLI::App& app, CommandLine& asked) {
                            ->check(CLI::ExistingFile)
                            ->needs(landmarks);
   landmarks->needs(the_template);
+  verb->add_flag("--flip-mirrored", job->flip_mirrored, "Flip shapes that are mirror images of the model's mean");
   verb->add_option("-o,--output", job->out,
                    "Folder for scores.csv and for each mesh (.vtp) with z, z_low and z_high of every vertex");
   verb->callback([job, verb, &asked] {

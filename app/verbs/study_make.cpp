@@ -39,6 +39,13 @@ struct MakeJob {
 
 using Row = std::map<std::string, std::string>;
 
+constexpr std::array own_columns{"name", "image", "labels", "label", "group", "file", "notes"};
+
+/// Whether a column is not a covariate.
+bool is_own_column(const std::string& column) {
+  return std::find(own_columns.begin(), own_columns.end(), column) != own_columns.end();
+}
+
 /// What a column is called here: people write "mask" for the label map and "scan" for the image.
 std::string column_named(const std::string& text) {
   static const std::map<std::string, std::string> others{
@@ -46,8 +53,7 @@ std::string column_named(const std::string& text) {
       {"scan", "image"},  {"volume", "image"},     {"mesh", "file"},       {"shape", "file"},
       {"case", "name"},   {"id", "name"}};
   const std::string small = lower_case(text);
-  for (const char* own : {"name", "image", "labels", "label", "group", "file", "notes"})
-    if (small == own) return small;
+  if (is_own_column(small)) return small;
   const auto other = others.find(small);
   return other == others.end() ? text : other->second;
 }
@@ -64,7 +70,11 @@ Result<std::vector<Row>> read_rows(const fs::path& path) {
   std::vector<Row> rows;
   for (auto& cells : table->rows) {
     Row row;
-    for (std::size_t k = 0; k < cells.size(); ++k) row[columns[k]] = std::move(cells[k]);
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      const bool is_own = is_own_column(columns[k]);
+      const auto number = is_own || table->separator == ',' ? std::nullopt : with_decimal_point(cells[k]);
+      row[columns[k]] = number ? *number : std::move(cells[k]);
+    }
     rows.push_back(std::move(row));
   }
   if (rows.empty())
@@ -178,8 +188,7 @@ Result<StudyCase> case_of_row(const MakeJob& job, const Row& row, const fs::path
       one->notes = text;
     else if (column == "label" && !text.empty())
       one->other["label"] = value_of(text);
-    else if (column != "name" && column != "file" && column != "image" && column != "labels" && column != "label" &&
-             !text.empty())
+    else if (!is_own_column(column) && !text.empty())
       covariates[column] = value_of(text);
   }
   if (!covariates.empty()) one->other["covariates"] = std::move(covariates);

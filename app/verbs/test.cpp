@@ -180,10 +180,15 @@ struct TestAgain {
 Result<std::vector<TestAgain>> tests_again(const TestJob& job, std::vector<std::string>& warnings, Progress& progress) {
   std::vector<TestAgain> again;
   if (const auto sure = sure_coordinates(job.cases); job.of_shape() && std::ssize(sure) < job.cases.shapes.rows()) {
-    const std::string doubtful = std::to_string((job.cases.shapes.rows() - std::ssize(sure)) / 3);
+    const Eigen::Index vertices = job.cases.shapes.rows() / 3, kept = std::ssize(sure) / 3;
+    const std::string doubtful = std::to_string(vertices - kept);
     if (sure.empty())
       warnings.emplace_back("every vertex is in more doubt than the cases scatter");
-    else
+    else if (2 * kept < vertices)
+      warnings.push_back("only " + std::to_string(kept) + " of " + std::to_string(vertices) +
+                         " vertices are in less doubt than the cases scatter, so \"without the " + doubtful +
+                         " vertices in doubt\" says little");
+    if (!sure.empty())
       again.push_back(
           {"without the " + doubtful + " vertices in doubt", tests_of(job, job.responses(sure, Eigen::all), progress)});
   }
@@ -288,6 +293,18 @@ void add_test(CLI::App& app, CommandLine& asked) {
       "--paired", options->asked.paired,
       "A column whose values (subjects) hold cases that belong together: it is taken out, and cases change "
       "places within it alone");
+  verb->add_option("--without-direction", options->asked.direction,
+                   "Two shapes, as a jaw closed and open: what the cases differ along the way from one to the other "
+                   "is taken out first")
+      ->expected(2)
+      ->check(CLI::ExistingFile);
+  verb->add_option("--structures", options->asked.shapes.structures,
+                   "A structure of several, or A,B together: SHAPE is then a folder with CASE/A.ply, as fit SET writes "
+                   "it")
+      ->delimiter(',')
+      ->excludes("--all-frames")
+      ->excludes("--flip-mirrored")
+      ->excludes("--group");
   verb->add_flag("--by-doubt", options->by_doubt, "Cases in more doubt weigh less");
   verb->add_option("--modes", options->modes,
                    "Of \"age ~ shape\": how many modes explain (default: those that hold more than chance)")

@@ -8,8 +8,10 @@
 
 #include "core/base/file_stem.h"
 #include "core/base/nearest_names.h"
+#include "core/model/joint_set.h"
 #include "core/model/model_files.h"
 #include "core/model/shape_files.h"
+#include "core/model/structure_files.h"
 #include "core/model/study.h"
 
 namespace homolog {
@@ -18,22 +20,33 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// What is known of a study's case: the columns of the table that `study make` was given, and others that its file has.
+std::map<std::string, std::string> known_of(const StudyCase& one) {
+  std::map<std::string, std::string> known;
+  const auto take = [&](const auto& fields) {
+    for (const auto& [key, value] : fields.items())
+      if (!value.is_structured() && !value.is_null())
+        known.emplace(key, value.is_string() ? value.template get<std::string>() : value.dump());
+  };
+  if (const auto covariates = one.other.find("covariates"); covariates != one.other.end() && covariates->is_object())
+    take(*covariates);
+  take(one.other);
+  return known;
+}
+
 /// What a study knows of its cases: their group and the columns that its table had. Of no study nothing.
 CovariateTable covariates_of(const std::map<std::string, StudyCase>& cases, const std::string& source) {
   CovariateTable table{source, {}, {}, {}};
   if (cases.empty()) return table;
   table.columns = {"group"};
   for (const auto& [file, one] : cases)
-    for (const auto& [key, value] : one.other.items())
-      if (!value.is_structured() && !table.column(key)) table.columns.push_back(key);
+    for (const auto& [key, value] : known_of(one))
+      if (!table.column(key)) table.columns.push_back(key);
   for (const auto& [file, one] : cases) {
     table.cases.push_back(one.name);
     std::vector<std::string> row{one.group};
-    for (std::size_t k = 1; k < table.columns.size(); ++k) {
-      const auto value = one.other.find(table.columns[k]);
-      const bool known = value != one.other.end() && !value->is_null();
-      row.push_back(!known ? "" : value->is_string() ? value->get<std::string>() : value->dump());
-    }
+    auto known = known_of(one);
+    for (std::size_t k = 1; k < table.columns.size(); ++k) row.push_back(known[table.columns[k]]);
     table.cells.push_back(std::move(row));
   }
   return table;
@@ -88,9 +101,42 @@ std::string first_words(const std::vector<std::string>& names) {
   return listed(first, ", ") + (names.size() > 3 ? ", …" : "");
 }
 
-/// Shapes with their rows; what has no partner goes into `left_out`.
-Result<std::vector<Partner>> partners(const TrainingSet& set, const RowFinder& finder, TestCases& cases) {
-  const auto names = shape_names(set.names);
+/// The shapes of one structure, or of several whose places count among each other too.
+Result<TrainingSetRead> read_shapes_asked(const TrainingVerb& shapes, Progress& progress) {
+  if (shapes.structures.empty()) return read_training_set(shapes.files, shapes.reading, &progress);
+  const auto cases = structure_files(shapes.files, shapes.structures, ShapeWorksFrame::local, 1);
+  if (!cases) return fail(cases.error());
+  auto joint = read_joint_set(*cases, shapes.structures, {shapes.reading.without_doubtful}, &progress);
+  if (!joint) return fail(joint.error());
+  return std::move(joint->read);
+}
+
+/// Takes the direction from one shape to the other out of aligned shapes: what they differ along it is nobody's.
+Result<void> take_direction_out(const std::vector<fs::path>& two, Alignment alignment, ShapeMatrix& shapes) {
+  const Eigen::VectorXd mean = shapes.rowwise().mean();
+  ShapeMatrix ends(shapes.rows(), 2);
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const fs::path& file = two[static_cast<std::size_t>(k)];
+    const auto read = read_shape({file, {}});
+    if (!read) return fail(read.error());
+    if ((*read)->points.size() != shapes.rows())
+      return fail(file.string(), "has " + std::to_string((*read)->points.rows()) + " vertices where the shapes have " +
+                                     std::to_string(shapes.rows() / 3) + "; give two shapes of the same template");
+    const Points aligned = aligned_to((*read)->points, points_of(mean), alignment);
+    ends.col(k) = Eigen::Map<const Eigen::VectorXd>(aligned.data(), aligned.size());
+  }
+  const Eigen::VectorXd along = ends.col(1) - ends.col(0);
+  if (!(along.norm() > 1e-6 * mean.norm()))
+    return fail(two.back().string(), "is the same shape as " + two.front().string() + ", which gives no direction");
+  const Eigen::VectorXd direction = along.normalized();
+  const Eigen::RowVectorXd amounts = direction.transpose() * (shapes.colwise() - mean);
+  shapes -= direction * amounts;
+  return {};
+}
+
+/// Shapes with their rows; what has no partner goes into `left_out`. `names`: of the shapes.
+Result<std::vector<Partner>> partners(const TrainingSet& set, const std::vector<std::string>& names,
+                                      const RowFinder& finder, TestCases& cases) {
   std::vector<Partner> found;
   std::map<std::size_t, std::string> taken;
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -135,8 +181,8 @@ void leave_out_incomplete(std::vector<Partner>& partners, const std::vector<std:
   });
 }
 
-void take_shapes(const TestCasesAsked& asked, const TrainingSetRead& read, const std::vector<Partner>& partners,
-                 TestCases& cases) {
+Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& read, const std::vector<Partner>& partners,
+                         TestCases& cases) {
   const TrainingSet& set = read.set;
   const auto count = static_cast<Eigen::Index>(partners.size());
   cases.shapes.resize(set.shapes.rows(), count);
@@ -150,7 +196,9 @@ void take_shapes(const TestCasesAsked& asked, const TrainingSetRead& read, const
     cases.sizes_mm[i] = centroid_size_mm(points_of(cases.shapes, i));
   }
   align(cases.shapes, asked.shapes.alignment());
-  if (!asked.shapes.reading.vertex_doubts) return;
+  if (!asked.direction.empty())
+    if (auto out = take_direction_out(asked.direction, asked.shapes.alignment(), cases.shapes); !out) return out;
+  if (!asked.shapes.reading.vertex_doubts) return {};
   const Eigen::Index vertices = cases.shapes.rows() / 3;
   VertexScalars squares = VertexScalars::Zero(vertices);
   double known = 0;
@@ -163,6 +211,7 @@ void take_shapes(const TestCasesAsked& asked, const TrainingSetRead& read, const
     known += is_known ? 1 : 0;
   }
   if (known > 0) cases.vertex_doubt_mm = (squares / known).cwiseSqrt();
+  return {};
 }
 
 }  // namespace
@@ -193,15 +242,16 @@ Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progres
   cases.table = std::move(*table);
   const auto columns = needed_columns(asked, cases.table);
   if (!columns) return fail(columns.error());
-  auto read = read_training_set(asked.shapes.files, asked.shapes.reading, &progress);
+  auto read = read_shapes_asked(asked.shapes, progress);
   if (!read) return fail(read.error());
+  const auto names = asked.shapes.structures.empty() ? shape_names(read->set.names) : read->set.names;
   cases.warnings = std::move(read->warnings);
   cases.left_out = std::move(read->left_out);
   if (cases.table.columns.empty() && cases.table.cases.empty()) {  // the shapes' sizes are enough
-    cases.table.cases = shape_names(read->set.names);
+    cases.table.cases = names;
     cases.table.cells.resize(cases.table.cases.size());
   }
-  auto found = partners(read->set, RowFinder(cases.table, *studies), cases);
+  auto found = partners(read->set, names, RowFinder(cases.table, *studies), cases);
   if (!found) return fail(found.error());
   leave_out_incomplete(*found, *columns, asked.paired, cases);
   if (found->size() < 2) {
@@ -210,7 +260,7 @@ Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progres
     return fail(cases.table.source, "leaves " + std::string(found->empty() ? "no case" : "one case") + " to be tested" +
                                         why + "; complete it, or give more shapes");
   }
-  take_shapes(asked, *read, *found, cases);
+  if (auto taken = take_shapes(asked, *read, *found, cases); !taken) return fail(taken.error());
   return cases;
 }
 

@@ -18,7 +18,8 @@ struct TestCasesAsked {
   TrainingVerb shapes;
   std::filesystem::path covariates;  ///< empty: a study's own
   Formula formula;
-  std::string paired;  ///< the column of the subjects; empty: unpaired
+  std::string paired;                            ///< the column of the subjects; empty: unpaired
+  std::vector<std::filesystem::path> direction;  ///< from one shape to another: is taken out; empty: none
 };
 
 /// Shapes with what is known of them, in the order in which the shapes were given.
@@ -39,8 +40,9 @@ struct TestCases {
 Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<std::filesystem::path>& files);
 
 /// Reads table and shapes, brings them together by their names, leaves out what lacks a partner or a value that the
-/// formula needs, and aligns the rest. Errors: those of read_covariates and read_training_set; a word of the formula
-/// that is no column; no names in common; two shapes of one name; fewer than two cases left.
+/// formula needs, and aligns the rest. A direction that is asked for is taken out of the aligned shapes. Errors: those
+/// of read_covariates and read_training_set; a word of the formula that is no column; no names in common; two shapes of
+/// one name; fewer than two cases left.
 Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progress);
 
 }  // namespace homolog

@@ -45,6 +45,9 @@ Result<void> put_design(TestJob& job, Progress& progress) {
   auto design = make_design(terms, asked.paired.empty() ? 0 : 1, code);
   if (!design) return fail(design.error());
   job.design = std::move(*design);
+  for (const std::string& term : job.design.taken)
+    job.cases.warnings.push_back(term + ": is the same in all cases of a " + asked.paired +
+                                 ", so --paired takes it out; its interactions are tested");
   return {};
 }
 

@@ -15,7 +15,6 @@ Result<TextTable> read_text_table(const std::filesystem::path& path) {
   if (!text) return fail(text.error());
   if (text->starts_with("\xEF\xBB\xBF")) text->erase(0, 3);
   TextTable table;
-  char separator = ',';
   std::size_t number = 0;
   for (std::size_t at = 0; at < text->size();) {
     const std::size_t end = std::min(text->find('\n', at), text->size());
@@ -23,8 +22,8 @@ Result<TextTable> read_text_table(const std::filesystem::path& path) {
     at = end + 1;
     ++number;
     if (line.find_first_not_of(" \t\r,;") == std::string_view::npos) continue;
-    if (table.columns.empty()) separator = table_separator(line);
-    auto cells = table_cells(line, separator);
+    if (table.columns.empty()) table.separator = table_separator(line);
+    auto cells = table_cells(line, table.separator);
     if (table.columns.empty()) {
       table.columns = std::move(cells);
       continue;
@@ -37,6 +36,15 @@ Result<TextTable> read_text_table(const std::filesystem::path& path) {
     table.lines.push_back(number);
   }
   return table;
+}
+
+std::optional<std::string> with_decimal_point(const std::string& cell) {
+  const std::size_t comma = cell.find(',');
+  if (comma == cell.npos || cell.find_first_of(".,", comma + 1) != cell.npos || cell.find('.') < comma)
+    return std::nullopt;
+  std::string number = cell;
+  number[comma] = '.';
+  return as_number<double>(number) ? std::optional(number) : std::nullopt;
 }
 
 }  // namespace homolog

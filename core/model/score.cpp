@@ -82,6 +82,7 @@ Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, con
                         std::to_string(model.mean.size() / 3) + "; give a shape of the model's template");
   ShapeScore score;
   score.size_mm = centroid_size_mm(shape);
+  if (!(score.size_mm > 0)) return fail("", "has all its vertices in one place, so it is no shape");
   score.aligned = aligned_as_trained(model, shape);
   const bool doubted = doubt_mm.size() == shape.rows() && doubt_mm.maxCoeff() > 0;
   VertexScalars weights;

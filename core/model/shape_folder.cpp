@@ -48,10 +48,17 @@ bool goes_on_after_fit(const fs::path& case_file) {
 
 Result<std::vector<fs::path>> shapes_in_folder(const fs::path& folder) {
   std::map<std::string, fs::path> meshes, cases;
+  bool of_structures = false;  // CASE/STRUCTURE.ply, as `fit SET` writes it
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const fs::path& file = entry->path();
     if (file.filename().string().starts_with('.')) continue;
+    std::error_code ignored;
+    if (entry->is_directory(ignored)) {
+      for (fs::directory_iterator inner(file, ignored), none; !ignored && inner != none; inner.increment(ignored))
+        of_structures = of_structures || keeps_numbers(inner->path());
+      continue;
+    }
     if (is_case_file(file))
       cases.emplace(file_stem(file), file);
     else if (keeps_numbers(file)) {
@@ -69,9 +76,11 @@ Result<std::vector<fs::path>> shapes_in_folder(const fs::path& folder) {
     if (there == cases.end() || !goes_on_after_fit(there->second)) shapes[name] = mesh;
   }
   if (shapes.empty())
-    return fail(folder.string(), "holds no shapes; name a folder of meshes (" +
-                                     listed(mesh_format_extensions(&MeshFormat::keeps_numbers), ", ") +
-                                     ") or of cases");
+    return fail(folder.string(),
+                of_structures ? std::string("holds folders with meshes and no shapes of its own; name the "
+                                            "structures by --structures, or one of the folders")
+                              : "holds no shapes; name a folder of meshes (" +
+                                    listed(mesh_format_extensions(&MeshFormat::keeps_numbers), ", ") + ") or of cases");
   std::vector<fs::path> files;
   for (const auto& [name, file] : shapes) files.push_back(file);
   return files;

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
+#include "core/base/file_stem.h"
+#include "core/base/listed.h"
 #include "core/base/statistics.h"
 #include "core/mesh/inside_out.h"
 #include "core/mesh/mirror.h"
@@ -48,10 +51,7 @@ void find_sizes(const TrainingSet& set, std::vector<std::string>& found) {
   const double usual = quantile(sizes, 0.5);
   std::map<int, std::vector<std::string>> by_power;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
-    const double power = std::log10(sizes[i] / usual);
-    const int whole = static_cast<int>(std::lround(power));
-    if (std::isfinite(power) && whole != 0 && std::abs(whole) <= 6 && std::abs(power - whole) < 0.25)
-      by_power[whole].push_back(set.names[i]);
+    if (const int power = power_of_ten(sizes[i] / usual); power != 0) by_power[power].push_back(set.names[i]);
   }
   for (const auto& [power, names] : by_power) {
     found.push_back(joined(names) + ": about " + std::to_string(std::lround(std::pow(10, std::abs(power)))) +
@@ -118,12 +118,22 @@ std::vector<std::string> oddities(const TrainingSet& set) {
   return found;
 }
 
+bool looks_mirrored(const Points& shape, const Points& other) {
+  return reflection_gain(shape, other) > mirrored_gain;
+}
+
+int power_of_ten(double ratio) {
+  const double power = std::log10(ratio);
+  if (!std::isfinite(power) || std::abs(power) > 6.25 || std::abs(power - std::round(power)) >= 0.25) return 0;
+  return static_cast<int>(std::lround(power));
+}
+
 std::vector<Eigen::Index> mirrored_shapes(const TrainingSet& set) {
   std::vector<Eigen::Index> like_first, other_hand;
   if (set.shapes.cols() == 0) return other_hand;
   const Points first = points_of(set.shapes, 0);
   for (Eigen::Index i = 0; i < set.shapes.cols(); ++i) {
-    const bool mirrored = reflection_gain(first, points_of(set.shapes, i)) > mirrored_gain;
+    const bool mirrored = looks_mirrored(first, points_of(set.shapes, i));
     (mirrored ? other_hand : like_first).push_back(i);
   }
   return other_hand.size() > like_first.size() ? like_first : other_hand;
@@ -282,6 +292,44 @@ void leave_out(const std::vector<std::string>& names, const std::string& reason,
 
 }  // namespace
 
+/// The domains of ShapeWorks' files SUBJECT_DOMAIN_local.particles, where each subject has the same two or more.
+std::set<std::string> domains_among(const std::vector<ShapeSource>& sources) {
+  std::map<std::string, std::set<std::string>> subjects_of;
+  std::size_t files = 0;
+  for (const ShapeSource& source : sources) {
+    std::string stem = file_stem(source.file);
+    if (source.file.extension() != ".particles" || !(stem.ends_with("_local") || stem.ends_with("_world"))) continue;
+    stem.resize(stem.size() - std::string_view("_local").size());
+    ++files;
+    for (std::size_t at = stem.find('_'); at != stem.npos; at = stem.find('_', at + 1))
+      subjects_of[stem.substr(at + 1)].insert(stem.substr(0, at));
+  }
+  for (const auto& [domain, subjects] : subjects_of) {
+    std::set<std::string> alike;
+    for (const auto& [other, others] : subjects_of)
+      if (others == subjects) alike.insert(other);
+    if (subjects.size() > 1 && alike.size() > 1 && alike.size() * subjects.size() == files) return alike;
+  }
+  return {};
+}
+
+/// What may be meant otherwise, where files have several structures and none is named.
+std::vector<std::string> structure_warnings(const std::vector<ShapeSource>& sources,
+                                            const std::map<std::string, std::vector<std::string>>& taken) {
+  std::vector<std::string> found;
+  if (const auto domains = domains_among(sources); !domains.empty()) {
+    const std::vector<std::string> names(domains.begin(), domains.end());
+    found.push_back(sources.front().file.parent_path().string() + ": each subject has files of " +
+                    listed(names, " and ") +
+                    ", which are mixed here; where they are structures, join them by --structures");
+  }
+  for (const auto& [structure, files] : taken)
+    found.push_back(joined(files) + (files.size() == 1 ? ": has" : ": have") +
+                    " several structures, of which the first is taken" + (structure.empty() ? "" : ", " + structure) +
+                    "; name others by --structures");
+  return found;
+}
+
 Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, const TrainingOptions& options,
                                           Progress* progress) {
   const auto sources = shape_sources(files, options.group);
@@ -289,7 +337,12 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
   TrainingSetBuilder builder(sources->size());
   std::vector<DoubtfulShape> doubtful;
   std::map<std::string, VertexScalars> vertex_doubts;
+  std::map<std::string, std::vector<std::string>> first_taken;
+  const bool of_study = std::any_of(files.begin(), files.end(),
+                                    [](const fs::path& file) { return file.string().ends_with(".study.json"); });
   const auto take = [&](ReadShape shape) {
+    if (!of_study && !shape.others.empty() && shape.name.find(" structure ") == std::string::npos)
+      first_taken[shape.structure].push_back(shape.name);
     const bool is_left_out = options.without_doubtful && !shape.doubt.empty();
     if (options.vertex_doubts && shape.mesh->doubt_mm) vertex_doubts[shape.name] = *shape.mesh->doubt_mm;
     if (!shape.doubt.empty()) doubtful.push_back({shape.name, std::move(shape.doubt)});
@@ -308,6 +361,7 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
   if (!read) return fail(too_small(read.error(), *warnings));
   (options.without_doubtful ? read->left_out : read->doubtful) = std::move(doubtful);
   read->vertex_doubts = std::move(vertex_doubts);
+  for (std::string& sentence : structure_warnings(*sources, first_taken)) read->warnings.push_back(std::move(sentence));
   read->warnings.insert(read->warnings.begin(), warnings->begin(), warnings->end());
   if (options.without_doubtful && !options.flip_mirrored && !read->mirrored.empty()) {
     if (read->set.shapes.cols() - std::ssize(read->mirrored) < 2)

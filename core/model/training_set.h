@@ -79,6 +79,11 @@ Error too_small(Error error, const std::vector<std::string>& warnings);
 /// others, shapes given twice.
 std::vector<std::string> oddities(const TrainingSet& set);
 
+/// Whether a shape is nearly the mirror image of another one, n×3 both.
+bool looks_mirrored(const Points& shape, const Points& other);
+/// Which whole power of ten, not 0, a ratio of sizes is near to: as of lengths in another unit. 0: none.
+int power_of_ten(double ratio);
+
 /// The shapes, as columns of the set, that are mirror images of most others.
 std::vector<Eigen::Index> mirrored_shapes(const TrainingSet& set);
 

@@ -47,6 +47,14 @@ Result<void> refuse_determined(const Design& design) {
   return {};
 }
 
+/// Whether the constant and the first `terms` terms of a design leave nothing of these columns.
+bool determines(const Design& design, std::size_t terms, const Eigen::MatrixXd& columns) {
+  const DesignTerm& last = design.terms[terms - 1];
+  const Eigen::MatrixXd known = design.columns.leftCols(last.first + last.count);
+  const Eigen::MatrixXd rest = columns - known * known.colPivHouseholderQr().solve(columns);
+  return (rest.colwise().norm().array() <= determined * columns.colwise().norm().array()).all();
+}
+
 Result<DesignTerm> coded_term(const FormulaTerm& variables,
                               const std::function<Result<CodedVariable>(const Variable&)>& code,
                               Eigen::MatrixXd& columns) {
@@ -148,19 +156,28 @@ Result<CodedVariable> coded_column(const CovariateTable& table, const std::vecto
 Result<Design> make_design(const std::vector<FormulaTerm>& terms, std::size_t taken_out,
                            const std::function<Result<CodedVariable>(const Variable&)>& code) {
   Design design;
+  std::vector<FormulaTerm> kept;
   for (std::size_t t = 0; t < terms.size(); ++t) {
     Eigen::MatrixXd columns;
     auto term = coded_term(terms[t], code, columns);
     if (!term) return fail(term.error());
     if (design.columns.size() == 0) design.columns = Eigen::MatrixXd::Ones(columns.rows(), 1);
+    const bool in_another =
+        std::any_of(terms.begin(), terms.end(), [&](const FormulaTerm& other) { return is_part_of(terms[t], other); });
+    if (taken_out > 0 && t >= taken_out && in_another && determines(design, taken_out, columns)) {
+      design.taken.push_back(term->name);
+      continue;
+    }
     term->first = design.columns.cols();
     term->tested = t >= taken_out;
-    for (std::size_t other = 0; other < terms.size(); ++other)
-      if (is_part_of(terms[t], terms[other])) term->holders.push_back(other);
     design.columns.conservativeResize(Eigen::NoChange, term->first + term->count);
     design.columns.rightCols(term->count) = columns;
     design.terms.push_back(std::move(*term));
+    kept.push_back(terms[t]);
   }
+  for (std::size_t t = 0; t < kept.size(); ++t)
+    for (std::size_t other = 0; other < kept.size(); ++other)
+      if (is_part_of(kept[t], kept[other])) design.terms[t].holders.push_back(other);
   if (design.cases() <= design.parameters())
     return fail("--formula", "has " + std::to_string(design.parameters()) + " parameters, and " +
                                  std::to_string(design.cases()) +

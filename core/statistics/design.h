@@ -48,12 +48,14 @@ struct DesignTerm {
 struct Design {
   Eigen::MatrixXd columns;  ///< a row a case
   std::vector<DesignTerm> terms;
+  std::vector<std::string> taken;  ///< terms that those taken out determine, and whose interactions are tested
 
   Eigen::Index cases() const { return columns.rows(); }
   Eigen::Index parameters() const { return columns.cols(); }
 };
 
-/// `code` gives a variable's columns. `taken_out`: the first so many terms are not tested. Errors: code's, more
+/// `code` gives a variable's columns. `taken_out`: the first so many terms are not tested. A term that they determine,
+/// as the subjects of repeated measures do their group, is left out where an interaction has it. Errors: code's, more
 /// parameters than cases allow, a term that those before it already determine.
 Result<Design> make_design(const std::vector<FormulaTerm>& terms, std::size_t taken_out,
                            const std::function<Result<CodedVariable>(const Variable&)>& code);

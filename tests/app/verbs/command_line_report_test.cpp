@@ -126,6 +126,12 @@ TEST_CASE("a report without names numbers its cases") {
   CHECK(page.find("&lt;/script&gt;") == std::string::npos);
   REQUIRE(run(folder, "report organs.study.json -o page.html").status == 0);
   CHECK(page_in(folder, "page.html").find("&lt;/script&gt;") != std::string::npos);
+  // Of several files the first one's name is a case's.
+  std::string shapes;
+  for (const auto& entry : fs::directory_iterator(folder.path))
+    if (entry.path().extension() == ".ply") shapes += " " + entry.path().filename().string();
+  REQUIRE(run(folder, "report" + shapes + " --without-names -o several.html").status == 0);
+  CHECK(page_in(folder, "several.html").find("<h1>Shapes</h1>") != std::string::npos);
 }
 
 TEST_CASE("a report of a model has its modes and the places of its training shapes") {

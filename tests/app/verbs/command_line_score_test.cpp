@@ -24,6 +24,16 @@ void put_subjects(const TemporaryFolder& folder) {
   }
 }
 
+/// A grid of 1 mm with room around points.
+VolumeGeometry grid_around(const Points& points) {
+  const Box box = bounds_of(points);
+  VolumeGeometry grid;
+  grid.origin_mm = box.min() - Vec3::Constant(12);
+  const Vec3 size = (box.sizes() + Vec3::Constant(24)).array().ceil();
+  grid.dims = {static_cast<int>(size.x()), static_cast<int>(size.y()), static_cast<int>(size.z())};
+  return grid;
+}
+
 }  // namespace
 
 TEST_CASE("a subject is scored against a model, alone as among others") {
@@ -49,6 +59,71 @@ TEST_CASE("a subject is scored against a model, alone as among others") {
   CHECK((scored.arrays.at("z_high") - z).minCoeff() > 0);
   CHECK(lines(read_whole_file(folder.path / "scores/scores.csv").value()) == 3);
   CHECK(read_whole_file(folder.path / "m.h5").value() == model);
+}
+
+TEST_CASE("a mirror image, another unit and another numbering are named") {
+  const TemporaryFolder folder;
+  // Bodies without a plane of symmetry.
+  for (int k = 0; k < 6; ++k) {
+    Mesh body = icosphere(3, 30);
+    for (Eigen::Index i = 0; i < body.points.rows(); ++i) {
+      const Vec3 p = body.points.row(i) / 30;
+      body.points.row(i) =
+          Vec3(40 * p.x() + 12 * p.y() * p.y() + 9 * p.z(), 25 * p.y() + 8 * p.x() * p.z() + 3 * k * p.z(),
+               15 * p.z() + 7 * p.x() * p.y() + k * p.x())
+              .transpose();
+    }
+    REQUIRE(write_mesh(body, folder.path / ("c" + std::to_string(k) + ".ply")));
+  }
+  REQUIRE(run(folder, "model c0.ply c1.ply c2.ply c3.ply c4.ply c5.ply -o m.h5").status == 0);
+  const auto score = [&](const MeshFile& mesh, const std::string& options = "") {
+    REQUIRE(write_mesh_file(mesh, folder.path / "new.ply"));
+    return run(folder, "score new.ply --model m.h5 --json " + options);
+  };
+  const MeshFile usual = read_mesh_file(folder.path / "c3.ply").value();
+  const Ran plain = score(usual);
+  CHECK(plain.errors.empty());
+  MeshFile changed = usual;
+  changed.points.col(0) *= -1;
+  const Ran mirrored = score(changed);
+  CHECK(mirrored.errors.find("new.ply: looks like a mirror image of the model's mean") != std::string::npos);
+  CHECK(mirrored.json()["subjects"][0]["distance"].get<double>() >
+        3 * plain.json()["subjects"][0]["distance"].get<double>());
+  const Ran flipped = score(changed, "--flip-mirrored");
+  CHECK(flipped.json()["subjects"][0]["distance"].get<double>() ==
+        doctest::Approx(plain.json()["subjects"][0]["distance"].get<double>()).epsilon(1e-6));
+  changed = usual;
+  changed.points /= 1000;
+  CHECK(score(changed).errors.find("about 1000 times as small as the model's mean") != std::string::npos);
+  changed = usual;
+  changed.points = usual.points.colwise().reverse().eval();
+  CHECK(score(changed).errors.find("has its vertices in another order than the model") != std::string::npos);
+  changed = usual;
+  changed.points.setZero();
+  const Ran none = score(changed);
+  CHECK(none.status == 1);
+  CHECK(none.errors.find("has all its vertices in one place") != std::string::npos);
+}
+
+TEST_CASE("a folder of label maps is scored, each as the nearest shape that the model allows leads to") {
+  const TemporaryFolder folder;
+  put_subjects(folder);
+  REQUIRE(run(folder, "model c0.ply c1.ply c2.ply c3.ply c4.ply c5.ply --keep-scale -o m.h5 --variance 0.95").status ==
+          0);
+  fs::create_directory(folder.path / "maps");
+  for (const std::string name : {"c1", "c3"}) {
+    const MeshFile shape = read_mesh_file(folder.path / (name + ".ply")).value();
+    REQUIRE(write_volume(label_map({Topology::make(shape.points.rows(), shape.triangles).value(), shape.points},
+                                   grid_around(shape.points), 1),
+                         folder.path / "maps" / (name + ".nii.gz")));
+  }
+  const Ran ran = run(folder, "score maps --model m.h5 --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  REQUIRE(ran.json()["subjects"].size() == 2);
+  for (const Json& one : ran.json()["subjects"]) {
+    const Json mesh = run(folder, "score " + one["name"].get<std::string>() + ".ply --model m.h5 --json").json();
+    CHECK(std::abs(one["distance"].get<double>() - mesh["subjects"][0]["distance"].get<double>()) < 0.4);
+  }
 }
 
 TEST_CASE("a case of several structures is scored in all and in each") {
@@ -79,11 +154,7 @@ TEST_CASE("an image with landmarks is scored as the mesh that a fit to it with t
   REQUIRE(write_mesh_file(marked, folder.path / "t.ply"));
   const Json markups{{"type", "Fiducial"}, {"coordinateSystem", "LPS"}, {"controlPoints", points}};
   REQUIRE(write_whole_file(folder.path / "ct.mrk.json", Json{{"markups", {markups}}}.dump()));
-  const Box box = bounds_of(truth.points);
-  VolumeGeometry grid;
-  grid.origin_mm = box.min() - Vec3::Constant(12);
-  const Vec3 size = (box.sizes() + Vec3::Constant(24)).array().ceil();
-  grid.dims = {static_cast<int>(size.x()), static_cast<int>(size.y()), static_cast<int>(size.z())};
+  const VolumeGeometry grid = grid_around(truth.points);
   const Mesh organ{Topology::make(truth.points.rows(), truth.triangles).value(), truth.points};
   REQUIRE(write_volume(label_map(organ, grid, 100), folder.path / "ct.nii.gz"));
 

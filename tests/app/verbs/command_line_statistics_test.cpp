@@ -214,3 +214,105 @@ TEST_CASE("a study brings its own covariates and shape explains a number by its 
   CHECK(turned["modes"] == 2);
   CHECK(turned["terms"][0]["df"] == 2);
 }
+
+TEST_CASE("a study that study make wrote brings the columns of its table, with decimal commas too") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 3);
+  std::string table = "name;file;group;mass;subject\n";
+  for (int k = 0; k < 12; ++k)
+    table += "case " + std::to_string(k) + ";shapes/c" + std::to_string(k) + ".ply;" + (k % 2 == 1 ? "ill;" : "well;") +
+             std::to_string(50 + k * k) + ",5;s" + std::to_string(k / 2) + "\n";
+  REQUIRE(write_whole_file(folder.path / "cases.csv", table));
+  const Ran made = run(folder, "study make cases.csv --template shapes/c0.ply -o s.study.json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  const Ran ran = run(folder, "test s.study.json --json --formula \"shape ~ group + mass\"");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["shapes"] == 12);
+  CHECK(ran.json()["terms"][0]["p"].get<double>() <= 0.01);
+  CHECK(ran.json()["terms"][1]["df"] == 1);  // a number, and not twelve groups
+  CHECK(run(folder, "test s.study.json --json --paired subject --formula \"shape ~ group\"").status == 0);
+  // The same numbers in a table of their own.
+  REQUIRE(write_whole_file(folder.path / "t.csv", table));
+  const Ran own = run(folder, "test shapes --covariates cases.csv --json --formula \"shape ~ group + mass\"");
+  CHECK(own.status == 1);  // names of cases, not of files
+  std::string by_file = "name;mass\n";
+  for (int k = 0; k < 12; ++k) by_file += "c" + std::to_string(k) + ";" + std::to_string(50 + k * k) + ",5\n";
+  REQUIRE(write_whole_file(folder.path / "comma.csv", by_file));
+  const Ran comma = run(folder, "test shapes --covariates comma.csv --json --formula \"shape ~ mass\"");
+  REQUIRE_MESSAGE(comma.status == 0, comma.errors);
+  CHECK(comma.json()["terms"][0]["df"] == 1);
+}
+
+TEST_CASE("repeated measures of two arms test the visit and how the arms differ in it") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  // Two visits of each of six subjects; the bump is there at the second, in one arm as in the other.
+  std::string table = "name,visit,arm,subject\n";
+  for (int k = 0; k < 12; ++k)
+    table += "c" + std::to_string(k) + (k % 2 == 1 ? ",late," : ",early,") + (k / 2 % 2 == 1 ? "drug," : "none,") +
+             "s" + std::to_string(k / 2) + "\n";
+  REQUIRE(write_whole_file(folder.path / "t.csv", table));
+  const Ran ran = run(folder, by("shape ~ visit*arm") + "--paired subject --no-align --permutation-file flips.txt");
+  CHECK(ran.status == 1);  // no such file
+  const Ran repeated = run(folder, by("shape ~ visit*arm") + "--paired subject --no-align");
+  REQUIRE_MESSAGE(repeated.status == 0, repeated.errors);
+  REQUIRE(repeated.json()["terms"].size() == 2);
+  CHECK(repeated.json()["terms"][0]["name"] == "visit");
+  CHECK(repeated.json()["terms"][0]["p"].get<double>() <= 0.05);
+  CHECK(repeated.json()["terms"][1]["name"] == "visit:arm");
+  CHECK(repeated.json()["terms"][1]["p"].get<double>() > 0.05);
+  CHECK(repeated.json()["residual"]["df"] == 4);  // 12 less 6 subjects, a visit and an interaction
+  CHECK(repeated.errors.find("arm: is the same in all cases of a subject") != std::string::npos);
+  // Alone it cannot be tested: nothing is left of it.
+  CHECK(run(folder, by("shape ~ visit + arm") + "--paired subject").errors.find("the term arm is already determined") !=
+        std::string::npos);
+}
+
+TEST_CASE("a direction that is nobody's is taken out before the test") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  Mesh shut = icosphere(2, 20), open = shut;
+  for (Eigen::Index i = 0; i < open.points.rows(); ++i)
+    if (open.points(i, 2) > 17) open.points(i, 2) += 7;
+  REQUIRE(write_mesh(shut, folder.path / "shut.ply"));
+  REQUIRE(write_mesh(open, folder.path / "open.ply"));
+  const std::string asked = by("shape ~ group") + "--no-align ";
+  CHECK(run(folder, asked).json()["terms"][0]["p"].get<double>() <= 0.01);
+  const Ran without = run(folder, asked + "--without-direction shut.ply open.ply");
+  REQUIRE_MESSAGE(without.status == 0, without.errors);
+  CHECK(without.json()["terms"][0]["p"].get<double>() > 0.05);
+  CHECK(without.json()["total"]["ss"].get<double>() < 0.9 * run(folder, asked).json()["total"]["ss"].get<double>());
+  check_refused(run(folder, asked + "--without-direction shut.ply shut.ply"), "which gives no direction");
+  REQUIRE(write_mesh(icosphere(1, 20), folder.path / "coarse.ply"));
+  check_refused(run(folder, asked + "--without-direction shut.ply coarse.ply"), "coarse.ply: has 42 vertices");
+}
+
+TEST_CASE("structures of cases are tested, one or together") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  for (int k = 0; k < 12; ++k) {
+    const std::string name = "c" + std::to_string(k);
+    fs::create_directories(folder.path / "fits" / name);
+    fs::copy_file(folder.path / "shapes" / (name + ".ply"), folder.path / "fits" / name / "top.ply");
+    REQUIRE(write_mesh(icosphere(1, 10 + 0.1 * (k * 7 % 12)), folder.path / "fits" / name / "base.ply"));
+  }
+  const std::string asked = "test fits --covariates t.csv --json --no-align --formula \"shape ~ group\" --structures ";
+  const Json alone = run(folder, by("shape ~ group") + "--no-align").json();
+  const Ran top = run(folder, asked + "top");
+  REQUIRE_MESSAGE(top.status == 0, top.errors);
+  CHECK(top.json()["shapes"] == 12);
+  CHECK(top.json()["terms"] == alone["terms"]);
+  CHECK(run(folder, asked + "base").json()["terms"][0]["p"].get<double>() > 0.05);
+  const Json both = run(folder, asked + "top,base").json();
+  CHECK(both["vertices"] == 162 + 42);
+  CHECK(both["terms"][0]["p"].get<double>() <= 0.05);
+}
+
+TEST_CASE("what no number is gets a short sentence") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 0);
+  const Ran ran = run(folder, by("shape ~ group") + "--csv out --at top");
+  CHECK(ran.status == 2);
+  CHECK(ran.errors.find("--at: \"top\" is no number of 0 or more") != std::string::npos);
+  CHECK(ran.errors.size() < 100);
+}

@@ -132,6 +132,21 @@ TEST_CASE("a case that lacks a structure is left out or completed and marked") {
   CHECK(found.col(0).maxCoeff() == doctest::Approx(truth.col(0).maxCoeff()).epsilon(0.02));
 }
 
+TEST_CASE("shapes of several structures that are taken as one are named") {
+  const TemporaryFolder folder;
+  put_cases(folder, false);
+  REQUIRE(run(folder, "model fits --structures low,high --aligned sw -o m.h5").status == 0);
+  for (const auto& entry : fs::directory_iterator(folder.path / "sw"))
+    if (entry.is_directory()) fs::remove_all(entry.path());
+  const Ran mixed = run(folder, "model sw -o mixed.h5");
+  REQUIRE_MESSAGE(mixed.status == 0, mixed.errors);
+  CHECK(mixed.errors.find("sw: each subject has files of high and low, which are mixed here") != std::string::npos);
+  CHECK(run(folder, "model sw --structures low,high -o m.h5").errors.find("mixed") == std::string::npos);
+  const Ran folders = run(folder, "model fits -o m.h5");
+  CHECK(folders.status == 1);
+  CHECK(folders.errors.find("name the structures by --structures") != std::string::npos);
+}
+
 TEST_CASE("structures that make no joint model are refused in a sentence") {
   const TemporaryFolder folder;
   put_cases(folder, true);

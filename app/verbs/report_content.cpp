@@ -152,7 +152,7 @@ std::string why_excluded(const StudyCase& one, const std::string& file, const Re
 Result<std::vector<PageCase>> cases_of_set(const ReportVerb& verb, const Training& training) {
   std::vector<fs::path> studies;
   for (const fs::path& file : verb.training.files)
-    if (file.string().ends_with(".study.json")) studies.push_back(file);
+    if (is_study_file(file)) studies.push_back(file);
   const auto known = cases_of_studies(studies);
   if (!known) return fail(known.error());
   std::map<std::string, std::string> doubtful, left_out;
@@ -195,7 +195,7 @@ Result<std::vector<PageCase>> cases_of_set(const ReportVerb& verb, const Trainin
 /// The name of the template of the first study, without its folder.
 std::string template_of(const std::vector<fs::path>& files) {
   for (const fs::path& file : files) {
-    if (!file.string().ends_with(".study.json")) continue;
+    if (!is_study_file(file)) continue;
     const auto read = read_study(file);
     if (read && !read->study.template_file.empty()) return read->study.template_file.filename().string();
   }

@@ -22,6 +22,7 @@
 #include "core/model/shape_files.h"
 #include "core/model/statismo.h"
 #include "core/model/structure_files.h"
+#include "core/model/study.h"
 #include "core/model/training_set.h"
 #include "core/session/case_file.h"
 #include "core/template/template.h"
@@ -129,30 +130,42 @@ Result<NewShape> shape_of_image(const ScoreJob& job, const ImageScoring& with, c
   return shape;
 }
 
-/// The structures of a joint model in a case's folder, joined.
-Result<NewShape> joined_shape(const ShapeModel& model, const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const StructurePart& part : model.parts) names.push_back(part.name);
-  const auto cases = structure_files({folder}, names);
-  if (!cases) return fail(cases.error());
-  if (cases->size() != 1) return fail(folder.string(), "holds several cases; give each case's folder");
-  NewShape shape{folder.string(), {}, {}};
+/// The structures of a joint model in one case, joined. `name`: what the case is called.
+Result<NewShape> joined_shape(const ShapeModel& model, const CaseFiles& files, const std::string& name) {
+  NewShape shape{name, {}, {}};
   shape.mesh.points.resize(model.mean.size() / 3, 3);
   shape.mesh.triangles = model.topology ? model.topology->triangles() : Triangles();
-  for (std::size_t k = 0; k < names.size(); ++k) {
+  for (std::size_t k = 0; k < model.parts.size(); ++k) {
     const StructurePart& part = model.parts[k];
-    const ShapeSource& source = cases->front().of_structure[k];
-    if (source.file.empty()) return fail(folder.string(), "has no " + names[k] + ", which the model has");
+    const ShapeSource& source = files.of_structure[k];
+    if (source.file.empty()) return fail(name, "has no " + part.name + ", which the model has");
     const auto shape_read = read_shape(source);
     if (!shape_read) return fail(shape_read.error());
     const MeshFile* read = shape_read->get();
     if (read->points.rows() != part.vertices)
       return fail(source.name({}), "has " + std::to_string(read->points.rows()) + " vertices and the model's " +
-                                       names[k] + " " + std::to_string(part.vertices) +
+                                       part.name + " " + std::to_string(part.vertices) +
                                        "; give a fit of the model's template");
     shape.mesh.points.middleRows(part.first_vertex, part.vertices) = read->points;
   }
   return shape;
+}
+
+/// What a path stands for where the model is of several structures: a case, by its folder or its file, or the cases of
+/// a study as that says, flipped ones flipped.
+std::vector<Result<NewShape>> joined_shapes(const ShapeModel& model, const fs::path& path) {
+  std::vector<std::string> names;
+  for (const StructurePart& part : model.parts) names.push_back(part.name);
+  const auto cases = structure_files({path}, names);
+  std::vector<Result<NewShape>> shapes;
+  if (!cases)
+    shapes.emplace_back(fail(cases.error()));
+  else if (cases->size() != 1 && !is_study_file(path))
+    shapes.emplace_back(fail(path.string(), "holds several cases; give each case's folder"));
+  else
+    for (const CaseFiles& one : *cases)
+      shapes.push_back(joined_shape(model, one, is_study_file(path) ? one.name : path.string()));
+  return shapes;
 }
 
 Result<MapScoring> map_scoring(const ScoreJob& job, const ShapeModel& model) {
@@ -219,8 +232,8 @@ Result<std::vector<NewShape>> read_new_shapes(const ScoreJob& job, const ShapeMo
     from = k;
     Progress own(progress, 1 / count);
     if (progress.cancelled()) return fail("", "the scores were cancelled");
-    if (!model.parts.empty() && (fs::is_directory(path, error) || is_case_file(path))) {
-      add(joined_shape(model, path));
+    if (!model.parts.empty() && (fs::is_directory(path, error) || is_case_file(path) || is_study_file(path))) {
+      for (auto& shape : joined_shapes(model, path)) add(std::move(shape));
     } else if (!fs::is_directory(path, error) && !is_mesh_name(path) && looks_like_volume(path)) {
       if (of_images) {
         add(shape_of_image(job, *of_images, path, warnings, own));
@@ -380,7 +393,7 @@ void add_score(CLI::App& app, CommandLine& asked) {
   verb->add_option(
           "NEW", job->files,
           "Meshes in the model's numbering, cases, studies, label maps to which the model's mean is fitted, or images "
-          "with --landmarks; for a joint model folders of cases")
+          "with --landmarks; for a joint model folders of cases, cases or studies. What a study flips is flipped")
       ->required();
   verb->add_option("--model", job->model, "The model (.h5, .h5.json)")->required()->check(CLI::ExistingFile);
   add_label_option(*verb, job->label, "Which label of a map");

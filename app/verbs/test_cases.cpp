@@ -219,7 +219,7 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& rea
 Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<fs::path>& files) {
   std::map<std::string, StudyCase> cases;
   for (const fs::path& file : files) {
-    if (!file.string().ends_with(".study.json")) continue;
+    if (!is_study_file(file)) continue;
     auto read = read_study(file);
     if (!read) return fail(read.error());
     for (StudyCase& one : read->study.cases) {

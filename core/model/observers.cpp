@@ -40,7 +40,7 @@ Result<std::vector<std::pair<std::string, ShapeSource>>> sources_of(const fs::pa
     const auto shapes = shapes_in_folder(path);
     if (!shapes) return fail(shapes.error());
     for (const fs::path& file : *shapes) sources.emplace_back(file_stem(file), ShapeSource{file, {}});
-  } else if (path.string().ends_with(".study.json")) {
+  } else if (is_study_file(path)) {
     auto read = read_study(path);
     if (!read) return fail(read.error());
     for (const StudyCase& one : read->study.cases)

@@ -25,10 +25,6 @@ Result<void> check_numbering(const fs::path& file) {
                                  " file, which does not keep vertices and so no correspondence; use PLY or VTK");
 }
 
-bool is_study(const fs::path& file) {
-  return file.string().ends_with(".study.json");
-}
-
 std::vector<std::optional<int>> frames_of(const ShapeSource& source, const ShapesOfFile& shapes, bool all_frames) {
   const ShapesOfStructure* structure = shapes.structure(source.structure);
   if (source.frame || !all_frames || structure == nullptr || structure->edited.empty()) return {source.frame};
@@ -153,13 +149,14 @@ Result<ShapesOfFile> read_shapes_of(const fs::path& file, std::mutex& one_image)
 Result<std::shared_ptr<const MeshFile>> read_shape(const ShapeSource& source) {
   const auto shapes = read_shapes_of(source.file);
   if (!shapes) return fail(shapes.error());
-  return shapes->shape({source.structure, source.frame}, source.file.string());
+  auto mesh = shapes->shape({source.structure, source.frame}, source.file.string());
+  return mesh && source.flipped ? std::make_shared<const MeshFile>(mirrored(**mesh)) : mesh;
 }
 
 Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& files, const std::string& group) {
   std::vector<ShapeSource> sources;
   for (const fs::path& file : files) {
-    if (!is_study(file)) {
+    if (!is_study_file(file)) {
       if (!group.empty())
         return fail(file.string(), "belongs to no group; only the cases of a study (.study.json) have groups");
       std::error_code ignored;

@@ -75,7 +75,7 @@ struct ShapeSource {
 Result<std::vector<ShapeSource>> shape_sources(const std::vector<std::filesystem::path>& files,
                                                const std::string& group = {});
 
-/// Reads one. Errors: read_shapes_of's, no such structure.
+/// Reads one, a flipped one flipped. Errors: read_shapes_of's, no such structure.
 Result<std::shared_ptr<const MeshFile>> read_shape(const ShapeSource& source);
 
 /// A shape that was read.

@@ -239,8 +239,7 @@ Result<std::vector<CaseFiles>> structure_files(const std::vector<fs::path>& file
       return fail("--structures", "names " + name + " twice; name each structure once");
   Finder finder(structures, frame);
   for (const fs::path& file : files) {
-    const bool is_study = file.string().ends_with(".study.json");
-    auto added = is_study             ? finder.add_study(file)
+    auto added = is_study_file(file)  ? finder.add_study(file)
                  : is_case_file(file) ? finder.add_case(file_stem(file), {.file = file})
                                       : finder.add(file);
     if (!added) return fail(added.error());

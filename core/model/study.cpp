@@ -163,6 +163,10 @@ Json case_json(const StudyCase& one, const fs::path& folder) {
 
 }  // namespace
 
+bool is_study_file(const fs::path& file) {
+  return file.string().ends_with(".study.json");
+}
+
 std::string missing_case(const StudyCase& one) {
   return "case \"" + excerpt(one.name) + "\": " + excerpt(one.file.string()) +
          " does not exist; put it back, or remove the case from the study";

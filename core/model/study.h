@@ -75,6 +75,9 @@ Result<StudyRead> read_study(const std::filesystem::path& path);
 /// here are written again.
 Result<void> write_study(const Study& study, const std::filesystem::path& path);
 
+/// Whether a file is called as studies are.
+bool is_study_file(const std::filesystem::path& file);
+
 /// The sentence for a case whose file is not there.
 std::string missing_case(const StudyCase& one);
 

@@ -69,6 +69,7 @@ struct Work {
   RecoveryOffer recovery_offer = RecoveryOffer::dialog;
   std::shared_ptr<const Recipe> measured_by;          ///< the recipe of `measurements`; null: none
   std::shared_ptr<const ShapeModel> scored_by;        ///< the model of `scores`; null: none
+  bool scored_flipped = false;                        ///< by it, left for right
   bool fit_seen = false;                              ///< a step of the fit that goes on was shown
   std::optional<StartFit> started_fit;                ///< the fit that goes on; none while it is a refinement
   bool set_enters = false;                            ///< the structures of a set that was fitted come into the case

@@ -281,4 +281,36 @@ TEST_CASE("the open study's model scores the mesh without its own case") {
         doctest::Approx(test::must(score_shape(five, ball)).distance).epsilon(0.01));
 }
 
+TEST_CASE("a case that the open study flips is scored flipped and as it lies again where the study does not") {
+  const ScoredBalls balls;
+  balls.write_balls_study(6);
+  Driver driver(balls.document, {1280, 2400, 1});
+  driver.settle();
+  Study own = test::must(read_study(balls.folder.path / "balls.study.json")).study;
+  own.cases.back().file = driver.case_file();
+  const auto open = [&](bool flipped, const char* name) {
+    own.cases.back().flipped = flipped;
+    REQUIRE(write_study(own, balls.folder.path / name));
+    driver.app().send(OpenStudy{{balls.folder.path / name}});
+    driver.wait_until("the study is open",
+                      [&] { return driver.state().models.study_file == balls.folder.path / name; });
+    driver.state().models.shown = false;
+    driver.settle();
+  };
+  open(true, "flipped.study.json");
+  score_by_file(driver, balls.folder.path / "m.h5");
+  const auto model = driver.state().scoring.of_file;
+  Points points = *driver.document().view()->shape.points;
+  const VertexScalars lying = test::must(score_shape(*model, points)).z;
+  points.col(0) *= -1;
+  const VertexScalars flipped = test::must(score_shape(*model, points)).z;
+  REQUIRE((lying - flipped).cwiseAbs().maxCoeff() > 0.5);
+  const auto shows = [&](const VertexScalars& z) {
+    return driver.state().scoring.z != nullptr && (*driver.state().scoring.z - z).cwiseAbs().maxCoeff() < 1e-9;
+  };
+  driver.wait_until("it is scored flipped", [&] { return shows(flipped); });
+  open(false, "lying.study.json");
+  driver.wait_until("it is scored as it lies", [&] { return shows(lying); });
+}
+
 }  // namespace homolog

@@ -137,6 +137,27 @@ TEST_CASE("a case of several structures is scored in all and in each") {
   CHECK(parts[1]["z_rms"].get<double>() > 1.5);
 }
 
+TEST_CASE("a case that its study flips is scored flipped") {
+  const TemporaryFolder folder;
+  put_subjects(folder);
+  REQUIRE(run(folder, "model c0.ply c1.ply c2.ply c3.ply c4.ply c5.ply --keep-scale -o m.h5").status == 0);
+  Mesh other = upper_ellipsoid({0, 0, 1, 1.6});
+  other.points.col(0).array() += 0.02 * other.points.col(0).array().square();
+  REQUIRE(write_mesh(other, folder.path / "odd.ply"));
+  REQUIRE(run(folder, "mirror odd.ply -o left.ply").status == 0);
+  write_bytes(folder.path / "one.study.json",
+              R"({"homolog_study":1,"cases":[{"name":"odd","file":"left.ply","flipped":true}]})");
+  const auto score = [&](const std::string& what) {
+    const Ran ran = run(folder, "score " + what + " --json");
+    REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+    return ran.json()["subjects"];
+  };
+  const Json flipped = score("one.study.json --model m.h5")[0], right = score("odd.ply --model m.h5")[0];
+  CHECK(flipped["distance"].get<double>() == doctest::Approx(right["distance"].get<double>()));
+  CHECK(std::abs(score("left.ply --model m.h5")[0]["residual_mm"].get<double>() - right["residual_mm"].get<double>()) >
+        0.1);
+}
+
 TEST_CASE("an image with landmarks is scored as the mesh that a fit to it with the model gives") {
   const TemporaryFolder folder;
   put_subjects(folder);

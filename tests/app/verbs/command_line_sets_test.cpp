@@ -473,6 +473,14 @@ TEST_CASE("a joint model takes a case that was worked on after the fit in place 
   const auto flipped = structure_files({fits / "fits.study.json"}, names);
   REQUIRE(flipped);
   CHECK((*flipped)[0].of_structure[1].flipped);
+  // A score takes them as the model does, which holds both of its two shapes whole.
+  REQUIRE(run(folder, "model fits/fits.study.json" + both + "f.h5").status == 0);
+  const Json scores = run(folder, "score fits/fits.study.json --model f.h5 --json").json()["subjects"];
+  REQUIRE(scores.size() == 2);
+  CHECK(scores[1]["name"] == "twin");
+  CHECK(scores[1]["residual_mm"].get<double>() < 1e-3);
+  const Json unflipped = run(folder, "score fits/twin.homolog --model f.h5 --json").json()["subjects"][0];
+  CHECK(unflipped["residual_mm"].get<double>() > 1);
   study["cases"][0]["from_scan"] = true;
   study["cases"][0]["state"] = "to do";
   REQUIRE(write_whole_file(fits / "fits.study.json", study.dump()));

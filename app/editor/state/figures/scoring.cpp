@@ -41,7 +41,7 @@ Result<Points> joined_points(const ShapeModel& model, const Document& document, 
 }  // namespace
 
 ScoredShape scored_shape(const std::shared_ptr<const ShapeModel>& model, const Document& document,
-                         const std::string& structure) {
+                         const std::string& structure, bool flipped) {
   const ShapeView shown = *document.view(structure);
   const Points& own = *shown.shape.points;
   ScoredShape scored{model, structure, shown.frame, shown.shape.points, nullptr, {}, nullptr};
@@ -61,6 +61,7 @@ ScoredShape scored_shape(const std::shared_ptr<const ShapeModel>& model, const D
   }
   if (3 * points.rows() != model->mean.size())
     return refuse(other_vertices("The mesh", points.rows(), model->mean.size() / 3));
+  if (flipped) points.col(0) *= -1;
   auto score = score_shape(*model, points, doubt_mm);
   if (!score) return refuse("The model " + score.error().what + ".");
   if (first >= 0) scored.z = std::make_shared<const VertexScalars>(score->z.segment(first, own.rows()));

@@ -373,14 +373,6 @@ void animate(ModelsState& state, double seconds) {
   state.deviations[*state.animated_mode] = most_deviations * std::sin(2 * std::numbers::pi * phase);
 }
 
-namespace {
-constexpr std::string_view study_ending = ".study.json";
-}
-
-bool is_study_file(const fs::path& file) {
-  return file.string().ends_with(study_ending);
-}
-
 std::string study_name(const fs::path& file) {
   return file_stem(file);
 }

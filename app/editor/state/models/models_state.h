@@ -186,8 +186,6 @@ void set_to_case(ModelsState& state, const std::string& name);
 /// Moves the animated mode: a sine of ±3 standard deviations in four seconds.
 void animate(ModelsState& state, double seconds);
 
-/// Whether a file is called as studies are.
-bool is_study_file(const std::filesystem::path& file);
 /// "kidneys" of kidneys.study.json; empty where there is none.
 std::string study_name(const std::filesystem::path& file);
 

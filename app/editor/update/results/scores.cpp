@@ -13,12 +13,18 @@ bool score_is_looked_at(const EditorState& state) {
   return state.look.colouring == Colouring::score || (section != open.end() && section->second);
 }
 
+/// The shown mesh in the open study; null: it has none of it.
+const StudyCase* own_case(const Editing& editing) {
+  const EditorState& state = editing.state;
+  const Snapshot& snapshot = editing.shown.snapshot();
+  return find_case(state.models, snapshot.file, *snapshot.document, state.look.structure);
+}
+
 /// The case itself has no part in the model that it is scored against.
 void follow_study(Editing& editing) {
   const EditorState& state = editing.state;
   Scoring& scoring = editing.state.scoring;
-  const Snapshot& snapshot = editing.shown.snapshot();
-  const StudyCase* own = find_case(state.models, snapshot.file, *snapshot.document, state.look.structure);
+  const StudyCase* own = own_case(editing);
   const std::string left_out = own != nullptr ? own->name : std::string();
   const auto& study = state.models.fitted.model;
   if (study == scoring.study && left_out == scoring.left_out) return;
@@ -54,10 +60,15 @@ bool update_scores(Editing& editing) {
   take_score_model(editing);
   if (looked_at && !scoring.by_file) follow_study(editing);
   const auto model = looked_at ? scoring.model() : nullptr;
-  if (model != work.scored_by) {
+  // A model's shapes are those of the study, flipped ones flipped.
+  const StudyCase* own = model ? own_case(editing) : nullptr;
+  const bool flipped = own != nullptr && own->flipped;
+  if (model != work.scored_by || flipped != work.scored_flipped) {
     work.scored_by = model;
-    work.scores.measure_by(
-        [model](const Document& document, const std::string& of) { return scored_shape(model, document, of); });
+    work.scored_flipped = flipped;
+    work.scores.measure_by([model, flipped](const Document& document, const std::string& of) {
+      return scored_shape(model, document, of, flipped);
+    });
   }
   work.scores.post(model ? editing.shown.displayed() : nullptr, state.look.structure);
   const bool changed = work.scores.update();

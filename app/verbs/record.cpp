@@ -234,6 +234,9 @@ GivenCommand given_command(const CLI::App& verb) {
   const RecordedVerb& known = *recorded_verb(command.verb);
   for (const CLI::Option* option : verb.get_options()) {
     const std::string name = option->get_name();
+    if (name == "--recipe" && option->count() == 0 && verb.count("--template") > 0)
+      if (std::string beside = recipe_of_template(verb.get_option("--template")->as<std::string>()); !beside.empty())
+        command.options.push_back({name, {std::move(beside)}});
     if (option->count() == 0 || changes_no_byte(name) || known.writes(name)) continue;
     GivenOption given{name, {}};
     if (option->get_items_expected_max() > 0) given.values = option->results();

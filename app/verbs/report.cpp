@@ -74,7 +74,8 @@ Result<Report> write_report(const ReportVerb& verb, const GivenCommand& command,
 }  // namespace
 
 Result<std::vector<std::string>> write_study_report(const std::filesystem::path& study, Alignment alignment,
-                                                    const std::filesystem::path& out, Progress& progress) {
+                                                    const std::string& the_template, const std::filesystem::path& out,
+                                                    Progress& progress) {
   ReportVerb verb;
   verb.training.files = {study};
   verb.training.keep_scale = alignment == Alignment::rigid;
@@ -83,6 +84,12 @@ Result<std::vector<std::string>> write_study_report(const std::filesystem::path&
   GivenCommand command{"report", {{"SHAPE", {study.string()}}}};
   if (verb.training.keep_scale) command.options.push_back({"--keep-scale", {}});
   if (verb.training.no_align) command.options.push_back({"--no-align", {}});
+  if (!the_template.empty()) {
+    verb.the_template = the_template;
+    verb.recipe = recipe_of_template(the_template);
+    command.options.push_back({"--recipe", {verb.recipe}});
+    command.options.push_back({"--template", {the_template}});
+  }
   auto written = write_report(verb, command, progress);
   if (!written) return fail(written.error());
   return std::move(written->warnings);
@@ -126,14 +133,11 @@ void add_report(CLI::App& app, CommandLine& asked) {
       for (const char* option : {"--keep-scale", "--no-align", "--all-frames", "--flip-mirrored", "--group",
                                  "--without-doubtful", "--structures", "--samples"})
         refuse_without_effect(*verb, option, "shapes");
-    GivenCommand command = given_command(*verb);
-    // What lies beside a template is read as well; it stands where it would had it been given.
-    if (options->recipe.empty() && !options->the_template.empty()) {
+    if (options->recipe.empty() && !options->the_template.empty())
       options->recipe = recipe_of_template(options->the_template);
-      const auto before = std::ranges::find(command.options, std::string_view("--template"), &GivenOption::name);
-      if (!options->recipe.empty()) command.options.insert(before, {"--recipe", {options->recipe}});
-    }
-    asked.run = [options, command](Progress& progress) { return write_report(*options, command, progress); };
+    asked.run = [options, command = given_command(*verb)](Progress& progress) {
+      return write_report(*options, command, progress);
+    };
   });
 }
 

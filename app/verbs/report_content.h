@@ -60,9 +60,11 @@ struct PageContent {
   std::vector<std::string> groups() const;
 };
 
-/// The page of a study, as the window's button writes it. Gives warnings.
+/// The page of a study, as the window's button writes it. `the_template`: one with a recipe beside it, by which the
+/// modes are measured; empty: they are not. Gives warnings.
 Result<std::vector<std::string>> write_study_report(const std::filesystem::path& study, Alignment alignment,
-                                                    const std::filesystem::path& out, Progress& progress);
+                                                    const std::string& the_template, const std::filesystem::path& out,
+                                                    Progress& progress);
 
 /// Reads the model or the shapes, and computes what the page shows. Errors: those of read_model and of `train`; a model
 /// without modes; points without faces; more modes than there are; cancelled.

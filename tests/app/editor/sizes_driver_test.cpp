@@ -106,28 +106,51 @@ TEST_CASE("the slider of the gallery's glyphs has its whole name in a window of 
   CHECK(driver.shows("Spacing"));
 }
 
-TEST_CASE("the report is written of the study's file as the model is aligned and its warnings are said") {
+TEST_CASE("the report is written of the study's file as the model is aligned and by the recipe of its template") {
   Driver driver(new_document("", nullptr, nullptr));
   const fs::path study = ball_study(driver.folder() / "mine", 20, 24), page = driver.folder() / "balls.html";
-  std::vector<std::pair<fs::path, Alignment>> asked;  // by the worker's thread, before it ends
+  const fs::path the_template = driver.folder() / "mine/one.ply";
+  struct Asked {
+    fs::path study;
+    Alignment alignment;
+    std::string the_template;
+  };
+  std::vector<Asked> asked;  // by the worker's thread, before it ends
   EditorOptions options;
   options.files = {study};
-  options.write_report = [&](const fs::path& of, Alignment alignment, const fs::path& out,
+  options.write_report = [&](const fs::path& of, Alignment alignment, const std::string& by, const fs::path& out,
                              Progress&) -> Result<std::vector<std::string>> {
-    asked.emplace_back(of, alignment);
+    asked.push_back({of, alignment, by});
     if (auto written = write_whole_file(out, "page"); !written) return fail(written.error());
     return std::vector<std::string>{"the page is short"};
   };
   driver.app().start(options);
   driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
   driver.settle();
-  driver.click("Report…");
-  choose_file(driver, page);
-  driver.wait_until("the report is written", [&] { return fs::exists(page); });
-  driver.settle();
+  const auto report = [&] {
+    fs::remove(page);
+    driver.click("Report…");
+    choose_file(driver, page);
+    driver.wait_until("the report is written", [&] { return fs::exists(page); });
+    driver.settle();
+  };
+  report();
   REQUIRE(asked.size() == 1);
-  CHECK(asked.front() == std::pair(study, driver.state().models.alignment));
+  CHECK(asked.front().study == study);
+  CHECK(asked.front().alignment == driver.state().models.alignment);
+  CHECK(asked.front().the_template.empty());
   CHECK(driver.shows("the page is short"));
+
+  driver.state().models.study.template_file = the_template;
+  report();
+  CHECK(asked.at(1).the_template.empty());  // it has no recipe
+  REQUIRE(write_whole_file(driver.folder() / "mine/one.recipe.json",
+                           R"({"homolog_recipe": 1, "measurements": [{"name": "content", "kind": "volume"}]})"));
+  report();
+  CHECK(asked.at(2).the_template == the_template);
+  driver.state().models.study.template_file = "built-in:vertebra";
+  report();
+  CHECK(asked.at(3).the_template == "built-in:vertebra");
 }
 
 }  // namespace homolog

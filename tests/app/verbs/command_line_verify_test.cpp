@@ -145,6 +145,7 @@ TEST_CASE("tables pages and pictures are verified and what was changed in them i
       {"evaluate shapes --samples 10 --csv ", "e.csv"},
       {"measure shapes -o ", "s.csv"},
       {"measure shapes --recipe ventricle -o ", "v.csv"},
+      {"measure shapes --template data/ball.ply -o ", "b.csv"},
       {"landmarks shapes --vertices -o ", "l.tps"},
       {"observers shapes shapes --csv ", "o.csv"},
       {"picture plot m.h5 -o ", "p.svg"},
@@ -172,6 +173,9 @@ TEST_CASE("tables pages and pictures are verified and what was changed in them i
     CHECK(changed.errors.find(ending == ".png" || ending == ".pdf" ? "its bytes are others" : " is another") !=
           std::string::npos);
   }
+  // The recipe is an input, so a table by another one is not what was verified.
+  CHECK(Json::parse(folder.bytes("b.csv.made.json"))["homolog.record"]["options"]["--recipe"][0]["file"] ==
+        "ball.recipe.json");
   // Names of cases may be those of patients.
   REQUIRE(run(folder, "report shapes --samples 10 --without-names -o n.html").status == 0);
   CHECK(folder.bytes("n.html").find("1.ply") == std::string::npos);

@@ -9,6 +9,7 @@
 #include "app/editor/update/results/imports.h"
 #include "app/editor/update/results/worklist.h"
 #include "core/base/files.h"
+#include "core/catalogue/catalogue.h"
 #include "core/model/landmark_table.h"
 #include "core/model/leave_one_out.h"
 #include "core/model/statismo.h"
@@ -122,11 +123,16 @@ void ExportReport::run(Editing& editing) const {
   const auto& models = editing.state.models;
   if (!editing.work.write_report || models.study_file.empty()) return;
   const auto warnings = std::make_shared<std::vector<std::string>>();
+  // The recipe that the template has measures the modes. It is looked for now, since the study may change.
+  const std::string source = models.study.template_file.string();
+  std::error_code ignored;
+  const bool measures =
+      (is_built_in(source) || std::filesystem::exists(source, ignored)) && !recipe_of_template(source).empty();
   editing.work.exports.start(
       path,
       [write = editing.work.write_report, study = models.study_file, alignment = models.alignment, to = path,
-       warnings](Progress& progress) -> Result<void> {
-        auto written = write(study, alignment, to, progress);
+       the_template = measures ? source : std::string(), warnings](Progress& progress) -> Result<void> {
+        auto written = write(study, alignment, the_template, to, progress);
         if (!written) return fail(written.error());
         *warnings = std::move(*written);
         return {};

@@ -113,7 +113,12 @@ std::shared_ptr<const std::vector<Rgb>> ColourScale::of(const VertexScalars& val
 std::string title_of(const std::string& property) {
   std::string title = property, unit;
   if (property == "z" || property.starts_with("z_")) unit = " (standard deviations)";
-  if (title.ends_with("_mm")) title.resize(title.size() - 3), unit = " (mm)";
+  for (const auto& [ending, shown] : {std::pair<std::string, const char*>{"_mm", " (mm)"},
+                                      {"_mm2", " (mm\xc2\xb2)"},
+                                      {"_ml", " (ml)"},
+                                      {"_deg", " (\xc2\xb0)"},
+                                      {"_g", " (g)"}})
+    if (title.ends_with(ending) && unit.empty()) title.resize(title.size() - ending.size()), unit = shown;
   std::replace(title.begin(), title.end(), '_', ' ');
   return title + unit;
 }

@@ -15,6 +15,7 @@
 #include "core/mesh/mirror.h"
 #include "core/model/numbering.h"
 #include "core/model/shape_files.h"
+#include "core/model/study.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {
@@ -338,8 +339,7 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
   std::vector<DoubtfulShape> doubtful;
   std::map<std::string, VertexScalars> vertex_doubts;
   std::map<std::string, std::vector<std::string>> first_taken;
-  const bool of_study = std::any_of(files.begin(), files.end(),
-                                    [](const fs::path& file) { return file.string().ends_with(".study.json"); });
+  const bool of_study = std::any_of(files.begin(), files.end(), is_study_file);
   const auto take = [&](ReadShape shape) {
     if (!of_study && !shape.others.empty() && shape.name.find(" structure ") == std::string::npos)
       first_taken[shape.structure].push_back(shape.name);

@@ -90,8 +90,11 @@ void draw_label_eyes(const UiContext& ui, const std::vector<int>& listed, int in
     hide_labels(hidden, out);
   }
   ImGui::SameLine(0, theme.px(4));
-  if (button(theme, "Only this", "Shows the chosen label and hides the others", {}, third)) {
-    hidden = {ui.labels().values.begin(), ui.labels().values.end()};
+  const auto& values = ui.labels().values;
+  const bool none_chosen = std::find(values.begin(), values.end(), in_hand) == values.end();
+  if (button(theme, "Only this", "Shows the chosen label and hides the others",
+             none_chosen ? "Click a label of the list first." : "", third)) {
+    hidden = {values.begin(), values.end()};
     hidden.erase(in_hand);
     hide_labels(hidden, out);
   }

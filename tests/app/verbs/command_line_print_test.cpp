@@ -200,7 +200,7 @@ TEST_CASE("columns of a table are plotted, as numbers and as groups") {
   const Ran numbers = run(folder, "picture plot t.csv --x age --y volume_ml --by group -o n.svg");
   REQUIRE_MESSAGE(numbers.status == 0, numbers.errors);
   const std::string drawn = read(folder, "n.svg");
-  for (const char* word : {">age<", ">volume ml<", ">ill<", ">well<"})
+  for (const char* word : {">age<", ">volume (ml)<", ">ill<", ">well<"})
     CHECK_MESSAGE(drawn.find(word) != drawn.npos, word);
   const Ran groups = run(folder, "picture plot t.csv --x group --y volume_ml --width-mm 85 -o g.svg");
   REQUIRE_MESSAGE(groups.status == 0, groups.errors);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdio>
 
 #include "app/verbs/case_of_fit.h"
 #include "app/verbs/set_cases.h"
@@ -66,6 +68,15 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
       words.push_back(name + " " + closed);
     if (!one.judgement.doubtful) continue;
     words.push_back(name + " is doubtful: " + reason_of_doubt(one.judgement.warnings));
+  }
+  for (const KeptApart& pair : fitted.apart) {
+    if (!pair.too_near) continue;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  pair.mm < 0 ? " lie up to %.1f mm within each other" : " came no farther apart than %.1f mm",
+                  std::abs(pair.mm));
+    words.push_back(set.set.structures[pair.a].name + " and " + set.set.structures[pair.b].name + text +
+                    ", since farther apart their meshes would fold; look at both");
   }
   if (!missing.empty())
     words.push_back("has no voxel of " + some_of(missing) + ", which the set has; they are left out");

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 #include <utility>
 
 #include "core/adapt/choose_closing.h"
 #include "core/base/parallel.h"
+#include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/structures/keep_apart.h"
 #include "core/structures/neighbours_say.h"
@@ -52,7 +54,8 @@ double apart(const Template& the_template, const Similarity& a, const Similarity
   return std::sqrt(difference.rowwise().squaredNorm().mean()) / bounds_of(there).diagonal().norm();
 }
 
-void take(Try&& found, FittedStructure& into) {
+void take(Try&& found, FittedStructure& into, std::optional<Boundary>& boundary) {
+  boundary = std::move(found.boundary);
   into.fit = std::move(found.fit);
   into.judgement = std::move(found.judgement);
   into.closing_mm = found.closing_mm;
@@ -66,11 +69,11 @@ bool better(const FitJudgement& a, const FitJudgement& b) {
 
 /// Once more, from where its neighbours say; the better of both fits is kept.
 void fit_by_neighbours(const Template& the_template, const StructureInMap& there, const Similarity& place,
-                       FitOptions options, FittedStructure& fitted) {
+                       FitOptions options, FittedStructure& fitted, std::optional<Boundary>& boundary) {
   options.placement = place;
   auto found = try_fit(the_template, there, options);
   if (!found || (fitted.fit && !better(found->judgement, fitted.judgement))) return;
-  take(std::move(*found), fitted);
+  take(std::move(*found), fitted, boundary);
   fitted.by_neighbours = true;
   fitted.why_not.clear();
 }
@@ -85,8 +88,54 @@ std::vector<MeshPair> pairs_to_keep_apart(const SetInMap& subject, const std::ve
   return pairs;
 }
 
+/// Judges a structure anew whose mesh was moved: what is told is of the mesh as it is now.
+void judge_moved(const Template& the_template, const Boundary& boundary, Mesh mesh, FittedStructure& one) {
+  FitResult& fit = *one.fit;
+  if (fit.doubt_mm.size() > 0)
+    fit.doubt_mm =
+        (fit.doubt_mm.array().square() + (mesh.points - fit.mesh.points).rowwise().squaredNorm().array()).sqrt();
+  fit.mesh = std::move(mesh);
+  fit.landmarks = carried_landmarks(the_template, fit.mesh.points);
+  fit.turned_triangles =
+      turned_triangles(*fit.mesh.topology, fit.placement.apply(the_template.points), fit.mesh.points).size();
+  fit.self_intersections = self_intersections(fit.mesh).size();
+  one.judgement = judge_fit(the_template, boundary, {}, fit);
+}
+
+/// Why somebody has to look at a structure that another one is too near to.
+std::string too_near(const std::string& other, const KeptApart& pair) {
+  char text[160];
+  if (pair.mm < 0)
+    std::snprintf(text, sizeof text, "it lies up to %.1f mm within %s, since it could not move farther without folds",
+                  -pair.mm, other.c_str());
+  else
+    std::snprintf(text, sizeof text,
+                  "it came only %.1f mm apart from %s, since it could not move farther without folds", pair.mm,
+                  other.c_str());
+  return text;
+}
+
+/// Structures that are too near to each other are doubtful; where one of two was already, it is that one.
+void doubt_near(const SetOfTemplates& set, FittedSet& result) {
+  constexpr double hardly = 0.5;
+  std::vector<char> doubtful;
+  for (const FittedStructure& one : result.structures) doubtful.push_back(one.judgement.doubtful ? 1 : 0);
+  for (const KeptApart& pair : result.apart) {
+    if (!pair.too_near) continue;
+    for (const auto& [own, other] : {std::pair{pair.a, pair.b}, std::pair{pair.b, pair.a}}) {
+      if (doubtful[own] == 0 && doubtful[other] != 0) continue;
+      FittedStructure& one = result.structures[own];
+      one.judgement.doubtful = true;
+      one.judgement.warnings.push_back(too_near(set.set.structures[other].name, pair));
+      one.confidence = std::min(one.confidence, hardly);
+    }
+  }
+}
+
 /// Keeps the fitted meshes apart, and brings vertices that are shared to one place.
-void settle(const SetOfTemplates& set, const SetInMap& subject, double gap_mm, FittedSet& result) {
+void settle(const SetOfTemplates& set, const SetInMap& subject, double gap_mm,
+            const std::vector<std::optional<Boundary>>& boundaries, FittedSet& result) {
+  constexpr double touching_mm = 0.1;
   std::vector<std::size_t> fitted;
   std::vector<Mesh> meshes;
   std::vector<char> doubtful;
@@ -99,13 +148,18 @@ void settle(const SetOfTemplates& set, const SetInMap& subject, double gap_mm, F
     doubtful.push_back(one.judgement.doubtful ? 1 : 0);
     names.push_back(set.set.structures[k].name);
   }
-  result.depth_mm = keep_apart(meshes, pairs_to_keep_apart(subject, fitted), gap_mm, doubtful);
-  join_shared(set.set.shared, names, meshes);
-  for (std::size_t k = 0; k < fitted.size(); ++k) {
-    FitResult& fit = *result.structures[fitted[k]].fit;
-    fit.mesh = std::move(meshes[k]);
-    fit.landmarks = carried_landmarks(*set.templates[fitted[k]], fit.mesh.points);
+  const auto pairs = pairs_to_keep_apart(subject, fitted);
+  const auto left_mm = keep_apart(meshes, pairs, gap_mm, doubtful);
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    result.apart.push_back({fitted[pairs[p][0]], fitted[pairs[p][1]], gap_mm - left_mm[p], left_mm[p] > touching_mm});
+    result.depth_mm = std::max(result.depth_mm, left_mm[p] - gap_mm);
   }
+  join_shared(set.set.shared, names, meshes);
+  for_each_in_parallel(fitted.size(), [&](std::size_t f) {
+    FittedStructure& one = result.structures[fitted[f]];
+    if (meshes[f].points == one.fit->mesh.points) return;
+    judge_moved(*set.templates[fitted[f]], *boundaries[fitted[f]], std::move(meshes[f]), one);
+  });
 }
 
 }  // namespace
@@ -132,6 +186,7 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
       own.report(1);
     });
   };
+  std::vector<std::optional<Boundary>> boundaries(count);
   std::vector<std::size_t> there;
   for (std::size_t k = 0; k < count; ++k)
     if (subject.structures[k].is_there() && set.templates[k] != nullptr) there.push_back(k);
@@ -139,7 +194,7 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
     tell(k, SetFitStep::runs);
     auto found = try_fit(*set.templates[k], subject.structures[k], fitting);
     if (found)
-      take(std::move(*found), result.structures[k]);
+      take(std::move(*found), result.structures[k], boundaries[k]);
     else
       result.structures[k].why_not = found.error().what;
     tell_result(k);
@@ -156,17 +211,18 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
   if (again.empty()) Progress(progress, 0.3).report(1);
   fit_some(again, 0.3, [&](std::size_t k, const FitOptions& fitting) {
     tell(k, SetFitStep::runs_again);
-    fit_by_neighbours(*set.templates[k], subject.structures[k], *said[k], fitting, result.structures[k]);
+    fit_by_neighbours(*set.templates[k], subject.structures[k], *said[k], fitting, result.structures[k], boundaries[k]);
     tell_result(k);
   });
   if (progress.cancelled()) return fail("", "the fit was cancelled");
+  settle(set, subject, options.gap_mm, boundaries, result);
   for (const std::size_t k : there) {
     FittedStructure& one = result.structures[k];
     if (!one.fit) continue;
     if (said[k]) one.off_place = apart(*set.templates[k], *said[k], one.fit->placement);
     one.confidence = structure_confidence(one);
   }
-  settle(set, subject, options.gap_mm, result);
+  doubt_near(set, result);
   return result;
 }
 

@@ -35,14 +35,23 @@ struct FittedStructure {
   std::string why_not;         ///< why it has no mesh; empty for one that is missing
 };
 
+/// Two structures of a set that were kept apart.
+struct KeptApart {
+  std::size_t a = 0, b = 0;  ///< by their places in the set
+  double mm = 0;             ///< how far apart they came, at most the gap asked for; below 0: so far within each other
+  bool too_near = false;     ///< less than was asked for, by more than a tenth of a millimetre
+};
+
 struct FittedSet {
   std::vector<FittedStructure> structures;  ///< in the set's order
-  double depth_mm = 0;                      ///< the largest by which two that are kept apart lie within each other
+  std::vector<KeptApart> apart;             ///< each pair of which there is a fit of both, and that may not overlap
+  double depth_mm = 0;                      ///< the largest by which two of them lie within each other
 };
 
 /// Fits the templates of a set to one subject: each by itself, then once more those that are doubtful or lie where
 /// their neighbours do not say, from there. At the end neighbours are kept apart, but for those whose labels overlap,
-/// and vertices that structures share come to one place.
+/// and vertices that structures share come to one place. Where two cannot come as far apart as they should without a
+/// fold, they are doubtful. What is judged is the mesh that came of it.
 /// What is missing is left out. The bytes do not depend on the number of threads. Errors: cancelled.
 Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, const FitSetOptions& options = {});
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "core/base/index.h"
 #include "core/base/parallel.h"
+#include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 
@@ -128,6 +130,62 @@ Push push_out(const Mesh& mesh, const std::vector<Sample>& samples, const Depths
   return push;
 }
 
+/// Moves a mesh by steps, and takes a step back where it would turn a face or bring two faces through each other.
+class UnfoldedSteps {
+ public:
+  explicit UnfoldedSteps(const Mesh& start)
+      : start_(start.points), pace_(VertexScalars::Ones(start.points.rows())), known_(self_intersections(start)) {}
+
+  /// Gives the largest way of a vertex, mm. `most_mm`: no vertex needs a longer one in all, as far as this step knows.
+  double step(Mesh& mesh, const Points& by, double most_mm) {
+    most_mm_ = std::max(most_mm_, most_mm);
+    const Points before = mesh.points;
+    for (int rings = 0; rings <= most_rings; ++rings) {
+      for (Eigen::Index v = 0; v < by.rows(); ++v) {
+        const Vec3 whole = (before.row(v) + pace_[v] * by.row(v) - start_.row(v)).transpose();
+        const double mm = whole.norm();
+        mesh.points.row(v) = start_.row(v) + std::min(1.0, most_mm_ / std::max(mm, 1e-12)) * whole.transpose();
+      }
+      const auto faces = folded(mesh);
+      if (faces.empty()) return (mesh.points - before).rowwise().norm().maxCoeff();
+      // Slower at first; what still folds then stays where it was.
+      slow_down(*mesh.topology, faces, rings, rings < 2 ? 0.5 : 0);
+    }
+    mesh.points = before;
+    pace_.setZero();
+    return 0;
+  }
+
+ private:
+  static constexpr int most_rings = 6;
+
+  std::vector<std::int32_t> folded(const Mesh& mesh) const {
+    auto faces = turned_triangles(*mesh.topology, start_, mesh.points);
+    for (const auto& pair : self_intersections(mesh))
+      if (!std::ranges::binary_search(known_, pair)) faces.insert(faces.end(), pair.begin(), pair.end());
+    return faces;
+  }
+  /// Those of the faces and so many rings around them.
+  void slow_down(const Topology& topology, const std::vector<std::int32_t>& faces, int rings, double by) {
+    std::vector<char> near(index(topology.vertices()));
+    for (const std::int32_t f : faces)
+      for (int c = 0; c < 3; ++c) near[index(topology.triangles()(f, c))] = 1;
+    for (int ring = 0; ring < rings; ++ring) {
+      const std::vector<char> inner = near;
+      for (std::int32_t v = 0; v < topology.vertices(); ++v)
+        if (inner[index(v)] != 0)
+          for (const std::int32_t n : topology.one_ring(v)) near[index(n)] = 1;
+    }
+    for (std::int32_t v = 0; v < topology.vertices(); ++v)
+      if (near[index(v)] != 0) pace_[v] *= by;
+  }
+
+  Points start_;
+  VertexScalars pace_;  ///< of each step, the share that a vertex goes
+  double most_mm_ = 0;
+  std::vector<std::array<std::int32_t, 2>> known_;  ///< faces that met at the start
+};
+
 }  // namespace
 
 void spread_movement(const Topology& topology, const VertexScalars& held, Points& by) {
@@ -164,10 +222,10 @@ double depth_mm(const Mesh& mesh, const Mesh& other, double near_mm) {
   return deepest;
 }
 
-double keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, double gap_mm,
-                  const std::vector<char>& yields) {
+std::vector<double> keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, double gap_mm,
+                               const std::vector<char>& yields) {
   constexpr int most_rounds = 40;
-  constexpr double at_rest_mm = 0.02;
+  constexpr double at_rest_mm = 0.02, hardly_moved_mm = 0.002, ample = 1.5;
   std::vector<std::vector<Sample>> samples(meshes.size());
   for (const MeshPair& pair : pairs)
     for (const std::size_t k : pair)
@@ -176,8 +234,9 @@ double keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, do
     if (yields.empty() || yields[own] == yields[other]) return 0.5;
     return yields[own] != 0 ? 1.0 : 0.0;
   };
-  double deepest_mm = 0;
-  for (int round = 0; round < most_rounds; ++round) {
+  std::vector<double> left_mm(pairs.size());
+  std::vector<std::optional<UnfoldedSteps>> steps(meshes.size());
+  for (int round = 0;; ++round) {
     std::vector<std::unique_ptr<Depths>> depths(meshes.size());
     for_each_in_parallel(meshes.size(), [&](std::size_t k) {
       if (!samples[k].empty()) depths[k] = std::make_unique<Depths>(meshes[k]);
@@ -189,11 +248,10 @@ double keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, do
       if (reach.intersects(bounds_of(meshes[own].points)))
         pushes[p] = push_out(meshes[own], samples[own], *depths[other], reach, gap_mm, share_of(own, other));
     });
-    deepest_mm = 0;
     std::vector<Push> moves(meshes.size());
     for (std::size_t p = 0; p < pushes.size(); ++p) {
       const Push& push = pushes[p];
-      deepest_mm = std::max(deepest_mm, push.deepest_mm);
+      left_mm[p / 2] = p % 2 == 0 ? push.deepest_mm : std::max(left_mm[p / 2], push.deepest_mm);
       if (push.deepest_mm <= 0) continue;
       Push& move = moves[pairs[p / 2][p % 2]];
       if (move.by.rows() == 0) {
@@ -206,14 +264,17 @@ double keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, do
           move.mm[v] = std::max(move.mm[v], push.mm[v]);
         }
     }
-    if (deepest_mm <= at_rest_mm) break;
-    for (std::size_t k = 0; k < meshes.size(); ++k) {
-      if (moves[k].by.rows() == 0) continue;
+    if (round == most_rounds || std::ranges::all_of(left_mm, [](double mm) { return mm <= at_rest_mm; })) break;
+    std::vector<double> moved_mm(meshes.size());
+    for_each_in_parallel(meshes.size(), [&](std::size_t k) {
+      if (moves[k].by.rows() == 0) return;
+      if (!steps[k]) steps[k].emplace(meshes[k]);
       spread_movement(*meshes[k].topology, moves[k].mm, moves[k].by);
-      meshes[k].points += moves[k].by;
-    }
+      moved_mm[k] = steps[k]->step(meshes[k], moves[k].by, ample * moves[k].mm.maxCoeff());
+    });
+    if (std::ranges::all_of(moved_mm, [](double mm) { return mm <= hardly_moved_mm; })) break;
   }
-  return deepest_mm;
+  return left_mm;
 }
 
 }  // namespace homolog

@@ -2,7 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
+#include "core/measure/compare.h"
 #include "core/mesh/icosphere.h"
+#include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
 #include "core/structures/set_map.h"
 #include "tests/must.h"
@@ -76,6 +80,54 @@ TEST_CASE("all structures of a set come to their labels") {
     const Vec3 middle = one.fit->mesh.points.colwise().mean();
     CHECK((middle - Vec3(places[k], 7, 0)).norm() < 1);
   }
+}
+
+TEST_CASE("what is told of a structure is of its mesh as it was kept apart, and a gap without room makes it doubtful") {
+  SetOfTemplates set = eggs();
+  // The middle one becomes a plate that the others nearly touch.
+  const std::vector<Mesh> meshes = [] {
+    std::vector<Mesh> all{egg_at(-28, radii[0]), icosphere(4, 18), egg_at(21, radii[1])};
+    all[1].points.col(0) *= 0.08;
+    return all;
+  }();
+  VolumeGeometry grid;
+  grid.dims = {220, 100, 100};
+  grid.spacing_mm = Vec3::Constant(0.5);
+  grid.origin_mm = Vec3(-58, -25, -25);
+  std::vector<MeshOfSegment> segments;
+  for (std::size_t k = 0; k < 3; ++k) {
+    MeshFile file;
+    file.points = meshes[k].points;
+    file.triangles = meshes[k].topology->triangles();
+    set.templates[k] = test::must(make_template(file, set.set.structures[k].name));
+    segments.push_back({{set.set.structures[k].name, static_cast<int>(k) + 1, 0, {}, {}}, meshes[k]});
+  }
+  const VolumeRead map = map_of_meshes(segments, grid).map;
+  const SetInMap subject = find_in_map(set.set, map);
+  const FittedSet free = test::must(fit_set(set, subject)), wide = test::must(fit_set(set, subject, {.gap_mm = 5}));
+  CHECK(std::ranges::none_of(free.apart, &KeptApart::too_near));
+  CHECK(wide.depth_mm == 0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    CAPTURE(k);
+    REQUIRE(wide.structures[k].fit);
+    const FittedStructure& one = wide.structures[k];
+    CHECK_FALSE(free.structures[k].judgement.doubtful);
+    CHECK(self_intersections(one.fit->mesh).empty());
+    const Mesh label = test::must(mask_surface(map.volume, static_cast<int>(k) + 1, 0));
+    CHECK(one.judgement.inside_scan.dice == doctest::Approx(compare_meshes(one.fit->mesh, label).dice).epsilon(0.01));
+    CHECK(one.judgement.inside_scan.dice < free.structures[k].judgement.inside_scan.dice);
+    // A vertex that was moved may belong as far off as it moved.
+    const double moved_mm = (one.fit->mesh.points - free.structures[k].fit->mesh.points).rowwise().norm().maxCoeff();
+    CHECK(moved_mm > 0.5);
+    CHECK(one.fit->doubt_mm.maxCoeff() >= 0.9 * moved_mm);
+  }
+  CHECK(wide.structures[1].judgement.doubtful);
+  CHECK(wide.structures[1].judgement.warnings.back().find("mm apart from") != std::string::npos);
+  CHECK(wide.structures[1].confidence <= 0.5);
+  const auto near = std::ranges::find_if(wide.apart, &KeptApart::too_near);
+  REQUIRE(near != wide.apart.end());
+  CHECK(near->mm < 4.9);
+  CHECK(near->mm > 0);
 }
 
 TEST_CASE("a structure that the map lacks is missing, and one without template is named") {

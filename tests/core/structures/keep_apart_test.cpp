@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
+#include "core/deform/fold_guard.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/structures/set_in_case.h"
@@ -30,7 +33,7 @@ TEST_CASE("a depth is how far a mesh lies within another, and a distance where i
 TEST_CASE("two that lie within each other meet halfway, and what is far from there stays") {
   std::vector<Mesh> balls{large_ball_at(0), large_ball_at(37)};
   const std::vector<Mesh> before = balls;
-  const double left_mm = keep_apart(balls, {&both, 1});
+  const double left_mm = keep_apart(balls, {&both, 1}).front();
   CHECK(left_mm <= 0.1);
   CHECK(depth_mm(balls[0], balls[1], 1) <= 0.1);
   CHECK(depth_mm(balls[1], balls[0], 1) <= 0.1);
@@ -44,14 +47,14 @@ TEST_CASE("two that lie within each other meet halfway, and what is far from the
 
 TEST_CASE("a gap is left where one is asked for") {
   std::vector<Mesh> balls{large_ball_at(0), large_ball_at(40.5)};
-  CHECK(keep_apart(balls, {&both, 1}, 2) <= 0.1);
+  CHECK(keep_apart(balls, {&both, 1}, 2).front() <= 0.1);
   CHECK(depth_mm(balls[0], balls[1], 10) <= -1.9);
 }
 
 TEST_CASE("one that yields goes all the way") {
   std::vector<Mesh> balls{large_ball_at(0), large_ball_at(37)};
   const Mesh first = balls[0], ball_at_37 = balls[1];
-  CHECK(keep_apart(balls, {&both, 1}, 0, {0, 1}) <= 0.1);
+  CHECK(keep_apart(balls, {&both, 1}, 0, {0, 1}).front() <= 0.1);
   CHECK(balls[0].points == first.points);
   CHECK(depth_mm(balls[1], balls[0], 1) <= 0.1);
   // On the axis the second ball ended at x = 17 mm and the first one ends at 20 mm.
@@ -92,10 +95,29 @@ TEST_CASE("a structure of a case goes out of its neighbour and stays in the wall
   CHECK_FALSE(apart_from_others(document, id));
 }
 
+TEST_CASE("a thin plate that has no room between two balls does not fold and what is left of the gap is told") {
+  Mesh plate = icosphere(4, 15);
+  plate.points.col(0) *= 0.1;
+  std::vector<Mesh> meshes{large_ball_at(-21.5), plate, large_ball_at(21.5)};
+  const std::vector<MeshPair> pairs{{0, 1}, {1, 2}, {0, 2}};
+  const auto left_mm = keep_apart(meshes, pairs, 4, {0, 1, 0});
+  for (const Mesh& mesh : meshes) CHECK(self_intersections(mesh).empty());
+  CHECK(turned_triangles(*plate.topology, plate.points, meshes[1].points).empty());
+  // Of the 4 mm a part is left, as far as the meshes say themselves.
+  for (const std::size_t p : {0U, 1U}) {
+    CHECK(left_mm[p] > 0.5);
+    CHECK(left_mm[p] < 4.1);
+    const double mm = std::max(depth_mm(meshes[pairs[p][0]], meshes[pairs[p][1]], 10),
+                               depth_mm(meshes[pairs[p][1]], meshes[pairs[p][0]], 10));
+    CHECK(mm == doctest::Approx(left_mm[p] - 4).epsilon(0.02));
+  }
+  CHECK(left_mm[2] == 0);
+}
+
 TEST_CASE("three in a row come apart, and those that touch nobody stay") {
   std::vector<Mesh> balls{large_ball_at(0), large_ball_at(38), large_ball_at(76), large_ball_at(200)};
   const std::vector<MeshPair> pairs{{0, 1}, {0, 2}, {1, 2}, {2, 3}};
-  CHECK(keep_apart(balls, pairs) <= 0.1);
+  for (const double left_mm : keep_apart(balls, pairs)) CHECK(left_mm <= 0.1);
   CHECK(depth_mm(balls[0], balls[1], 1) <= 0.1);
   CHECK(depth_mm(balls[2], balls[1], 1) <= 0.1);
   CHECK(balls[3].points == large_ball_at(200).points);

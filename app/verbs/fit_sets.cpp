@@ -94,9 +94,11 @@ Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set,
   const auto folder = ResultFolder::make(options.out / name);
   if (!folder) return fail(folder.error());
   std::vector<MeshOfSegment> meshes;
+  std::vector<std::size_t> place(fitted.structures.size());  // among the meshes
   for (std::size_t k = 0; k < fitted.structures.size(); ++k) {
     const FittedStructure& one = fitted.structures[k];
     if (!one.fit) continue;
+    place[k] = meshes.size();
     MeshFile file = fitted_file(*set.templates[k], *one.fit, false);
     if (map.read.volume.frames > 1) note_frame(file, map.frame);
     if (one.judgement.doubtful) file.comments.push_back(doubt_comment(reason_of_doubt(one.judgement.warnings)));
@@ -105,7 +107,9 @@ Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set,
     if (auto written = write_mesh_file(file, options.out / output); !written) return fail(written.error());
     meshes.push_back({subject.structures[k].segment, one.fit->mesh});
   }
-  const auto labels = map_of_meshes(meshes, grid_of_all(map.read));
+  std::vector<MeshPair> apart;
+  for (const KeptApart& pair : fitted.apart) apart.push_back({place[pair.a], place[pair.b]});
+  const auto labels = map_of_meshes(meshes, grid_of_all(map.read), apart);
   const std::string output = name + ".seg.nrrd";
   auto written = write_segmentation(labels.map, options.out / output, nullptr, record_of_output(*record, output));
   if (!written) return fail(written.error());

@@ -78,13 +78,12 @@ void fit_by_neighbours(const Template& the_template, const StructureInMap& there
   fitted.why_not.clear();
 }
 
-/// The pairs that have to be kept apart: all whose labels do not overlap.
+/// The pairs that have to be kept apart: all whose labels do not overlap, whatever their layers.
 std::vector<MeshPair> pairs_to_keep_apart(const SetInMap& subject, const std::vector<std::size_t>& fitted) {
   std::vector<MeshPair> pairs;
   for (std::size_t a = 0; a < fitted.size(); ++a)
     for (std::size_t b = a + 1; b < fitted.size(); ++b)
-      if (subject.structures[fitted[a]].segment.layer == subject.structures[fitted[b]].segment.layer)
-        pairs.push_back({a, b});
+      if (subject.lie_apart(fitted[a], fitted[b])) pairs.push_back({a, b});
   return pairs;
 }
 

@@ -12,23 +12,28 @@ namespace homolog {
 
 namespace {
 
-/// Gives the voxels within a mesh its value where they have none; how many have one.
+/// Gives the voxels within a mesh its value where neither they nor those of `others` have one; how many have one.
 template <class Voxels>
-std::size_t fill(Voxels& voxels, const Mesh& mesh, const VolumeGeometry& grid, int value) {
+std::size_t fill(Voxels& voxels, const Mesh& mesh, const VolumeGeometry& grid, int value,
+                 const std::vector<std::pair<const Volume*, int>>& others) {
   const VoxelBox box = voxels_around(bounds_of(mesh.points), grid, 1);
   const VolumeGeometry part = part_of_grid(grid, box);
   const auto inside = voxelise(mesh, part);
+  const auto is_held = [&](std::size_t voxel) {
+    return voxels[voxel] != 0 || std::ranges::any_of(others, [&](const auto& other) {
+             return rounded_label(std::get<Voxels>(other.first->data)[voxel]) == other.second;
+           });
+  };
   std::size_t at = 0, taken = 0;
   for (int k = box.first[2]; k <= box.last[2]; ++k)
     for (int j = box.first[1]; j <= box.last[1]; ++j) {
       const std::size_t row = (index(k) * index(grid.dims[1]) + index(j)) * index(grid.dims[0]);
       for (int i = box.first[0]; i <= box.last[0]; ++i, ++at) {
         if (inside[at] == 0) continue;
-        auto& voxel = voxels[row + index(i)];
-        if (voxel == 0)
-          voxel = static_cast<typename Voxels::value_type>(value);
-        else
+        if (is_held(row + index(i)))
           ++taken;
+        else
+          voxels[row + index(i)] = static_cast<typename Voxels::value_type>(value);
       }
     }
   return taken;
@@ -47,7 +52,8 @@ Volume empty_layer(const VolumeGeometry& grid, int largest) {
 
 }  // namespace
 
-MapOfMeshes map_of_meshes(const std::vector<MeshOfSegment>& meshes, const VolumeGeometry& grid) {
+MapOfMeshes map_of_meshes(const std::vector<MeshOfSegment>& meshes, const VolumeGeometry& grid,
+                          std::span<const MeshPair> apart) {
   std::map<std::size_t, std::size_t> layers;  // of the segments, to those written
   int largest = 1;
   for (const MeshOfSegment& one : meshes) {
@@ -59,11 +65,18 @@ MapOfMeshes map_of_meshes(const std::vector<MeshOfSegment>& meshes, const Volume
   std::vector<Volume> volumes(std::max<std::size_t>(1, count), empty_layer(grid, largest));
   MapOfMeshes made;
   VolumeRead& map = made.map;
-  for (const MeshOfSegment& one : meshes) {
-    Segment segment = one.segment;
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    Segment segment = meshes[m].segment;
     segment.layer = layers[segment.layer];
-    made.contested_voxels += std::visit([&](auto& voxels) { return fill(voxels, one.mesh, grid, segment.value); },
-                                        volumes[segment.layer].data);
+    std::vector<std::pair<const Volume*, int>> others;  // in other layers, that are filled already
+    for (const auto& [a, b] : apart) {
+      if (std::max(a, b) != m) continue;
+      const Segment& other = meshes[std::min(a, b)].segment;
+      if (layers[other.layer] != segment.layer) others.emplace_back(&volumes[layers[other.layer]], other.value);
+    }
+    made.contested_voxels +=
+        std::visit([&](auto& voxels) { return fill(voxels, meshes[m].mesh, grid, segment.value, others); },
+                   volumes[segment.layer].data);
     map.segmentation.add(std::move(segment));
   }
   map.volume = std::move(volumes.front());

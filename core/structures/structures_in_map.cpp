@@ -8,6 +8,7 @@
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/structures/built_in_set.h"
+#include "core/structures/voxel_body.h"
 #include "core/volume/label_boxes.h"
 
 namespace homolog {
@@ -19,6 +20,41 @@ constexpr int margin_voxels = 3;
 
 bool same_name(const std::string& a, const std::string& b) {
   return lower_case(a) == lower_case(b);
+}
+
+/// Of the voxels of a structure, the share that another one has too.
+double share_held_by(const StructureInMap& one, const StructureInMap& other) {
+  const Volume &mask = *one.mask, &theirs = *other.mask;
+  const VoxelGrid held(theirs);
+  const auto& dims = mask.geometry.dims;
+  std::size_t voxels = 0, both = 0;
+  std::visit(
+      [&](const auto& labels) {
+        std::size_t v = 0;
+        for (int k = 0; k < dims[2]; ++k)
+          for (int j = 0; j < dims[1]; ++j)
+            for (int i = 0; i < dims[0]; ++i, ++v) {
+              if (rounded_label(labels[v]) != one.segment.value) continue;
+              ++voxels;
+              both += held.label_at(mask.geometry.to_mm(Vec3(i, j, k))) == other.segment.value ? 1 : 0;
+            }
+      },
+      mask.data);
+  return voxels > 0 ? static_cast<double>(both) / static_cast<double>(voxels) : 0;
+}
+
+/// Finds structures of two layers that share more than a few voxels.
+void find_overlapping(SetInMap& found) {
+  constexpr double few = 0.05;  // as where two surfaces touch
+  const auto& all = found.structures;
+  for (std::size_t a = 0; a < all.size(); ++a)
+    for (std::size_t b = a + 1; b < all.size(); ++b) {
+      if (!all[a].is_there() || !all[b].is_there() || all[a].segment.layer == all[b].segment.layer) continue;
+      if (!all[a].mask->geometry.bounds_mm().intersects(all[b].mask->geometry.bounds_mm())) continue;
+      if (share_held_by(all[a], all[b]) <= few && share_held_by(all[b], all[a]) <= few) continue;
+      found.overlapping.insert({a, b});
+      found.overlapping.insert({b, a});
+    }
 }
 
 /// Leaves out vertices in common that templates do not have, as where one was made anew since.
@@ -124,6 +160,7 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
   for (const Segment& segment : segments)
     if (!taken.contains(&segment) && boxes[segment.layer].contains(segment.value))
       found.without_template.push_back(segment.name.empty() ? "label " + std::to_string(segment.value) : segment.name);
+  find_overlapping(found);
   return found;
 }
 

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,11 @@ struct StructureInMap {
 struct SetInMap {
   std::vector<StructureInMap> structures;     ///< in the set's order
   std::vector<std::string> without_template;  ///< names of the map's labels that the set lacks
+  /// Structures of two layers that share voxels, as an organ and its lesion, by their places in the set; both ways.
+  std::set<std::pair<std::size_t, std::size_t>> overlapping;
+
+  /// Whether two structures are kept from overlapping: those of one layer, and those that share next to no voxel.
+  bool lie_apart(std::size_t a, std::size_t b) const { return !overlapping.contains({a, b}); }
 };
 
 /// The volume that holds a layer of a map, and which of its frames is meant: layers have one each.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -31,6 +33,43 @@ struct Body {
   }
   /// Below 0 inside.
   double signed_mm(std::size_t v) const { return inside[v] != 0 ? -depth[v] : to[v]; }
+};
+
+/// The middle of a voxel of a frame, mm.
+inline Vec3 place_of_voxel(const VolumeGeometry& grid, std::size_t voxel) {
+  const std::size_t row = index(grid.dims[0]), plane = row * index(grid.dims[1]);
+  return grid.to_mm(Vec3(static_cast<double>(voxel % row), static_cast<double>(voxel % plane / row),
+                         static_cast<double>(voxel / plane)));
+}
+
+/// The labels of a frame by places in mm, those of the nearest voxels.
+class VoxelGrid {
+ public:
+  explicit VoxelGrid(const Volume& labels, int frame = 0)
+      : labels_(labels),
+        to_voxel_(labels.geometry.spacing_mm.cwiseInverse().asDiagonal() * labels.geometry.direction.inverse()),
+        first_(labels.geometry.voxels() * index(frame)) {}
+
+  /// None beyond the grid.
+  std::optional<std::size_t> voxel_at(const Vec3& p_mm) const {
+    const Vec3 at = (to_voxel_ * (p_mm - labels_.get().geometry.origin_mm)).array().round();
+    const auto& dims = labels_.get().geometry.dims;
+    for (Eigen::Index a = 0; a < 3; ++a)
+      if (!(at[a] >= 0) || at[a] >= dims[index(a)]) return std::nullopt;
+    return first_ +
+           (static_cast<std::size_t>(at[2]) * index(dims[1]) + static_cast<std::size_t>(at[1])) * index(dims[0]) +
+           static_cast<std::size_t>(at[0]);
+  }
+  int label_at(const Vec3& p_mm) const {
+    const auto voxel = voxel_at(p_mm);
+    if (!voxel) return 0;
+    return std::visit([&](const auto& voxels) { return rounded_label(voxels[*voxel]); }, labels_.get().data);
+  }
+
+ private:
+  std::reference_wrapper<const Volume> labels_;
+  Mat3 to_voxel_;
+  std::size_t first_;
 };
 
 /// The map around one structure.

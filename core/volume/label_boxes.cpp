@@ -66,6 +66,18 @@ VolumeGeometry grid_over(const VolumeGeometry& grid, const Box& box_mm) {
   return part_of_grid(grid, whole);
 }
 
+std::optional<std::array<int, 3>> offset_in_grid(const VolumeGeometry& grid, const VolumeGeometry& other) {
+  constexpr double farthest = 1e8;
+  const Vec3 first = grid.to_voxel(other.origin_mm).array().round();
+  if (!(first.cwiseAbs().maxCoeff() < farthest)) return std::nullopt;
+  VolumeGeometry moved = grid;
+  moved.dims = other.dims;
+  moved.origin_mm = grid.to_mm(first);
+  if (!same_grid(moved, other)) return std::nullopt;
+  const Eigen::Vector3i whole = first.cast<int>();
+  return std::array{whole[0], whole[1], whole[2]};
+}
+
 VolumeGeometry part_of_grid(const VolumeGeometry& grid, const VoxelBox& box) {
   VolumeGeometry part = grid;
   for (std::size_t a = 0; a < 3; ++a) part.dims[a] = box.last[a] - box.first[a] + 1;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 
 #include "core/volume/volume.h"
 
@@ -21,6 +22,10 @@ VoxelBox voxels_around(const Box& box_mm, const VolumeGeometry& grid, int margin
 
 /// A grid with the same voxels that reaches so far beyond its own that it holds a box in mm.
 VolumeGeometry grid_over(const VolumeGeometry& grid, const Box& box_mm);
+
+/// Which voxel of `grid`, counted on beyond its ends, the first one of `other` is; none where the voxels of both do not
+/// coincide within a hundredth of a voxel.
+std::optional<std::array<int, 3>> offset_in_grid(const VolumeGeometry& grid, const VolumeGeometry& other);
 
 /// The part of a grid that a box of its voxels is.
 VolumeGeometry part_of_grid(const VolumeGeometry& grid, const VoxelBox& box);

@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -125,6 +126,37 @@ Result<void> write_slicer(const VolumeRead& map, const fs::path& path, Progress*
   });
 }
 
+/// The voxels of a label as a mask, on the grid of the file that the label was read from and as far beyond it as the
+/// label goes; on the layer's grid where there is no such file.
+Result<Volume> single_mask(const Volume& layer, int value, const fs::path& like) {
+  VoxelBox part{{}, {layer.geometry.dims[0] - 1, layer.geometry.dims[1] - 1, layer.geometry.dims[2] - 1}};
+  if (!like.empty()) {
+    const auto own = read_volume(like);
+    if (!own) return fail(own.error());
+    if (const auto offset = offset_in_grid(layer.geometry, own->volume.geometry)) {
+      const auto boxes = label_boxes(layer);
+      const auto box = boxes.find(value);
+      for (std::size_t a = 0; a < 3; ++a) {
+        part.first[a] = (*offset)[a];
+        part.last[a] = (*offset)[a] + own->volume.geometry.dims[a] - 1;
+        if (box == boxes.end()) continue;
+        part.first[a] = std::min(part.first[a], box->second.first[a]);
+        part.last[a] = std::max(part.last[a], box->second.last[a]);
+      }
+    }
+  }
+  Volume mask = cropped(layer, part, 0);
+  std::vector<std::uint8_t> inside(mask.geometry.voxels());
+  std::visit(
+      [&](const auto& voxels) {
+        for (std::size_t v = 0; v < inside.size(); ++v) inside[v] = rounded_label(voxels[v]) == value ? 1 : 0;
+      },
+      mask.data);
+  mask.data = std::move(inside);
+  mask.range_max = 1;
+  return mask;
+}
+
 }  // namespace
 
 Result<void> write_segmentation(const VolumeRead& map, const fs::path& path, Progress* progress,
@@ -158,28 +190,22 @@ Result<void> write_segmentation(const VolumeRead& map, const fs::path& path, Pro
 
 Result<void> write_single_masks(const VolumeRead& map, const fs::path& folder, const fs::path& like,
                                 Progress* progress) {
-  std::map<std::string, fs::path> names;
+  std::map<std::string, std::set<fs::path>> names;  // several where their endings differ
   std::error_code error;
   for (auto entry = fs::directory_iterator(like, error); !error && entry != fs::directory_iterator();
        entry.increment(error))
-    if (!is_hidden(entry->path())) names[segment_name(file_stem(entry->path()))] = entry->path().filename();
+    if (!is_hidden(entry->path()) && has_ending(entry->path(), {".nii.gz", ".nii", ".nrrd", ".mha", ".mgz", ".mgh"}))
+      names[segment_name(file_stem(entry->path()))].insert(entry->path().filename());
   const auto layers = layers_in(map);
   for (const Segment& segment : complete_segments(map).segments) {
-    const Volume& layer = *layers[segment.layer];
-    Volume mask;
-    mask.geometry = layer.geometry;
-    mask.range_max = 1;
-    std::vector<std::uint8_t> inside(layer.geometry.voxels());
-    std::visit(
-        [&](const auto& voxels) {
-          for (std::size_t v = 0; v < inside.size(); ++v) inside[v] = rounded_label(voxels[v]) == segment.value ? 1 : 0;
-        },
-        layer.data);
-    mask.data = std::move(inside);
-    const auto known = names.find(segment.name);
-    fs::path file = folder / (known != names.end() ? known->second : fs::path(segment.name + ".nii.gz"));
+    auto& known = names[segment.name];
+    const fs::path own = known.empty() ? fs::path() : *known.begin();
+    if (!known.empty()) known.erase(known.begin());  // they were read in this order
+    fs::path file = folder / (own.empty() ? fs::path(segment.name + ".nii.gz") : own);
     if (has_ending(file, {".mgz", ".mgh"})) file.replace_extension(".nii.gz");  // which is not written
-    if (auto written = write_volume(mask, file, progress); !written) return written;
+    const auto mask = single_mask(*layers[segment.layer], segment.value, own.empty() ? own : like / own);
+    if (!mask) return fail(mask.error());
+    if (auto written = write_volume(*mask, file, progress); !written) return written;
   }
   return {};
 }

@@ -1,10 +1,14 @@
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/base/file_stem.h"
+#include "core/base/index.h"
 #include "core/volume/formats/formats.h"
+#include "core/volume/label_boxes.h"
 #include "core/volume/read_labels.h"
 #include "core/volume/readers.h"
 
@@ -40,24 +44,81 @@ Result<VolumeRead> read_one_mask(const fs::path& file) {
               "one file of it");
 }
 
-/// Puts the mask's voxels into a layer as `value`, unless one of them has a label there or the grid is another.
+/// The grid that holds two whose voxels coincide; none where it would be far larger than what masks of one scan need.
+std::optional<VolumeGeometry> grid_of_both(const VolumeGeometry& grid, const std::array<int, 3>& offset,
+                                           const VolumeGeometry& other) {
+  constexpr double most_voxels = 1e9;
+  VoxelBox box;
+  double voxels = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.first[a] = std::min(0, offset[a]);
+    box.last[a] = std::max(grid.dims[a], offset[a] + other.dims[a]) - 1;
+    voxels *= box.last[a] - box.first[a] + 1;
+  }
+  if (voxels > most_voxels) return std::nullopt;
+  return part_of_grid(grid, box);
+}
+
+using VoxelAt = std::array<int, 3>;
+
+/// Works on each voxel of a part of a grid whose first one lies at `first`.
+template <class Work>
+void each_voxel(const VolumeGeometry& part, const VoxelAt& first, const Work& work) {
+  std::size_t v = 0;
+  for (int k = 0; k < part.dims[2]; ++k)
+    for (int j = 0; j < part.dims[1]; ++j)
+      for (int i = 0; i < part.dims[0]; ++i, ++v) work(v, VoxelAt{first[0] + i, first[1] + j, first[2] + k});
+}
+
+std::size_t index_in(const VolumeGeometry& grid, const VoxelAt& at) {
+  return (index(at[2]) * index(grid.dims[1]) + index(at[1])) * index(grid.dims[0]) + index(at[0]);
+}
+
+bool is_in(const VolumeGeometry& grid, const VoxelAt& at) {
+  for (std::size_t a = 0; a < 3; ++a)
+    if (at[a] < 0 || at[a] >= grid.dims[a]) return false;
+  return true;
+}
+
+/// Puts the mask's voxels into a layer as `value`, which grows as far as the mask goes; unless one of them has a label
+/// there, or the voxels of both do not coincide.
 bool fits_into(Volume& layer, const Volume& mask, int value) {
-  if (!same_grid(layer.geometry, mask.geometry)) return false;
+  const auto offset = offset_in_grid(layer.geometry, mask.geometry);
+  if (!offset) return false;
+  const auto grid = grid_of_both(layer.geometry, *offset, mask.geometry);
+  if (!grid) return false;
+  VoxelAt old{}, first{};  // where the layer and the mask begin in the new grid
+  for (std::size_t a = 0; a < 3; ++a) {
+    old[a] = std::max(0, -(*offset)[a]);
+    first[a] = old[a] + (*offset)[a];
+  }
   auto& voxels = std::get<std::vector<std::uint16_t>>(layer.data);
   return std::visit(
       [&](const auto& in) {
-        const auto is_set = [](const auto voxel) { return rounded_label(voxel) != 0; };
-        for (std::size_t v = 0; v < in.size(); ++v)
-          if (is_set(in[v]) && voxels[v] != 0) return false;
-        for (std::size_t v = 0; v < in.size(); ++v)
-          if (is_set(in[v])) voxels[v] = static_cast<std::uint16_t>(value);
+        bool overlaps = false;
+        each_voxel(mask.geometry, *offset, [&](std::size_t v, const VoxelAt& at) {
+          if (rounded_label(in[v]) != 0 && is_in(layer.geometry, at))
+            overlaps = overlaps || voxels[index_in(layer.geometry, at)] != 0;
+        });
+        if (overlaps) return false;
+        if (grid->dims != layer.geometry.dims) {
+          std::vector<std::uint16_t> grown(grid->voxels());
+          each_voxel(layer.geometry, old,
+                     [&](std::size_t v, const VoxelAt& at) { grown[index_in(*grid, at)] = voxels[v]; });
+          voxels = std::move(grown);
+          layer.geometry = *grid;
+        }
+        each_voxel(mask.geometry, first, [&](std::size_t v, const VoxelAt& at) {
+          if (rounded_label(in[v]) != 0) voxels[index_in(*grid, at)] = static_cast<std::uint16_t>(value);
+        });
         layer.range_max = value;
         return true;
       },
       mask.data);
 }
 
-/// The layer that took the mask: the first in which it overlaps none, else one of its own.
+/// The layer that took the mask: the first in which it overlaps none, else one of its own. Masks whose voxels coincide
+/// share a grid that holds them all, so that neighbours are seen as such.
 std::size_t put_into_layers(const Volume& mask, int value, std::vector<Volume>& layers) {
   for (std::size_t layer = 0; layer < layers.size(); ++layer)
     if (fits_into(layers[layer], mask, value)) return layer;

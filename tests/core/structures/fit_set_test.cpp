@@ -8,6 +8,8 @@
 #include "core/mesh/icosphere.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/structures/keep_apart.h"
 #include "core/structures/set_map.h"
 #include "tests/must.h"
 
@@ -157,6 +159,38 @@ TEST_CASE("a value counts only where the map gives it no other name") {
   CHECK(subject.structures[2].segment.value == 1);
 }
 
+TEST_CASE("neighbours of different layers are kept apart, but for one that lies within another") {
+  SetOfTemplates set = eggs();
+  set.set.structures.push_back({.name = "spot", .value = 4});
+  const Mesh spot = egg_at(0, 6);
+  MeshFile file;
+  file.points = spot.points;
+  file.triangles = spot.topology->triangles();
+  set.templates.push_back(test::must(make_template(file, "spot")));
+  const VolumeRead united = map_of_eggs();
+  std::vector<MeshOfSegment> meshes;
+  for (std::size_t k = 0; k < 4; ++k) {
+    Mesh egg = k < 3 ? egg_at(places[k], 1.1 * radii[k]) : spot;
+    egg.points.col(1).array() += 7;
+    meshes.push_back({{set.set.structures[k].name, 1, k, {}, {}}, egg});
+  }
+  const SetInMap subject = find_in_map(set.set, map_of_meshes(meshes, united.volume.geometry).map);
+  CHECK(subject.lie_apart(0, 1));
+  CHECK(subject.lie_apart(2, 3));
+  CHECK_FALSE(subject.lie_apart(1, 3));
+  CHECK_FALSE(subject.lie_apart(3, 1));
+  // The first two come 10 mm near to each other, the last two 14 mm.
+  constexpr double gap_mm = 12;
+  const FittedSet fitted = test::must(fit_set(set, subject, {.gap_mm = gap_mm}));
+  std::vector<Mesh> fits;
+  for (const FittedStructure& one : fitted.structures) fits.push_back(one.fit->mesh);
+  CHECK(depth_mm(fits[0], fits[1], 20) <= -gap_mm + 0.15);
+  CHECK(depth_mm(fits[0], fits[1], 20) >= -gap_mm - 0.5);
+  CHECK(share_within(fits[3], fits[1]) == 1);
+  CHECK(fitted.structures[3].judgement.inside_scan.dice > 0.9);
+  CHECK(fitted.depth_mm == 0);
+}
+
 TEST_CASE("in a map of meshes a voxel belongs to one structure of a layer") {
   VolumeGeometry grid;
   grid.dims = {80, 50, 50};
@@ -175,6 +209,11 @@ TEST_CASE("in a map of meshes a voxel belongs to one structure of a layer") {
   REQUIRE(two.map.other_layers.size() == 1);
   CHECK(labels_of(two.map.volume).at(1) == labels_of(two.map.other_layers[0]).at(300));
   CHECK(two.map.segmentation.segments[1].layer == 1);
+  const MeshPair both{0, 1};
+  const MapOfMeshes apart = map_of_meshes({{a, first}, {c, second}}, grid, {&both, 1});
+  CHECK(apart.contested_voxels == one.contested_voxels);
+  CHECK(labels_of(apart.map.volume).at(1) == held.at(1));
+  CHECK(labels_of(apart.map.other_layers[0]).at(300) == held.at(300));
 }
 
 }  // namespace homolog

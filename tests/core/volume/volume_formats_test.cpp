@@ -8,6 +8,7 @@
 
 #include "core/volume/read_labels.h"
 #include "core/volume/volume_io.h"
+#include "core/volume/write_segmentation.h"
 #include "tests/real_data.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"
@@ -414,7 +415,7 @@ TEST_CASE("what is no number in a single mask is background and a share is round
 
 TEST_CASE("a folder of single masks is one label map with the names of its files") {
   const TemporaryFolder folder;
-  const auto write = [&](const std::string& name, std::vector<std::uint8_t> voxels, int from = 0) {
+  const auto write = [&](const std::string& name, std::vector<std::uint8_t> voxels, double from = 0) {
     Volume mask;
     mask.geometry.dims = {static_cast<int>(voxels.size()), 1, 1};
     mask.geometry.origin_mm = Vec3(from, 0, 0);
@@ -425,7 +426,7 @@ TEST_CASE("a folder of single masks is one label map with the names of its files
   write("aorta", {1, 1, 0, 0});
   write("liver", {0, 0, 1, 1});
   write("lung", {0, 1, 1, 0});
-  write("spleen", {1, 1}, 9);
+  write("spleen", {1, 1}, 9.5);
   write("vein", {0, 0, 0, 0});
   const auto read = read_labels(folder.path);
   REQUIRE_MESSAGE(read, read.error().sentence());
@@ -434,12 +435,28 @@ TEST_CASE("a folder of single masks is one label map with the names of its files
   CHECK(read->segmentation.segments.size() == 5);
   VolumeRead spleen = *read;
   REQUIRE(choose_segments(folder.path, "spleen", spleen));
-  CHECK(spleen.volume.geometry.origin_mm.x() == 9);
+  CHECK(spleen.volume.geometry.origin_mm.x() == 9.5);
   VolumeRead both = *read;
   REQUIRE(choose_segments(folder.path, "lung,aorta", both));
   CHECK(both.volume.data == VoxelData(std::vector<std::uint16_t>{1, 1, 3, 0}));
   VolumeRead apart = *read;
   CHECK(says(choose_segments(folder.path, "lung,spleen", apart), "on grids of their own"));
+  // Voxels that coincide are of one grid, which holds them all.
+  write("spleen", {1, 1}, -3);
+  const auto grown = read_labels(folder.path);
+  REQUIRE_MESSAGE(grown, grown.error().sentence());
+  CHECK(grown->other_layers.size() == 1);
+  CHECK(grown->volume.geometry.origin_mm.x() == -3);
+  CHECK(grown->volume.data == VoxelData(std::vector<std::uint16_t>{4, 4, 0, 1, 1, 2, 2}));
+  const TemporaryFolder again;
+  REQUIRE(write_single_masks(*grown, again.path, folder.path));
+  for (const char* name : {"aorta.nii.gz", "spleen.nii.gz", "lung.nii.gz", "vein.nii.gz"}) {
+    const auto before = read_volume(folder.path / name), after = read_volume(again.path / name);
+    REQUIRE(before);
+    REQUIRE(after);
+    CHECK(same_grid(before->volume.geometry, after->volume.geometry));
+    CHECK(before->volume.data == after->volume.data);
+  }
   write("zz-all", {1, 2, 3, 0});
   CHECK(says(read_labels(folder.path), "zz-all.nii.gz"));
 }

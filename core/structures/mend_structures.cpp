@@ -71,7 +71,14 @@ class Mending {
   const std::string& name(std::size_t k) const { return set_.set.structures[k].name; }
 
   /// Gives the share of a set of voxels that has a structure's label outside of the shape that is expected of it.
-  double share_beyond(std::size_t k, const Neighbourhood& there, const std::vector<std::uint8_t>& of) const;
+  double share_beyond(std::size_t k, int label, const Neighbourhood& there, const std::vector<std::uint8_t>& of) const;
+  /// The map as it is by now around a structure.
+  Neighbourhood around_now(std::size_t k, const Box& reach, int margin) const {
+    return around_structure(result_.subject, map_, frame_, k, reach, margin);
+  }
+  /// Takes from a structure of another layer what one has got of it.
+  void take_from_layer(std::size_t k, std::size_t other, const std::vector<std::uint8_t>& taken,
+                       const VolumeGeometry& grid);
   /// Names what has been filled in, where the map gives names.
   void name_new();
   /// The volume that has a structure, and its first voxel of the frame.
@@ -103,14 +110,15 @@ class Mending {
   std::vector<std::optional<Mesh>> shapes_;
 };
 
-double Mending::share_beyond(std::size_t k, const Neighbourhood& there, const std::vector<std::uint8_t>& of) const {
+double Mending::share_beyond(std::size_t k, int label, const Neighbourhood& there,
+                             const std::vector<std::uint8_t>& of) const {
   if (!expected_[k]) return 0;
   const auto own = voxelise(*expected_[k], there.grid);
   double all = 0, beyond = 0;
   for (std::size_t v = 0; v < of.size(); ++v) {
     if (of[v] == 0) continue;
     all += 1;
-    if (own[v] == 0 && there.labels[v] == result_.subject.structures[k].segment.value) beyond += 1;
+    if (own[v] == 0 && there.labels[v] == label) beyond += 1;
   }
   return all > 0 ? beyond / all : 0;
 }
@@ -135,18 +143,40 @@ double Mending::share_left(std::size_t k, double share, const std::vector<VoxelC
 
 void Mending::change(std::size_t k, const std::vector<VoxelChange>& changes) {
   const auto [volume, first] = voxels_of(k);
+  const HeldByOthers held(result_.subject, map_, frame_, k);
   std::visit(
-      [&, start = first](auto& voxels) {
+      [&, &grid = volume->geometry, start = first](auto& voxels) {
         using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
         for (const VoxelChange& one : changes) {
           Voxel& voxel = voxels[start + one.voxel];
           if (rounded_label(voxel) != one.from) continue;
+          if (one.from == 0 && held.label_at(place_of_voxel(grid, one.voxel)) != 0) continue;
           voxel = static_cast<Voxel>(one.to);
           ++result_.structures[k].changed_voxels;
         }
       },
       volume->data);
   volume->range_max = std::max(volume->range_max, static_cast<double>(result_.subject.structures[k].segment.value));
+}
+
+void Mending::take_from_layer(std::size_t k, std::size_t other, const std::vector<std::uint8_t>& taken,
+                              const VolumeGeometry& grid) {
+  if (label_around(result_.subject, k, other) >= 0) return;
+  const auto [volume, first] = voxels_of(other);
+  const VoxelBox box = voxels_around(grid.bounds_mm(), volume->geometry, 1);
+  const auto& dims = volume->geometry.dims;
+  Volume gone;
+  gone.geometry = grid;
+  gone.data = taken;
+  const VoxelGrid is_gone(gone);
+  std::vector<VoxelChange> changes;
+  for (int z = box.first[2]; z <= box.last[2]; ++z)
+    for (int y = box.first[1]; y <= box.last[1]; ++y)
+      for (int x = box.first[0]; x <= box.last[0]; ++x)
+        if (is_gone.label_at(volume->geometry.to_mm(Vec3(x, y, z))) != 0)
+          changes.push_back({(index(z) * index(dims[1]) + index(y)) * index(dims[0]) + index(x),
+                             result_.subject.structures[other].segment.value, 0});
+  change(other, changes);
 }
 
 void Mending::name_new() {
@@ -211,8 +241,7 @@ void Mending::find_missing(std::size_t k) {
   if (options_.model != nullptr)
     if (auto said = said_by_model(*options_.model, set_, result_.fitted.structures, k))
       result_.expected[k]->points = *said;
-  const auto [layer, of_layer] = layer_of(map_, result_.subject.structures[k].segment.layer, frame_);
-  const Neighbourhood there = around(bounds_of(expected_[k]->points), *layer, of_layer, 1);
+  const Neighbourhood there = around_now(k, bounds_of(expected_[k]->points), 1);
   const auto inside = voxelise(*expected_[k], there.grid);
   const double all = 1000 * std::abs(enclosed_volume_ml(*expected_[k])) / there.grid.voxel_volume_mm3();
   std::map<int, double> held;
@@ -222,14 +251,13 @@ void Mending::find_missing(std::size_t k) {
   if (voxels < whole * all) return;  // it would lie outside of the scan
   std::size_t doubled = k;
   for (std::size_t other = 0; other < result_.structures.size(); ++other) {
-    const StructureInMap& theirs = result_.subject.structures[other];
-    if (!theirs.is_there() || held[theirs.segment.value] < much_of_it) continue;
+    const int label = label_around(result_.subject, k, other);
+    if (!result_.subject.structures[other].is_there() || held[label] < much_of_it) continue;
     const StructureSigns& signs = result_.signs[other];
     const bool is_too_large = result_.fitted.structures[other].judgement.doubtful || signs.volume > much_larger ||
                               signs.bridges > much_beside;
-    if (!is_too_large && share_beyond(other, there, inside) * voxels < much_beyond_itself * all) continue;
-    if (doubled == k || held[theirs.segment.value] > held[result_.subject.structures[doubled].segment.value])
-      doubled = other;
+    if (!is_too_large && share_beyond(other, label, there, inside) * voxels < much_beyond_itself * all) continue;
+    if (doubled == k || held[label] > held[label_around(result_.subject, k, doubled)]) doubled = other;
   }
   if (doubled != k) {
     add(k, DefectKind::missing);
@@ -251,7 +279,7 @@ void Mending::find_missing(std::size_t k) {
   const auto level = level_of_name(name(k));
   if (level && p_levels < sure && !(has_level(*level - 1) && has_level(*level + 1))) return;
   shapes_[k] = as_the_image_shows(k, *expected_[k]);
-  const Neighbourhood seen = around(bounds_of(shapes_[k]->points), *layer, of_layer, 1);
+  const Neighbourhood seen = around_now(k, bounds_of(shapes_[k]->points), 1);
   const auto body = voxelise(*shapes_[k], seen.grid);
   fill(k, seen, [&](std::size_t v) { return body[v] != 0; });
 }
@@ -305,8 +333,7 @@ void Mending::fill_up(std::size_t k) {
   constexpr double least_share = 0.01;
   const Mesh* mesh = shape(k);
   if (mesh == nullptr) return;
-  const auto [layer, of_layer] = layer_of(map_, result_.subject.structures[k].segment.layer, frame_);
-  const Neighbourhood there = around(bounds_of(mesh->points), *layer, of_layer, 3);
+  const Neighbourhood there = around_now(k, bounds_of(mesh->points), 3);
   const auto inside = voxelise(*mesh, there.grid);
   const Body own(voxels_with(there.labels, result_.subject.structures[k].segment.value), there.grid);
   // What is missing is thick; a layer of a voxel around what is there is only how the mesh lies.
@@ -328,12 +355,12 @@ void Mending::take_back(std::size_t k, std::size_t other) {
   const auto [layer, of_layer] = layer_of(map_, own.segment.layer, frame_);
   Box reach = bounds_of(mesh->points);
   reach.extend(bounds_of(expected_[k]->points));
-  const Neighbourhood there = around(reach, *layer, of_layer, 3);
+  const Neighbourhood there = around_now(k, reach, 3);
   // A fit to what is left may end there, where the expected form goes on.
   const Body fit(voxelise(*mesh, there.grid), there.grid), expected(voxelise(*expected_[k], there.grid), there.grid);
   const std::optional<Body> rest =
       theirs != nullptr ? std::optional<Body>(std::in_place, voxelise(*theirs, there.grid), there.grid) : std::nullopt;
-  const int label = result_.subject.structures[other].segment.value;
+  const int label = label_around(result_.subject, k, other);
   const double near_mm = std::max(1.5 * there.grid.spacing_mm.maxCoeff(),
                                   near_share * std::cbrt(1000 * std::abs(enclosed_volume_ml(*expected_[k]))));
   std::vector<std::uint8_t> back(there.labels.size());
@@ -344,7 +371,9 @@ void Mending::take_back(std::size_t k, std::size_t other) {
   back = large_parts(std::move(back), there.grid, least_share * static_cast<double>(expected.voxels));
   std::vector<VoxelChange> changes;
   for (std::size_t v = 0; v < back.size(); ++v)
-    if (back[v] != 0) changes.push_back({there.voxel_of_map(v, layer->geometry), there.labels[v], own.segment.value});
+    if (back[v] != 0)
+      changes.push_back({there.voxel_of_map(v, layer->geometry), std::max(0, label), own.segment.value});
+  take_from_layer(k, other, back, there.grid);
   change(k, changes);
 }
 

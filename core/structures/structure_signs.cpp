@@ -14,7 +14,6 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxelise.h"
 #include "core/structures/neighbours_say.h"
-#include "core/structures/voxel_body.h"
 #include "core/template_making/voxel_components.h"
 #include "core/volume/label_boxes.h"
 
@@ -33,13 +32,13 @@ double volume_mm3(const Mesh& mesh) {
 class Signs {
  public:
   Signs(const SetInMap& subject, const std::vector<std::optional<Mesh>>& expected, std::size_t of, const Mesh& fit,
-        const Volume& layer, int frame)
+        const VolumeRead& map, int frame)
       : subject_(subject),
         expected_(expected),
         of_(of),
         value_(subject.structures[of].segment.value),
-        map_(layer.geometry),
-        there_(around(reach(fit), layer, frame, margin(fit, layer.geometry))),
+        map_(layer_of(map, subject.structures[of].segment.layer, frame).first->geometry),
+        there_(around_structure(subject, map, frame, of, reach(fit), margin(fit, map_))),
         own_(voxels_with(there_.labels, value_), there_.grid),
         fit_(voxelise(fit, there_.grid), there_.grid),
         size_mm_(std::cbrt(static_cast<double>(own_.voxels) * there_.grid.voxel_volume_mm3())) {}
@@ -175,17 +174,18 @@ class Signs {
     std::size_t lacking = 0;
     for (std::size_t v = 0; v < main_.size(); ++v) {
       if (expected.inside[v] == 0) continue;
-      const int label = there_.labels[v];
-      if (label == 0 && own_.to[v] > far_mm) ++lacking;
-      if (label != 0 && label != value_) ++foreign[label];
+      const int held = there_.labels[v];
+      if (held == 0 && own_.to[v] > far_mm) ++lacking;
+      if (held != 0 && held != value_) ++foreign[held];
     }
     const double whole = std::max(1.0, static_cast<double>(expected.voxels));
     signs_.lacking = static_cast<double>(lacking) / whole;
     for (std::size_t n = 0; n < subject_.structures.size(); ++n) {
       const StructureInMap& other = subject_.structures[n];
-      if (n == of_ || !other.is_there() || other.segment.layer != subject_.structures[of_].segment.layer) continue;
+      if (n == of_ || !other.is_there()) continue;
       constexpr double least_share = 0.02;
-      const auto held = foreign.find(other.segment.value);
+      const int label = label_around(subject_, of_, n);
+      const auto held = foreign.find(label);
       if (held == foreign.end() || static_cast<double>(held->second) < least_share * whole) continue;
       // Where nothing is expected of the other one, only what lies deep within this one is lost.
       const std::optional<Body> theirs =
@@ -194,7 +194,7 @@ class Signs {
       const double clear_mm = theirs ? 0.5 * far_mm : far_mm;
       std::size_t lost = 0;
       for (std::size_t v = 0; v < main_.size(); ++v) {
-        if (there_.labels[v] != other.segment.value || expected.inside[v] == 0) continue;
+        if (there_.labels[v] != label || expected.inside[v] == 0) continue;
         const double nearer_mm = (theirs ? theirs->signed_mm(v) : 0) - expected.signed_mm(v);
         if (nearer_mm > clear_mm) ++lost;
       }
@@ -214,7 +214,55 @@ class Signs {
   StructureSigns signs_;
 };
 
+/// Whether voxels of a structure in another layer are no room for one.
+bool bars(const SetInMap& subject, std::size_t of, std::size_t other) {
+  const auto overlaps_any = [&] {
+    const auto first = subject.overlapping.lower_bound({other, 0});
+    return first != subject.overlapping.end() && first->first == other;
+  };
+  return subject.structures[of].is_there() ? subject.lie_apart(of, other) : !overlaps_any();
+}
+
 }  // namespace
+
+int label_around(const SetInMap& subject, std::size_t of, std::size_t other) {
+  const Segment &own = subject.structures[of].segment, &theirs = subject.structures[other].segment;
+  return own.layer == theirs.layer ? theirs.value : -1 - static_cast<int>(other);
+}
+
+Neighbourhood around_structure(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
+                               const Box& reach, int margin) {
+  const auto [own, of_own] = layer_of(map, subject.structures[of].segment.layer, frame);
+  Neighbourhood there = around(reach, *own, of_own, margin);
+  const HeldByOthers held(subject, map, frame, of, there.grid.bounds_mm());
+  for (std::size_t v = 0; v < there.labels.size() && !held.empty(); ++v)
+    if (there.labels[v] == 0) there.labels[v] = held.label_at(place_of_voxel(there.grid, v));
+  return there;
+}
+
+HeldByOthers::HeldByOthers(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
+                           const std::optional<Box>& within) {
+  for (std::size_t n = 0; n < subject.structures.size(); ++n) {
+    const StructureInMap& other = subject.structures[n];
+    const int label = label_around(subject, of, n);
+    if (n == of || label >= 0 || !bars(subject, of, n)) continue;
+    const auto [layer, of_layer] = layer_of(map, other.segment.layer, frame);
+    if (within && other.is_there()) {
+      Box near = other.mask->geometry.bounds_mm();  // and what repair may have added
+      const Vec3 more = near.sizes() / 2;
+      near = Box(near.min() - more, near.max() + more);
+      if (!near.intersects(*within)) continue;
+    }
+    if (!other.is_there() && layer->range_max < other.segment.value) continue;
+    all_.push_back({VoxelGrid(*layer, of_layer), other.segment.value, label});
+  }
+}
+
+int HeldByOthers::label_at(const Vec3& p_mm) const {
+  for (const Held& one : all_)
+    if (one.layer.label_at(p_mm) == one.value) return one.label;
+  return 0;
+}
 
 std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
                                                  const FittedSet& fitted) {
@@ -246,8 +294,7 @@ std::vector<StructureSigns> structure_signs(const SetOfTemplates& set, const Vol
   for_each_in_parallel(signs.size(), [&](std::size_t k) {
     const auto& fit = fitted.structures[k].fit;
     if (!fit) return;
-    const auto [layer, of_layer] = layer_of(map, subject.structures[k].segment.layer, frame);
-    signs[k] = Signs(subject, expected, k, fit->mesh, *layer, of_layer).find();
+    signs[k] = Signs(subject, expected, k, fit->mesh, map, frame).find();
   });
   std::vector<double> volumes;
   for (std::size_t k = 0; k < signs.size(); ++k)

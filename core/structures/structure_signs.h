@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/structures/fit_set.h"
+#include "core/structures/voxel_body.h"
 
 namespace homolog {
 
@@ -14,6 +15,32 @@ struct VoxelChange {
   std::size_t voxel = 0;  ///< in the frame, i fastest
   int from = 0, to = 0;
 };
+
+/// What a structure's voxels are in the surroundings of another one: their label where both are of one layer, else a
+/// number below 0 of its own.
+int label_around(const SetInMap& subject, std::size_t of, std::size_t other);
+
+/// Where structures of other layers lie that may not overlap one; of one that is missing, those that overlap none.
+class HeldByOthers {
+ public:
+  /// `within`: of those, the ones that may reach into a box in mm.
+  HeldByOthers(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
+               const std::optional<Box>& within = std::nullopt);
+  /// What label_around says of the one that holds a place; 0: none does.
+  int label_at(const Vec3& p_mm) const;
+  bool empty() const { return all_.empty(); }
+
+ private:
+  struct Held {
+    VoxelGrid layer;
+    int value = 0, label = 0;
+  };
+  std::vector<Held> all_;
+};
+
+/// The map around a structure: its layer, and where nothing is there, what HeldByOthers says.
+Neighbourhood around_structure(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
+                               const Box& reach, int margin);
 
 /// What tells of a structure of a label map whether it is right, against its fit and against the shape that its
 /// neighbours expect of it. All are shares of its voxels or of the expected ones, unless something else is said.

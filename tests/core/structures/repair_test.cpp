@@ -144,6 +144,48 @@ TEST_CASE("a neighbour that took a part is named, and gives it back") {
   CHECK(dice_of(mended.map, truth, 3) > dice_of(mended.wrong.map, truth, 3));
 }
 
+TEST_CASE("what was given to a neighbour in another layer comes back and no two layers hold a voxel") {
+  const CorruptedLabels wrong = made_wrong(DefectKind::given_to_neighbour, 3);
+  VolumeRead map;
+  std::vector<Volume> layers;
+  for (int k = 0; k < stones; ++k) {
+    Volume& layer = layers.emplace_back(wrong.map.volume);
+    std::visit(
+        [&](auto& voxels) {
+          for (auto& voxel : voxels) voxel = rounded_label(voxel) == k + 1 ? 1 : 0;
+        },
+        layer.data);
+    layer.range_max = 1;
+    map.segmentation.add({name_of_stone(k), 1, static_cast<std::size_t>(k), {}, {}});
+  }
+  map.volume = layers.front();
+  map.other_layers.assign(layers.begin() + 1, layers.end());
+  const RepairedMap found = test::must(repair_map(the_set(), map, 0));
+  CHECK(has_kind(found.structures[2], DefectKind::given_to_neighbour));
+  const VolumeRead truth = stone_map();
+  for (int k = 0; k < stones; ++k) {
+    CAPTURE(k);
+    VolumeRead own;
+    own.volume = k == 0 ? map.volume : map.other_layers[static_cast<std::size_t>(k) - 1];
+    VolumeRead right = truth;
+    std::visit(
+        [&](auto& voxels) {
+          for (auto& voxel : voxels) voxel = rounded_label(voxel) == k + 1 ? 1 : 0;
+        },
+        right.volume.data);
+    CHECK(dice_of(own, right, 1) > 0.95);
+  }
+  std::size_t held_twice = 0;
+  for (std::size_t v = 0; v < truth.volume.geometry.voxels(); ++v) {
+    int held = 0;
+    for (std::size_t k = 0; k < stones; ++k)
+      held += std::visit([&](const auto& voxels) { return voxels[v] != 0 ? 1 : 0; },
+                         k == 0 ? map.volume.data : map.other_layers[k - 1].data);
+    held_twice += held > 1 ? 1 : 0;
+  }
+  CHECK(held_twice == 0);
+}
+
 TEST_CASE("labels of which some are a level off get their names back, by where they lie") {
   const VolumeRead truth = stone_map();
   const auto renamed = [&](const std::map<int, int>& to) {

@@ -42,7 +42,7 @@ Json row_of_fit(const TemplateOfSet& structure, const StructureInMap& there, con
            {"doubt_mm", nullptr},
            {"confidence", one.confidence},
            {"doubtful", !one.fit || one.judgement.doubtful},
-           {"missing", !there.is_there()}};
+           {"missing", !there.is_there() && there.why_left_out.empty()}};
   if (!one.why_not.empty()) row["error"] = one.why_not;
   if (!one.fit) return row;
   row["dice"] = one.judgement.inside_scan.dice;
@@ -61,8 +61,13 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
   for (std::size_t k = 0; k < fitted.structures.size(); ++k) {
     const FittedStructure& one = fitted.structures[k];
     const std::string& name = set.set.structures[k].name;
-    if (!subject.structures[k].is_there()) missing.push_back(name);
-    if (!one.why_not.empty()) words.push_back(name + " could not be fitted: " + one.why_not);
+    const StructureInMap& there = subject.structures[k];
+    if (!there.why_left_out.empty())
+      words.push_back(name + " is left out: " + there.why_left_out);
+    else if (!there.is_there())
+      missing.push_back(name);
+    else if (!one.why_not.empty())
+      words.push_back(name + " could not be fitted: " + one.why_not);
     if (!one.fit) continue;
     if (const std::string closed = closed_flat(*one.fit->mesh.topology); !closed.empty())
       words.push_back(name + " " + closed);

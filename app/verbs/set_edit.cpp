@@ -65,12 +65,12 @@ Result<Report> add_to_set(SetJob job, const std::string& source, Progress& progr
   if (std::ranges::find(set->templates, nullptr) != set->templates.end())
     return fail(source, "has a template that cannot be read (" + set->warnings.front() +
                             "); bring it back, or take its structure out");
-  const auto asked = structures_asked(job, progress);
+  SetInMaking making;
+  const auto asked = structures_asked(job, making.warnings, progress);
   if (!asked) return fail(asked.error());
   if (auto is_new = check_new(job, source, set->set, asked->front()); !is_new) return fail(is_new.error());
   const auto folder = ResultFolder::make(job.folder());
   if (!folder) return fail(folder.error());
-  SetInMaking making;
   making.made = std::move(*set);
   const std::size_t known = making.made.templates.size();
   making.files.resize(known);

@@ -9,6 +9,7 @@
 #include "app/verbs/set_cases.h"
 #include "app/verbs/template_job.h"
 #include "core/base/files.h"
+#include "core/base/listed.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/structures/fit_set.h"
@@ -66,6 +67,23 @@ std::vector<Segment> all_of(const VolumeRead& read) {
   for (const auto& [value, voxels] : labels_of(read.volume, 0))
     if (value != 0 && read.segmentation.find(value) == nullptr) segments.push_back({{}, value});
   return segments;
+}
+
+/// Takes out the segments whose name others have too, as the set would give it, and tells of each such name.
+std::vector<std::string> take_doubled(std::vector<Segment>& segments, bool has_layers) {
+  std::map<std::string, std::vector<Segment>> by_name;
+  const auto key = [](const Segment& segment) { return lower_case(file_name_of_structure(name_in_set(segment))); };
+  for (const Segment& segment : segments) by_name[key(segment)].push_back(segment);
+  std::vector<std::string> words;
+  for (const auto& [name, doubled] : by_name) {
+    if (doubled.size() < 2) continue;
+    std::vector<std::string> labels;
+    for (const Segment& segment : doubled) labels.push_back(value_and_layer(segment, has_layers));
+    words.push_back("has " + std::to_string(doubled.size()) + " structures named \"" + name_in_set(doubled.front()) +
+                    "\", the labels " + listed(labels, " and "));
+  }
+  std::erase_if(segments, [&](const Segment& segment) { return by_name[key(segment)].size() > 1; });
+  return words;
 }
 
 /// What a structure's template is made of alone.
@@ -245,7 +263,8 @@ void append(MadeStructure made, SetInMaking& making) {
   making.rows.push_back(std::move(made.row));
 }
 
-Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, Progress& progress) {
+Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, std::vector<std::string>& warnings,
+                                                           Progress& progress) {
   AskedLabels labels;
   labels.parts = labels_between_commas(job.labels);
   labels.found.resize(labels.parts.size());
@@ -258,11 +277,12 @@ Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, Pr
     if (!read) return fail(read.error());
     asked.push_back(job.all ? all_of(*read) : named_in(*read, job.labels, map, labels));
     if (job.all && asked.back().empty()) return fail(map.string(), "holds no label; give a label map");
-    std::set<std::string> names;
-    for (const Segment& segment : asked.back())
-      if (!names.insert(lower_case(file_name_of_structure(name_in_set(segment)))).second)
-        return fail(map.string(), "has two structures named \"" + name_in_set(segment) +
-                                      "\"; name them apart, or take some by --labels");
+    for (const std::string& what : take_doubled(asked.back(), !read->other_layers.empty())) {
+      if (!job.all) return fail(map.string(), what + "; name them apart");
+      warnings.push_back(map.string() + ": " + what + "; they are left out; give one of them another name");
+    }
+    if (job.all && asked.back().empty())
+      return fail(map.string(), "has no structure with a name of its own; give each another name");
   }
   for (std::size_t k = 0; k < labels.parts.size() && !job.all; ++k)
     if (labels.found[k] == 0) return fail(*labels.why_not[k]);
@@ -330,11 +350,11 @@ Result<Report> write_set(const SetJob& job, SetInMaking& making) {
 }
 
 Result<Report> make_set(const SetJob& job, Progress& progress) {
-  const auto asked = structures_asked(job, progress);
+  SetInMaking making;
+  const auto asked = structures_asked(job, making.warnings, progress);
   if (!asked) return fail(asked.error());
   const auto folder = ResultFolder::make(job.folder());
   if (!folder) return fail(folder.error());
-  SetInMaking making;
   if (job.consensus) {
     if (auto added = add_consensus(job, *asked, making, progress); !added) return fail(added.error());
     return write_set(job, making);

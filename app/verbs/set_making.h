@@ -38,9 +38,11 @@ struct SetInMaking {
   std::vector<std::string> warnings;
 };
 
-/// The structures that are asked for, of each map those that it has. Errors: a map that cannot be read; a label that no
-/// map has; two structures of one name.
-Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, Progress& progress);
+/// The structures that are asked for, of each map those that it has. Of all of a map those are left out whose name two
+/// labels have, with a warning. Errors: a map that cannot be read; a label that no map has; two structures of one name
+/// that were asked for.
+Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, std::vector<std::string>& warnings,
+                                                           Progress& progress);
 
 /// What a segment is called in the set.
 std::string name_in_set(const Segment& segment);

@@ -187,6 +187,7 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
   };
   std::vector<std::optional<Boundary>> boundaries(count);
   std::vector<std::size_t> there;
+  for (std::size_t k = 0; k < count; ++k) result.structures[k].why_not = subject.structures[k].why_left_out;
   for (std::size_t k = 0; k < count; ++k)
     if (subject.structures[k].is_there() && set.templates[k] != nullptr) there.push_back(k);
   fit_some(there, 0.7, [&](std::size_t k, const FitOptions& fitting) {

@@ -113,6 +113,10 @@ int free_value(const VolumeRead& map, int frame, const SetInMap& subject) {
   return value;
 }
 
+std::string value_and_layer(const Segment& segment, bool has_layers) {
+  return std::to_string(segment.value) + (has_layers ? " of layer " + std::to_string(segment.layer + 1) : "");
+}
+
 SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
   std::vector<Segment> segments = map.segmentation.segments;
   const std::size_t layers = map.other_layers.size() + 1;
@@ -131,7 +135,12 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
   SetInMap found;
   std::set<const Segment*> taken;
   for (const TemplateOfSet& one : set.structures) {
-    auto it = std::ranges::find_if(segments, [&](const Segment& s) { return same_name(s.name, one.name); });
+    std::vector<const Segment*> named;  // that have voxels
+    for (const Segment& s : segments)
+      if (same_name(s.name, one.name) && boxes[s.layer].contains(s.value)) named.push_back(&s);
+    auto it = std::ranges::find_if(segments, [&](const Segment& s) {
+      return same_name(s.name, one.name) && (named.empty() || &s == named.front());
+    });
     // A value alone says something only where the map gives it no other name.
     if (it == segments.end())
       it = std::ranges::find_if(
@@ -140,7 +149,12 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
     there.segment = it != segments.end() ? *it : Segment{one.name, one.value, 0, one.colour, {}};
     if (it != segments.end()) {
       taken.insert(&*it);
-      if (const auto box = boxes[it->layer].find(it->value); box != boxes[it->layer].end()) {
+      taken.insert(named.begin(), named.end());
+      if (named.size() > 1)
+        there.why_left_out = "the labels " + value_and_layer(*named[0], layers > 1) + " and " +
+                             value_and_layer(*named[1], layers > 1) +
+                             " both have its name; give one of them another name";
+      else if (const auto box = boxes[it->layer].find(it->value); box != boxes[it->layer].end()) {
         const auto [volume, of_layer] = layer_of(map, it->layer, frame);
         there.mask = cropped(*volume, box->second, margin_voxels, of_layer);
       }

@@ -29,6 +29,8 @@ struct StructureInMap {
   Segment segment;  ///< by its name, else by its value; of one that the map lacks a value that no other label has
   std::optional<Volume> mask;  ///< the part of the map around it; none: the map has no voxel of it
 
+  std::string why_left_out;  ///< why nobody knows which label it is; empty: the map has it, or lacks it
+
   bool is_there() const { return mask.has_value(); }
 };
 
@@ -46,8 +48,11 @@ struct SetInMap {
 /// The volume that holds a layer of a map, and which of its frames is meant: layers have one each.
 std::pair<const Volume*, int> layer_of(const VolumeRead& map, std::size_t layer, int frame);
 
+/// What a segment is called where several have one name: "3", "1 of layer 2".
+std::string value_and_layer(const Segment& segment, bool has_layers);
+
 /// Finds the structures of a set in a frame of a label map: each by its name where the map gives names, else by its
-/// value.
+/// value. Where two labels that have voxels have one name, in any case, both are left out.
 SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame = 0);
 
 /// A value above 0 that no label of the map has in any layer, and no structure.

@@ -41,6 +41,8 @@ Result<SetFitted> SetFitter::fit(std::shared_ptr<const SetOfTemplates> set, cons
   done.set = set;
   done.warnings = std::move(read->warnings);
   done.subject = find_in_map(set->set, *read, std::min(map.frame, read->volume.frames - 1));
+  for (const StructureInMap& one : done.subject.structures)
+    if (!one.why_left_out.empty()) done.warnings.push_back(one.segment.name + " is left out: " + one.why_left_out);
   {
     const std::lock_guard lock(shared.mutex);
     for (std::size_t k = 0; k < done.subject.structures.size(); ++k) {

@@ -541,6 +541,34 @@ TEST_CASE("a folder of single masks, each on a grid of its own, is one case of a
   for (const Json& label : labels) CHECK(label["volume_ml"].get<double>() == doctest::Approx(33.5).epsilon(0.03));
 }
 
+TEST_CASE("a name that two labels have is left out of a set and of a fit with both values, and the rest goes on") {
+  const BodyFolder folder;
+  REQUIRE(
+      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
+      0);
+  VolumeRead doubled = test::must(read_volume(folder.path / "body.seg.nrrd"));
+  for (Segment& segment : doubled.segmentation.segments)
+    if (segment.name == "speck") segment.name = "Kidney_Left";
+  REQUIRE(write_segmentation(doubled, folder.path / "doubled.seg.nrrd"));
+  const Ran made = run(folder, "set make doubled.seg.nrrd --all --vertices 400 -o doubled.set.json --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  CHECK(made.json()["structures"].size() == 1);
+  CHECK(made.json()["structures"][0]["name"] == "kidney_right");
+  CHECK(made.errors.find("named \"kidney_left\", the labels 3 and 9; they are left out") != std::string::npos);
+  const Ran fitted = run(folder, "fit body.set.json --mask doubled.seg.nrrd -o fits --json");
+  REQUIRE_MESSAGE(fitted.status == 0, fitted.errors);
+  CHECK(fitted.errors.find("kidney_left is left out: the labels 3 and 9 both have its name") != std::string::npos);
+  const Json rows = fitted.json()["cases"][0]["structures"];
+  CHECK(rows[0]["missing"] == false);
+  CHECK(rows[0]["doubtful"] == true);
+  CHECK(rows[0]["dice"].is_null());
+  CHECK(rows[1]["dice"].get<double>() > 0.97);
+  const Ran mended = run(folder, "repair doubled.seg.nrrd --templates body.set.json -o out --json");
+  REQUIRE_MESSAGE(mended.status == 0, mended.errors);
+  CHECK(mended.errors.find("kidney_left is left as it is: the labels 3 and 9") != std::string::npos);
+  CHECK(mended.json()["cases"][0]["structures"][0]["changed_voxels"] == 0);
+}
+
 TEST_CASE("the built-in set is told without a file and its templates are taken by their names") {
   const TemporaryFolder folder;
   const Ran told = run(folder, "set info built-in:spine --json");

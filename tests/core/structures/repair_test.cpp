@@ -353,6 +353,27 @@ TEST_CASE("a model that does not belong to the set is refused with what is wrong
   CHECK(refused(shifted, "vertebrae_L3 has 641 vertices"));
 }
 
+TEST_CASE("a name that two labels have is told and nothing is invented for it") {
+  const VolumeRead truth = stone_map();
+  VolumeRead map = truth;
+  map.segmentation.segments[1].name = "Vertebrae_L3";
+  const VolumeRead before = map;
+  const SetInMap subject = find_in_map(the_set().set, map);
+  CHECK_FALSE(subject.structures[2].is_there());
+  CHECK(subject.structures[2].why_left_out == "the labels 2 and 3 both have its name; give one of them another name");
+  CHECK(subject.without_template.empty());
+  const RepairedMap found = test::must(repair_map(the_set(), map, 0));
+  CHECK(found.structures[2].changed_voxels == 0);
+  CHECK(kinds_of(found.structures[2]) == std::vector<std::string>{});
+  const FittedSet fitted = test::must(fit_set(the_set(), subject));
+  CHECK(fitted.structures[2].why_not == subject.structures[2].why_left_out);
+  CHECK(fitted.structures[3].fit);
+  // A name without voxels is none.
+  map = truth;
+  map.segmentation.add({"VERTEBRAE_L3", 77, 0, {}, {}});
+  CHECK(find_in_map(the_set().set, map).structures[2].is_there());
+}
+
 TEST_CASE("a label that is filled in has a value that no other label has, and its name") {
   VolumeRead map = stone_map();
   std::visit(

@@ -12,6 +12,7 @@
 #include "core/base/files.h"
 #include "core/base/paths.h"
 #include "core/model/statismo.h"
+#include "core/placement/similarity_fit.h"
 #include "core/structures/repair.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
@@ -93,6 +94,11 @@ std::string sentence_of(const RepairedStructure& found) {
   return found.defects.empty() ? "Little confidence in this structure." : sentence_of_defects(found.defects);
 }
 
+/// Whether a structure was missing and is in the map that is proposed.
+bool is_put_in(const RepairedMap& repaired, std::size_t k) {
+  return !repaired.fitted.structures[k].fit && repaired.structures[k].changed_voxels > 0 && repaired.expected[k];
+}
+
 /// The structures that a person has to look at, the least sure one first, as cases of a study.
 Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const SetOfTemplates& set, const fs::path& path,
                                               const SubjectMap& map, const RepairedMap& repaired,
@@ -101,7 +107,8 @@ Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const Set
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = 0; k < repaired.structures.size(); ++k) {
     const RepairedStructure& one = repaired.structures[k];
-    if (repaired.fitted.structures[k].fit && (!one.defects.empty() || one.confidence < sure))
+    const bool has_fit = repaired.fitted.structures[k].fit.has_value();
+    if ((has_fit && (!one.defects.empty() || one.confidence < sure)) || is_put_in(repaired, k))
       order.emplace_back(one.confidence, k);
   }
   std::ranges::sort(order);
@@ -119,9 +126,14 @@ Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const Set
     fitted.labels = mended;
     fitted.grid = grid_of(map.read.volume);
     fitted.template_of_file = set.templates[repaired.structures[k].structure];
-    fitted.points = fit.fit->mesh.points;
-    fitted.placement = fit.fit->placement;
-    fitted.doubt_mm = fit.fit->doubt_mm;
+    if (fit.fit) {
+      fitted.points = fit.fit->mesh.points;
+      fitted.placement = fit.fit->placement;
+      fitted.doubt_mm = fit.fit->doubt_mm;
+    } else {
+      fitted.points = repaired.expected[k]->points;
+      fitted.placement = nearest_similarity(fitted.template_of_file->points, fitted.points, {});
+    }
     fitted.doubt = sentence_of(repaired.structures[k]);
     if (map.read.volume.frames > 1) fitted.frame = map.frame;
     auto one = write_case_of_fit(fitted, folder, warnings);

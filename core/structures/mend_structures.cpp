@@ -278,7 +278,7 @@ void Mending::find_missing(std::size_t k) {
   for (const RepairedStructure& one : result_.structures) p_levels = std::min(p_levels, one.p_named);
   const auto level = level_of_name(name(k));
   if (level && p_levels < sure && !(has_level(*level - 1) && has_level(*level + 1))) return;
-  shapes_[k] = as_the_image_shows(k, *expected_[k]);
+  shapes_[k] = result_.expected[k] = as_the_image_shows(k, *expected_[k]);
   const Neighbourhood seen = around_now(k, bounds_of(shapes_[k]->points), 1);
   const auto body = voxelise(*shapes_[k], seen.grid);
   fill(k, seen, [&](std::size_t v) { return body[v] != 0; });

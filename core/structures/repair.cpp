@@ -56,6 +56,7 @@ Result<void> repair_renamed(const SetOfTemplates& set, VolumeRead& map, int fram
     result.structures[k] = renamed->structures[place];
     result.fitted.structures[k] = renamed->fitted.structures[place];
     result.signs[k] = renamed->signs[place];
+    result.expected[k] = renamed->expected[place];
   }
   return {};
 }

@@ -28,7 +28,8 @@ struct RepairedMap {
   std::vector<RepairedStructure> structures;
   FittedSet fitted;  ///< to the map as it was, but with the names that are proposed
   std::vector<StructureSigns> signs;
-  std::vector<std::optional<Mesh>> expected;  ///< by the neighbours, of the map as it was
+  std::vector<std::optional<Mesh>> expected;  ///< by the neighbours, of the map as it was; of one that was missing and
+                                              ///< is filled in, the shape that it got
   SetInMap subject;                           ///< as it was
 };
 

@@ -569,6 +569,33 @@ TEST_CASE("a name that two labels have is left out of a set and of a fit with bo
   CHECK(mended.json()["cases"][0]["structures"][0]["changed_voxels"] == 0);
 }
 
+TEST_CASE("a structure that repair puts in goes into the worklist") {
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, "phantom spine --subject 1 -o .").status == 0);
+  VolumeRead map = test::must(read_volume(folder.path / "spine-1-labels.nii.gz"));
+  std::visit(
+      [](auto& voxels) {
+        for (auto& voxel : voxels)
+          if (voxel == 3) voxel = 0;
+      },
+      map.volume.data);
+  fs::create_directories(folder.path / "in");
+  fs::copy_file(folder.path / "spine-1-labels.json", folder.path / "in" / "lacks.json");
+  REQUIRE(write_volume(map.volume, folder.path / "in" / "lacks.nii.gz"));
+  const Ran mended = run(folder, "repair in/lacks.nii.gz --templates built-in:spine -o out --json");
+  REQUIRE_MESSAGE(mended.status == 0, mended.errors);
+  const Json of_mended = mended.json()["cases"][0]["structures"][4];
+  CHECK(of_mended["name"] == "vertebrae_L2");
+  CHECK(of_mended["changed_voxels"].get<int>() > 1000);
+  const fs::path put_in = folder.path / "out" / "lacks-cases" / "lacks-vertebrae_L2.homolog";
+  REQUIRE(fs::exists(put_in));
+  const Study study = test::must(read_study(folder.path / "out" / "worklist.study.json")).study;
+  const auto in_study =
+      std::ranges::find_if(study.cases, [](const StudyCase& one) { return one.name == "lacks-vertebrae_L2"; });
+  REQUIRE(in_study != study.cases.end());
+  CHECK(in_study->doubt == "Found: missing.");
+}
+
 TEST_CASE("the built-in set is told without a file and its templates are taken by their names") {
   const TemporaryFolder folder;
   const Ran told = run(folder, "set info built-in:spine --json");

@@ -135,9 +135,7 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   if (!map) return fail(map.error());
   const auto started = Clock::now();
   const SetInMap subject = find_in_map(set.set, map->read, map->frame);
-  if (std::ranges::none_of(subject.structures, &StructureInMap::is_there))
-    return fail(path.string(), "holds no structure of the set; its labels: " + some_of(subject.without_template) +
-                                   "; give the map names, or the set other values");
+  if (auto known = check_structures(subject, path); !known) return fail(known.error());
   auto fitted = fit_set(set, subject, {options.gap_mm, &progress});
   if (!fitted) return fail(path.string(), fitted.error().what);
   const auto contested = write_fits(options, set, subject, *map, path, *fitted, progress);

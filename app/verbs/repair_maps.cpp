@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <memory>
 
 #include "app/verbs/case_landmarks.h"
@@ -143,6 +145,24 @@ Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const Set
   return cases;
 }
 
+/// Errors: none of the structures lies within the image.
+Result<void> check_meeting(const MapRepairJob& job, const fs::path& path, const SetInMap& subject,
+                           const Volume* image) {
+  if (image == nullptr) return {};
+  const Box scan = image->geometry.bounds_mm();
+  Box all;
+  for (const StructureInMap& one : subject.structures) {
+    if (!one.is_there()) continue;
+    const Box own = one.mask->geometry.bounds_mm();
+    if (own.intersects(scan)) return {};
+    all.extend(own);
+  }
+  if (all.isEmpty()) return {};
+  char text[80];
+  std::snprintf(text, sizeof text, "lies %.0f mm outside of ", std::sqrt(scan.squaredExteriorDistance(all)));
+  return fail(path.string(), text + job.image.string() + "; give the scan that it is of");
+}
+
 Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, const SetModel* model,
                           const fs::path& path, std::vector<StudyCase>& worklist, Progress& progress) {
   auto map = read_subject(path, job.frame, progress);
@@ -158,10 +178,16 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
     options.image = &image->volume;
     options.image_frame = map->frame;
   }
+  const SetInMap subject = find_in_map(set.set, map->read, map->frame);
+  if (auto known = check_structures(subject, path); !known) return fail(known.error());
+  if (auto met = check_meeting(job, path, subject, options.image); !met) return fail(met.error());
   const auto repaired = repair_map(set, map->read, map->frame, options);
   if (!repaired) return fail(path.string(), repaired.error().what);
   Report report;
   report.warnings = map->read.warnings;
+  for (const StructureInMap& one : subject.structures)
+    if (!one.why_left_out.empty())
+      report.warnings.push_back(path.string() + ": " + one.segment.name + " is left as it is: " + one.why_left_out);
   const auto file = write_mended(job, map->read, path, report.warnings, progress);
   if (!file) return fail(file.error());
   auto cases = write_worklist(job, set, path, *map, *repaired, *file, report.warnings);

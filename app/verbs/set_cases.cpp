@@ -35,6 +35,15 @@ Result<SubjectMap> read_subject(const fs::path& path, const std::optional<int>& 
   return SubjectMap{std::move(*read), frame.value_or(0)};
 }
 
+Result<void> check_structures(const SetInMap& subject, const fs::path& path) {
+  const auto is_known = [](const StructureInMap& one) { return one.is_there() || !one.why_left_out.empty(); };
+  if (std::ranges::any_of(subject.structures, is_known)) return {};
+  if (subject.without_template.empty())
+    return fail(path.string(), "holds no label; give a label map in which there is one");
+  return fail(path.string(), "holds no structure of the set; its labels: " + some_of(subject.without_template) +
+                                 "; give the map names, or the set other values");
+}
+
 std::vector<fs::path> maps_of(const std::vector<fs::path>& paths, const TemplateSet& set) {
   std::vector<fs::path> maps;
   for (const fs::path& path : paths) {

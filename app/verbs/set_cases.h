@@ -23,6 +23,9 @@ struct SubjectMap {
 /// Errors: the reader's; no such frame. Warns where the first of several frames is taken.
 Result<SubjectMap> read_subject(const std::filesystem::path& path, const std::optional<int>& frame, Progress& progress);
 
+/// Errors: a map that holds no label, or none of the set's structures.
+Result<void> check_structures(const SetInMap& subject, const std::filesystem::path& path);
+
 /// Folders opened: one that has a file of a structure's name is one map of single masks, else it holds maps.
 std::vector<std::filesystem::path> maps_of(const std::vector<std::filesystem::path>& paths, const TemplateSet& set);
 

@@ -596,6 +596,39 @@ TEST_CASE("a structure that repair puts in goes into the worklist") {
   CHECK(in_study->doubt == "Found: missing.");
 }
 
+TEST_CASE("repair names a map that is empty, has nothing of the set or misses the image, and goes on with the rest") {
+  const BodyFolder folder;
+  REQUIRE(
+      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
+      0);
+  VolumeRead map = test::must(read_volume(folder.path / "body.seg.nrrd"));
+  VolumeRead empty = map;
+  std::visit([](auto& voxels) { std::ranges::fill(voxels, 0); }, empty.volume.data);
+  REQUIRE(write_segmentation(empty, folder.path / "empty.seg.nrrd"));
+  VolumeRead others = map;
+  for (Segment& segment : others.segmentation.segments) segment.name = "other " + std::to_string(segment.value);
+  REQUIRE(write_segmentation(others, folder.path / "others.seg.nrrd"));
+  const Ran mended =
+      run(folder, "repair empty.seg.nrrd others.seg.nrrd body.seg.nrrd --templates body.set.json -o out --json");
+  REQUIRE_MESSAGE(mended.status == 0, mended.errors);
+  CHECK(mended.json()["repaired"] == 1);
+  CHECK(mended.json()["failed"] == 2);
+  const Json cases = mended.json()["cases"];
+  CHECK(cases[0]["error"].get<std::string>() ==
+        "empty.seg.nrrd: holds no label; give a label map in which there is one");
+  CHECK(cases[1]["error"].get<std::string>().find(
+            "others.seg.nrrd: holds no structure of the set; its labels: other 3") == 0);
+  CHECK_FALSE(cases[2].contains("error"));
+  CHECK_FALSE(fs::exists(folder.path / "out" / "empty.seg.nrrd"));
+  Volume scan = map.volume;
+  scan.geometry.origin_mm.x() -= 2000;
+  REQUIRE(write_volume(scan, folder.path / "scan.nrrd"));
+  const Ran away = run(folder, "repair body.seg.nrrd --templates body.set.json --image scan.nrrd -o away");
+  CHECK(away.status == 1);
+  CHECK(away.errors.find("body.seg.nrrd: lies 18") != std::string::npos);
+  CHECK(away.errors.find("mm outside of scan.nrrd; give the scan that it is of") != std::string::npos);
+}
+
 TEST_CASE("the built-in set is told without a file and its templates are taken by their names") {
   const TemporaryFolder folder;
   const Ran told = run(folder, "set info built-in:spine --json");

@@ -56,7 +56,8 @@ Json row_of_fit(const TemplateOfSet& structure, const StructureInMap& there, con
 }
 
 /// What a person has to know of a case, each a sentence.
-std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted) {
+std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
+                                  const std::vector<Variant>& variants) {
   std::vector<std::string> words, missing, failed;
   for (std::size_t k = 0; k < fitted.structures.size(); ++k) {
     const FittedStructure& one = fitted.structures[k];
@@ -64,6 +65,8 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
     const StructureInMap& there = subject.structures[k];
     if (!there.why_left_out.empty())
       words.push_back(name + " is left out: " + there.why_left_out);
+    else if (!there.is_there() && is_absent(variants, k))
+      continue;
     else if (!there.is_there())
       missing.push_back(name);
     else if (!one.why_not.empty())
@@ -83,6 +86,7 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
     words.push_back(set.set.structures[pair.a].name + " and " + set.set.structures[pair.b].name + text +
                     ", since farther apart their meshes would fold; look at both");
   }
+  for (const Variant& variant : variants) words.push_back(sentence_of(variant, set));
   if (!missing.empty())
     words.push_back("has no voxel of " + some_of(missing) + ", which the set has; they are left out");
   if (!subject.without_template.empty())
@@ -147,6 +151,7 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   made.fitted.emplace_back();
   for (std::size_t k = 0; k < fitted->structures.size(); ++k)
     if (fitted->structures[k].fit) made.fitted.back().push_back(k);
+  const auto variants = find_variants(set, subject, *fitted);
   Json rows = Json::array();
   for (std::size_t k = 0; k < fitted->structures.size(); ++k)
     rows.push_back(row_of_fit(set.set.structures[k], subject.structures[k], fitted->structures[k]));
@@ -155,9 +160,11 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
                    {"overlap_voxels", *contested},
                    {"overlap_mm", fitted->depth_mm},
                    {"seconds", std::chrono::duration<double>(Clock::now() - started).count()},
+                   {"variants", json_of_variants(variants, set.set)},
                    {"structures", std::move(rows)}};
   report.warnings.insert(report.warnings.end(), map->read.warnings.begin(), map->read.warnings.end());
-  for (std::string& word : words_of(set, subject, *fitted)) report.warnings.push_back(path.string() + ": " + word);
+  for (std::string& word : words_of(set, subject, *fitted, variants))
+    report.warnings.push_back(path.string() + ": " + word);
   return report;
 }
 

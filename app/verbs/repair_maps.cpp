@@ -188,6 +188,8 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
   for (const StructureInMap& one : subject.structures)
     if (!one.why_left_out.empty())
       report.warnings.push_back(path.string() + ": " + one.segment.name + " is left as it is: " + one.why_left_out);
+  for (const Variant& variant : repaired->variants)
+    report.warnings.push_back(path.string() + ": " + sentence_of(variant, set));
   const auto file = write_mended(job, map->read, path, report.warnings, progress);
   if (!file) return fail(file.error());
   auto cases = write_worklist(job, set, path, *map, *repaired, *file, report.warnings);
@@ -197,8 +199,11 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
   for (std::size_t k = 0; k < repaired->structures.size(); ++k)
     rows.push_back(row_of_repair(set.set.structures[k], repaired->structures[k], repaired->signs[k],
                                  repaired->fitted.structures[k]));
-  report.values = {
-      {"name", case_name_of(path)}, {"case", path.string()}, {"file", file->string()}, {"structures", std::move(rows)}};
+  report.values = {{"name", case_name_of(path)},
+                   {"case", path.string()},
+                   {"file", file->string()},
+                   {"variants", json_of_variants(repaired->variants, set.set)},
+                   {"structures", std::move(rows)}};
   return report;
 }
 

@@ -44,6 +44,15 @@ Result<void> check_structures(const SetInMap& subject, const fs::path& path) {
                                  "; give the map names, or the set other values");
 }
 
+Json json_of_variants(const std::vector<Variant>& variants, const TemplateSet& set) {
+  Json rows = Json::array();
+  for (const Variant& variant : variants) {
+    for (const Segment& segment : variant.more) rows.push_back({{"name", segment.name}, {"value", segment.value}});
+    for (const std::size_t k : variant.absent) rows.push_back({{"name", set.structures[k].name}, {"value", nullptr}});
+  }
+  return rows;
+}
+
 std::vector<fs::path> maps_of(const std::vector<fs::path>& paths, const TemplateSet& set) {
   std::vector<fs::path> maps;
   for (const fs::path& path : paths) {

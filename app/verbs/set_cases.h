@@ -9,6 +9,7 @@
 #include "app/verbs/verb.h"
 #include "core/model/study.h"
 #include "core/structures/fit_set.h"
+#include "core/structures/variants.h"
 
 namespace homolog {
 
@@ -31,6 +32,9 @@ std::vector<std::filesystem::path> maps_of(const std::vector<std::filesystem::pa
 
 /// The first names with commas between them, and how many more there are.
 std::string some_of(const std::vector<std::string>& names);
+
+/// Variants as a report has them: the labels without template, and those of the set that are absent, without a value.
+Json json_of_variants(const std::vector<Variant>& variants, const TemplateSet& set);
 
 /// Writes CASE.homolog into a folder that is there: the label map with all structures that were fitted to it, and gives
 /// its entry in a study. One that somebody worked on since its fit stays as it is, with a warning. Errors:

@@ -237,7 +237,7 @@ void Mending::find_lost(std::size_t k) {
 void Mending::find_missing(std::size_t k) {
   constexpr double whole = 0.6, much_of_it = 0.25, much_larger = 0.3, much_beside = 0.15, much_beyond_itself = 0.5,
                    room = 0.4;
-  if (!expected_[k] || !result_.subject.structures[k].why_left_out.empty()) return;
+  if (!expected_[k] || !result_.subject.structures[k].why_left_out.empty() || is_absent(result_.variants, k)) return;
   if (options_.model != nullptr)
     if (auto said = said_by_model(*options_.model, set_, result_.fitted.structures, k))
       result_.expected[k]->points = *said;

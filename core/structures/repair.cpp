@@ -19,6 +19,7 @@ Result<RepairedMap> look_at(const SetOfTemplates& set, const VolumeRead& map, in
   auto fitted = fit_set(set, result.subject, {0, options.progress, options.tell});
   if (!fitted) return fail(fitted.error());
   result.fitted = std::move(*fitted);
+  result.variants = find_variants(set, result.subject, result.fitted);
   result.expected = expected_shapes(set, result.subject, result.fitted);
   result.signs = structure_signs(set, map, frame, result.subject, result.fitted, result.expected);
   result.structures.resize(set.templates.size());
@@ -49,6 +50,7 @@ Result<void> repair_renamed(const SetOfTemplates& set, VolumeRead& map, int fram
     renamed->structures[*place].p_named = *place == k ? names[k].p_named : 1 - names[k].p_named;
   }
   mend_structures(set, map, frame, options, *renamed);
+  result.variants = renamed->variants;
   for (std::size_t place = 0; place < names.size(); ++place) {
     const bool is_free = !result.subject.structures[place].is_there();
     if (!came_from[place] && !is_free) continue;

@@ -9,6 +9,7 @@
 #include "core/structures/fit_set.h"
 #include "core/structures/set_model.h"
 #include "core/structures/structure_signs.h"
+#include "core/structures/variants.h"
 
 namespace homolog {
 
@@ -31,6 +32,7 @@ struct RepairedMap {
   std::vector<std::optional<Mesh>> expected;  ///< by the neighbours, of the map as it was; of one that was missing and
                                               ///< is filled in, the shape that it got
   SetInMap subject;                           ///< as it was
+  std::vector<Variant> variants;              ///< of its levels, which are no defects
 };
 
 struct MapRepairOptions {

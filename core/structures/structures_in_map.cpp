@@ -171,9 +171,13 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
     });
     if (is_taken) one.segment.value = free_value(map, frame, found);
   }
-  for (const Segment& segment : segments)
-    if (!taken.contains(&segment) && boxes[segment.layer].contains(segment.value))
-      found.without_template.push_back(segment.name.empty() ? "label " + std::to_string(segment.value) : segment.name);
+  for (const Segment& segment : segments) {
+    const auto box = boxes[segment.layer].find(segment.value);
+    if (taken.contains(&segment) || box == boxes[segment.layer].end()) continue;
+    found.without_template.push_back(segment.name.empty() ? "label " + std::to_string(segment.value) : segment.name);
+    found.others.push_back(
+        {segment, part_of_grid(layer_of(map, segment.layer, frame).first->geometry, box->second).bounds_mm()});
+  }
   find_overlapping(found);
   return found;
 }

@@ -34,10 +34,17 @@ struct StructureInMap {
   bool is_there() const { return mask.has_value(); }
 };
 
+/// A label of a map, and where it lies.
+struct LabelOfMap {
+  Segment segment;
+  Box box_mm;
+};
+
 /// What a label map has of a set.
 struct SetInMap {
   std::vector<StructureInMap> structures;     ///< in the set's order
   std::vector<std::string> without_template;  ///< names of the map's labels that the set lacks
+  std::vector<LabelOfMap> others;             ///< the same labels
   /// Structures of two layers that share voxels, as an organ and its lesion, by their places in the set; both ways.
   std::set<std::pair<std::size_t, std::size_t>> overlapping;
 

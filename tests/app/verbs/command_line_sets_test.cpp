@@ -629,6 +629,26 @@ TEST_CASE("repair names a map that is empty, has nothing of the set or misses th
   CHECK(away.errors.find("mm outside of scan.nrrd; give the scan that it is of") != std::string::npos);
 }
 
+TEST_CASE("repair counts a sixth lumbar vertebra as a variant, and fills nothing in") {
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, "phantom spine --subject 4 -o .").status == 0);
+  const Ran sound = run(folder, "repair spine-4-labels.nii.gz --templates built-in:spine -o sound --json");
+  REQUIRE_MESSAGE(sound.status == 0, sound.errors);
+  const Json of_sound = sound.json()["cases"][0];
+  for (const Json& row : of_sound["structures"]) {
+    CHECK(row["changed_voxels"] == 0);
+    CHECK(row["defects"].empty());
+  }
+  std::vector<std::string> names;
+  for (const Json& one : of_sound["variants"]) names.push_back(one["name"]);
+  std::ranges::sort(names);
+  CHECK(names == std::vector<std::string>{"disc_L5_L6", "disc_L5_S1", "disc_L6_S1", "vertebrae_L6"});
+  for (const Json& one : of_sound["variants"]) CHECK(one["value"].is_null() == (one["name"] == "disc_L5_S1"));
+  CHECK(sound.errors.find("between vertebrae_L5 and sacrum, and so no disc_L5_S1; this is a variant") !=
+        std::string::npos);
+  CHECK_FALSE(sound.json().contains("study"));
+}
+
 TEST_CASE("the built-in set is told without a file and its templates are taken by their names") {
   const TemporaryFolder folder;
   const Ran told = run(folder, "set info built-in:spine --json");

@@ -374,6 +374,45 @@ TEST_CASE("a name that two labels have is told and nothing is invented for it") 
   CHECK(find_in_map(the_set().set, map).structures[2].is_there());
 }
 
+TEST_CASE("a level more than the set has is a variant, and one that is missing is not") {
+  // The third and the fourth stone come farther apart, with a sixth one between.
+  const SetOfTemplates& whole = the_set();
+  SetOfTemplates set = whole;
+  for (std::size_t k = 0; k < stones; ++k)
+    for (const std::size_t n : {k - 1, k + 1})
+      if (n < stones) set.set.structures[k].neighbours.push_back(set.set.structures[n].name);
+  VolumeGeometry grid = stone_map().volume.geometry;
+  grid.dims[2] += 60;
+  std::vector<MeshOfSegment> meshes;
+  for (int k = 0; k < stones; ++k)
+    meshes.push_back(
+        {{name_of_stone(k), k + 1, 0, {}, {}}, stone_at(place_of(k) + Vec3(0, 0, k > 2 ? 34 : 0), radius_of(k), 1)});
+  meshes.push_back({{"vertebrae_L6", 9, 0, {}, {}}, stone_at(place_of(3), radius_of(3), 1)});
+  const VolumeRead six = std::move(map_of_meshes(meshes, grid).map);
+  const SetInMap subject = find_in_map(set.set, six);
+  const auto variants = find_variants(set, subject, test::must(fit_set(set, subject)));
+  REQUIRE(variants.size() == 1);
+  REQUIRE(variants[0].more.size() == 1);
+  CHECK(variants[0].more[0].name == "vertebrae_L6");
+  CHECK(variants[0].absent.empty());
+  CHECK(sentence_of(variants[0], set) ==
+        "has vertebrae_L6 between vertebrae_L3 and vertebrae_L4; this is a variant, which is left as it is");
+  // A label between neighbours that lie as in the set is no variant, and one that is missing there is missing.
+  VolumeRead plain = stone_map();
+  std::visit(
+      [&](auto& voxels) {
+        for (auto& voxel : voxels)
+          if (voxel == 3) voxel = 0;
+        voxels[(100 * 70 + 35) * 90 + 40] = 9;
+      },
+      plain.volume.data);
+  plain.segmentation.add({"vertebrae_L6", 9, 0, {}, {}});
+  const RepairedMap found = test::must(repair_map(set, plain, 0));
+  CHECK(found.variants.empty());
+  must_find_missing(found);
+  CHECK(found.structures[2].changed_voxels > 1000);
+}
+
 TEST_CASE("a label that is filled in has a value that no other label has, and its name") {
   VolumeRead map = stone_map();
   std::visit(

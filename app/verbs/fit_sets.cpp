@@ -14,6 +14,7 @@
 #include "core/mesh/rims.h"
 #include "core/model/doubtful_shapes.h"
 #include "core/structures/fit_set.h"
+#include "core/structures/right_names.h"
 #include "core/structures/set_map.h"
 #include "core/volume/label_boxes.h"
 #include "core/volume/write_segmentation.h"
@@ -41,6 +42,7 @@ Json row_of_fit(const TemplateOfSet& structure, const StructureInMap& there, con
            {"assd_mm", nullptr},
            {"doubt_mm", nullptr},
            {"confidence", one.confidence},
+           {"p_named", one.fit ? Json(one.p_named) : Json()},
            {"doubtful", !one.fit || one.judgement.doubtful},
            {"missing", !there.is_there() && there.why_left_out.empty()}};
   if (!one.why_not.empty()) row["error"] = one.why_not;
@@ -142,6 +144,7 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   if (auto known = check_structures(subject, path); !known) return fail(known.error());
   auto fitted = fit_set(set, subject, {options.gap_mm, &progress});
   if (!fitted) return fail(path.string(), fitted.error().what);
+  doubt_names(set, map->read, map->frame, subject, *fitted);
   const auto contested = write_fits(options, set, subject, *map, path, *fitted, progress);
   if (!contested) return fail(contested.error());
   Report report;

@@ -32,6 +32,7 @@ struct FittedStructure {
   double off_place = -1;
   bool by_neighbours = false;  ///< fitted from where its neighbours say
   double confidence = 0;       ///< 0…1: that the structure is right [structure_confidence]
+  double p_named = 1;          ///< 0…1: that its name is the right one; 1 where nobody looked [doubt_names]
   std::string why_not;         ///< why it has no mesh; empty for one that is missing
 };
 

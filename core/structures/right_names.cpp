@@ -7,6 +7,7 @@
 
 #include "core/structures/level_names.h"
 #include "core/structures/name_levels.h"
+#include "core/structures/structure_confidence.h"
 
 namespace homolog {
 
@@ -80,6 +81,25 @@ std::vector<NameFound> find_names(const SetOfTemplates& set, const SetInMap& sub
   find_shifted_levels(set, subject, fitted, signs, names);
   settle_clashes(set, subject, names);
   return names;
+}
+
+void doubt_names(const SetOfTemplates& set, const VolumeRead& map, int frame, const SetInMap& subject,
+                 FittedSet& fitted) {
+  constexpr double likely = 0.5;
+  const auto expected = expected_shapes(set, subject, fitted);
+  const auto names = find_names(set, subject, fitted, structure_signs(set, map, frame, subject, fitted, expected));
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    FittedStructure& one = fitted.structures[k];
+    if (!one.fit) continue;
+    one.p_named = names[k].p_named;
+    one.confidence = std::min(one.confidence, structure_confidence(one));
+    if (one.p_named >= likely) continue;
+    const bool is_known = names[k].proposed != set.set.structures[k].name;
+    one.judgement.doubtful = true;
+    one.judgement.warnings.push_back("its name is likely wrong" +
+                                     (is_known ? ": it lies where " + names[k].proposed + " belongs" : std::string()) +
+                                     "; run repair, which renames labels");
+  }
 }
 
 void settle_clashes(const SetOfTemplates& set, const SetInMap& subject, std::vector<NameFound>& names) {

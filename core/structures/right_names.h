@@ -22,6 +22,11 @@ struct NameFound {
 std::vector<NameFound> find_names(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
                                   const std::vector<StructureSigns>& signs);
 
+/// Notes of each fit how likely its name is right, as find_names says. One that has likely another's name is doubtful,
+/// and its confidence is the less.
+void doubt_names(const SetOfTemplates& set, const VolumeRead& map, int frame, const SetInMap& subject,
+                 FittedSet& fitted);
+
 /// Takes back proposals that would give two structures of the map one name, which would make them one label.
 void settle_clashes(const SetOfTemplates& set, const SetInMap& subject, std::vector<NameFound>& names);
 

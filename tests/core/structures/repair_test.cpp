@@ -224,6 +224,33 @@ TEST_CASE("labels of which some are a level off get their names back, by where t
   }
 }
 
+TEST_CASE("a fit whose name is likely another's is doubtful and less sure, and the others stay as they are") {
+  VolumeRead map = stone_map();
+  std::visit(
+      [](auto& voxels) {
+        for (auto& voxel : voxels)
+          if (voxel == 2 || voxel == 3) voxel = voxel == 2 ? 3 : 2;
+      },
+      map.volume.data);
+  const SetInMap subject = find_in_map(the_set().set, map);
+  FittedSet fitted = test::must(fit_set(the_set(), subject));
+  const FittedSet before = fitted;
+  doubt_names(the_set(), map, 0, subject, fitted);
+  for (std::size_t k = 0; k < stones; ++k) {
+    CAPTURE(k);
+    const FittedStructure& one = fitted.structures[k];
+    if (k == 1 || k == 2) {
+      CHECK(one.p_named < 0.5);
+      CHECK(one.judgement.doubtful);
+      CHECK(one.judgement.warnings.back().find("belongs; run repair") != std::string::npos);
+      CHECK(one.confidence < before.structures[k].confidence - 0.05);
+    } else {
+      CHECK(one.p_named > 0.6);
+      CHECK(one.judgement.doubtful == before.structures[k].judgement.doubtful);
+    }
+  }
+}
+
 TEST_CASE("two structures never come to one name") {
   const SetOfTemplates& set = the_set();
   const SetInMap subject = find_in_map(set.set, stone_map(), 0);

@@ -14,6 +14,8 @@
 #include "core/model/statismo.h"
 #include "core/volume/contour_labels.h"
 #include "core/volume/label_likeness.h"
+#include "core/volume/map_on_grid.h"
+#include "core/volume/referenced_images.h"
 #include "core/volume/volume_io.h"
 #include "core/volume/write_dicom_segmentation.h"
 #include "core/volume/write_segmentation.h"
@@ -82,6 +84,27 @@ Result<Report> convert_contours(const fs::path& in, const fs::path& out, const f
   return Report{describe(map->volume), std::move(warnings)};
 }
 
+/// A label map on the grid of an image, with the voxels that it has.
+Result<VolumeRead> read_on_image(const fs::path& in, VolumeReadOptions reading, const fs::path& like) {
+  VolumeReadOptions of_image;
+  of_image.progress = reading.progress;
+  const auto image = read_volume(like, of_image);
+  if (!image) return fail(image.error());
+  reading.image = ImageGrid{image->volume.geometry, image->volume.frame_of_reference};
+  auto map = read_volume(in, reading);
+  if (!map) return map;
+  if (map->segmentation.segments.empty() && !holds_labels(map->volume))
+    return fail(in.string(), "is no label map, so that --like has no effect; leave it out");
+  if (auto same = check_same_space(in, map->volume.frame_of_reference, like, image->volume, " by --like"); !same)
+    return fail(same.error());
+  if (!put_on_grid(*map, image->volume.geometry))
+    return fail(in.string(), "does not lie on the voxels of " + like.string() +
+                                 "; resample it to that image, or leave out --like to write it as it is");
+  map->warnings.insert(map->warnings.begin(), image->warnings.begin(), image->warnings.end());
+  if (auto other = other_images(in, map->referenced, like, image->volume)) map->warnings.push_back(std::move(*other));
+  return map;
+}
+
 /// Reads a mesh, changes it, and writes it once it is known to be one that can be read again.
 Result<Report> describe_and_write(const fs::path& in, const fs::path& out, const std::string& record,
                                   const std::function<MeshFile(MeshFile)>& change) {
@@ -123,9 +146,10 @@ void add_convert(CLI::App& app, CommandLine& asked) {
   verb->add_flag("--from-ras", options->from_ras, "A mesh's coordinates are RAS, though its file does not say so");
   auto* structure =
       verb->add_option("--structure", options->structure, "Of a joint model or of contours this structure alone");
-  verb->add_option("--like", options->like,
-                   "Of contours (RTSTRUCT): the image whose grid the label map gets; of a label map that is written as "
-                   "DICOM (.dcm): the series that it refers to");
+  verb->add_option(
+      "--like", options->like,
+      "Of contours (RTSTRUCT) or a label map: the image whose grid it gets; of one that is written as DICOM "
+      "(.dcm): the series that it refers to");
   auto* sample =
       verb->add_option("--sample", options->sample, "Of a model the random shape of this seed, not the mean");
   const auto convert = [options, structure, sample](Progress& progress) -> Result<Report> {
@@ -137,9 +161,8 @@ void add_convert(CLI::App& app, CommandLine& asked) {
       return convert_contours(options->in, options->out, options->like, options->structure, progress, *record);
     if (structure->count() + sample->count() > 0)
       return fail(options->in.string(), "is no model, so --structure and --sample have no effect; leave them out");
-    if (!options->like.empty() && !is_dicom_name(options->out))
-      return fail(options->in.string(), "holds no contours, and " + options->out.string() +
-                                            " is no DICOM file, so --like has no effect; leave it out");
+    if (!options->like.empty() && is_mesh_name(options->in))
+      return fail(options->in.string(), "is a mesh, so that --like has no effect; label-map makes voxels of it");
     if (is_mesh_name(options->in) != is_mesh_name(options->out)) {
       return fail(options->out.string(),
                   "is not of the same kind as " + options->in.string() +
@@ -160,7 +183,9 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     if (options->times != 1 || options->from_ras)
       return fail(options->in.string(),
                   "is a volume, on which --times and --from-ras have no effect; correct the geometry in its header");
-    auto read = read_volume(options->in, read_options(options->series, options->spacing_mm, progress));
+    const VolumeReadOptions reading = read_options(options->series, options->spacing_mm, progress);
+    auto read =
+        options->like.empty() ? read_volume(options->in, reading) : read_on_image(options->in, reading, options->like);
     if (!read) return fail(read.error());
     if (is_dicom_name(options->out) && read->segmentation.segments.empty() && !holds_labels(read->volume))
       return fail(options->in.string(),

@@ -244,7 +244,8 @@ Result<Report> describe_contours(const std::filesystem::path& path) {
                     {"contours", roi.contours.size()},
                     {"points", roi.all_points()},
                     {"planes", roi.planes()}});
-  return Report{{{"kind", "contours"}, {"series", contours->series}, {"rois", std::move(rois)}}, contours->warnings};
+  return Report{{{"kind", "contours"}, {"series", contours->referenced.series}, {"rois", std::move(rois)}},
+                contours->warnings};
 }
 
 }  // namespace

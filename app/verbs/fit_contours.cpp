@@ -13,6 +13,7 @@
 #include "core/mesh/curve_io.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/placement/similarity_fit.h"
+#include "core/volume/referenced_images.h"
 
 namespace homolog {
 
@@ -25,16 +26,6 @@ struct DrawnOrgan {
   std::vector<DrawnContour> contours;
   std::vector<std::string> structures, warnings;
 };
-
-/// Refuses contours that belong to another scan than the volume that is used with them.
-Result<void> check_scan(const fs::path& path, const Contours& read, const fs::path& scan, const Volume& volume) {
-  if (!read.frame_of_reference.empty() && !volume.frame_of_reference.empty() &&
-      read.frame_of_reference != volume.frame_of_reference)
-    return fail(path.string(), "was drawn on another scan than " + scan.string() + " (frames of reference " +
-                                   excerpt(read.frame_of_reference) + " and " + excerpt(volume.frame_of_reference) +
-                                   "); give the series that it was drawn on");
-  return {};
-}
 
 /// The structure of a file that is meant.
 Result<const ContourRoi*> structure_of(const fs::path& path, const Contours& read, const std::string& asked) {
@@ -56,8 +47,12 @@ Result<DrawnOrgan> read_organ(const FitJob& options, const fs::path& scan_path, 
   for (const fs::path& path : options.contours) {
     const auto read = read_curves(path);
     if (!read) return fail(read.error());
-    if (scan != nullptr)
-      if (auto same = check_scan(path, *read, scan_path, *scan); !same) return fail(same.error());
+    if (scan != nullptr) {
+      if (auto same = check_same_space(path, read->frame_of_reference, scan_path, *scan); !same)
+        return fail(same.error());
+      if (auto other = other_images(path, read->referenced, scan_path, *scan))
+        organ.warnings.push_back(std::move(*other));
+    }
     const auto roi = structure_of(path, *read, options.structure);
     if (!roi) return fail(roi.error());
     if ((*roi)->contours.empty())

@@ -114,6 +114,23 @@ struct Overlap {
   double dice() const { return a + b > 0 ? 2.0 * static_cast<double>(both) / static_cast<double>(a + b) : 1; }
 };
 
+/// A grid with further slices, as many as a mesh reaches beyond it, and how many of them come before its own.
+std::pair<VolumeGeometry, std::size_t> with_slices_of(const VolumeGeometry& grid, const Mesh& mesh) {
+  double first = 0, last = grid.dims[2] - 1;
+  for (Eigen::Index p = 0; p < mesh.points.rows(); ++p) {
+    const double at = grid.to_voxel(Vec3(mesh.points.row(p))).z();
+    first = std::min(first, at);
+    last = std::max(last, at);
+  }
+  // Nobody looks at a mesh that lies farther off than the whole grid.
+  const auto slices = [&](double beyond) { return static_cast<int>(std::ceil(std::min(beyond, grid.dims[2] + 1.0))); };
+  const int before = slices(-first), behind = slices(last - (grid.dims[2] - 1));
+  VolumeGeometry wide = grid;
+  wide.origin_mm = grid.to_mm(Vec3(0, 0, -before));
+  wide.dims[2] += before + behind;
+  return {wide, static_cast<std::size_t>(before)};
+}
+
 double dice_of_meshes(const Mesh& a, const Mesh& b) {
   const Box box_a = bounds_of(a.points), box_b = bounds_of(b.points);
   const Box box = box_a.merged(box_b);
@@ -181,6 +198,13 @@ Result<Agreement> compare_with_mask(const Mesh& mesh, const Volume& mask, int la
 double dice_with_mask(const Mesh& mesh, const Volume& mask, int label, int frame) {
   const auto in_mesh = voxelise(mesh, mask.geometry);
   Overlap overlap;
+  if (mask.empty_beyond_slices) {
+    const auto [wide, before] = with_slices_of(mask.geometry, mesh);
+    const auto in_wide = voxelise(mesh, wide);
+    const std::size_t begin = before * (in_mesh.size() / static_cast<std::size_t>(mask.geometry.dims[2]));
+    for (std::size_t i = 0; i < in_wide.size(); ++i)
+      if (i < begin || i >= begin + in_mesh.size()) overlap.add(in_wide[i] != 0, false);
+  }
   std::visit(
       [&](const auto& voxels) {
         const auto in_frame =

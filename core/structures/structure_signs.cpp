@@ -38,6 +38,7 @@ class Signs {
         of_(of),
         value_(subject.structures[of].segment.value),
         map_(layer_of(map, subject.structures[of].segment.layer, frame).first->geometry),
+        empty_beyond_(layer_of(map, subject.structures[of].segment.layer, frame).first->empty_beyond_slices),
         there_(around_structure(subject, map, frame, of, reach(fit), margin(fit, map_))),
         own_(voxels_with(there_.labels, value_), there_.grid),
         fit_(voxelise(fit, there_.grid), there_.grid),
@@ -80,6 +81,7 @@ class Signs {
                                     static_cast<int>(v / plane)};
       bool at_border = false;
       for (std::size_t a = 0; a < 3; ++a) {
+        if (a == 2 && empty_beyond_) continue;
         const int in_map = here[a] + there_.box.first[a];
         at_border = at_border || in_map == 0 || in_map == map_.dims[a] - 1;
       }
@@ -207,6 +209,7 @@ class Signs {
   std::size_t of_;
   int value_;
   const VolumeGeometry& map_;
+  bool empty_beyond_;  ///< Volume::empty_beyond_slices
   Neighbourhood there_;
   Body own_, fit_;
   double size_mm_;

@@ -228,6 +228,7 @@ Result<LabelBody> label_cut_out(const Volume& mask, int label, int frame, const 
   }
   if (one_body) region.body = make_one_body(region.inside, region.grid.dims);
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (axis == 2 && mask.empty_beyond_slices) continue;
     const int last = whole.dims[axis] - 1;
     region.touches[2 * axis] = extent.first[axis] == 0 && reaches(region, axis, blocks.holding(0, axis));
     region.touches[2 * axis + 1] = extent.last[axis] == last && reaches(region, axis, blocks.holding(last, axis));

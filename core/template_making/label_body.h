@@ -29,6 +29,7 @@ struct LabelBody {
   std::vector<float> shares;         ///< of a soft mask: its values, the surface at 0.5; empty of others
   OneBody body;                      ///< counted in voxels of `grid`
   std::array<bool, 6> touches{};     ///< the label map's first and last plane of i, j and k: that part is cut off there
+                                     ///< (but see Volume::empty_beyond_slices)
 };
 
 /// The sides of a label map at which a body is cut off.

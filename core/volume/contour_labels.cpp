@@ -10,6 +10,7 @@
 #include "core/base/memory.h"
 #include "core/base/text.h"
 #include "core/volume/dicom_stack.h"
+#include "core/volume/referenced_images.h"
 #include "core/volume/stored_voxels.h"
 
 namespace homolog {
@@ -173,23 +174,18 @@ std::size_t put_in_layers(const std::vector<std::uint8_t>& inside, int number, L
   return layer;
 }
 
-Result<void> check_space(const fs::path& path, const Contours& contours, const fs::path& image_path,
-                         const Volume& image) {
-  if (image.frame_of_reference.empty() || image.frame_of_reference == contours.frame_of_reference) return {};
-  return fail(path.string(), "was drawn on another scan than " + image_path.string() + " (frames of reference " +
-                                 excerpt(contours.frame_of_reference) + " and " + excerpt(image.frame_of_reference) +
-                                 "); give the series that it was drawn on by --like");
-}
-
 }  // namespace
 
 Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& contours, const fs::path& image_path,
                                       const Volume& image, Progress* progress) {
-  if (auto same = check_space(path, contours, image_path, image); !same) return fail(same.error());
+  if (auto same = check_same_space(path, contours.frame_of_reference, image_path, image, " by --like"); !same)
+    return fail(same.error());
   const VolumeGeometry& grid = image.geometry;
   if (auto enough = check_memory(path, 4 * static_cast<double>(grid.voxels())); !enough) return fail(enough.error());
   VolumeRead result;
   result.warnings = contours.warnings;
+  if (auto other = other_images(path, contours.referenced, image_path, image))
+    result.warnings.push_back(std::move(*other));
   const bool are_labels = std::all_of(contours.rois.begin(), contours.rois.end(), [](const ContourRoi& roi) {
     return roi.number >= 1 && roi.number <= std::numeric_limits<std::uint16_t>::max();
   });

@@ -9,6 +9,7 @@
 
 #include "core/base/geometry.h"
 #include "core/base/result.h"
+#include "core/volume/volume_io.h"
 
 namespace homolog {
 
@@ -37,9 +38,9 @@ struct ContourRoi {
 
 /// The contours of a file (DICOM RTSTRUCT).
 struct Contours {
-  std::vector<ContourRoi> rois;     ///< in the order of their numbers
-  std::string frame_of_reference;   ///< UID of the space of all points
-  std::vector<std::string> series;  ///< UIDs of the series that they were drawn on
+  std::vector<ContourRoi> rois;    ///< in the order of their numbers
+  std::string frame_of_reference;  ///< UID of the space of all points
+  ReferencedImages referenced;     ///< the images that they were drawn on
   std::vector<std::string> warnings;
 };
 

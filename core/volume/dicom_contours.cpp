@@ -17,11 +17,12 @@ namespace fs = std::filesystem;
 namespace {
 
 namespace rt {
-constexpr DicomTag storage = 0x00080016, modality = 0x00080060, series_uid = 0x0020000e, space = 0x00200052,
-                   spaces = 0x30060010, studies = 0x30060012, series = 0x30060014, rois = 0x30060020,
-                   number = 0x30060022, space_of_roi = 0x30060024, name = 0x30060026, colour = 0x3006002a,
-                   drawn = 0x30060039, contours = 0x30060040, kind = 0x30060042, count = 0x30060046,
-                   points = 0x30060050, observations = 0x30060080, of_roi = 0x30060084, type = 0x300600a4;
+constexpr DicomTag storage = 0x00080016, instance = 0x00081155, images = 0x30060016, modality = 0x00080060,
+                   series_uid = 0x0020000e, space = 0x00200052, spaces = 0x30060010, studies = 0x30060012,
+                   series = 0x30060014, rois = 0x30060020, number = 0x30060022, space_of_roi = 0x30060024,
+                   name = 0x30060026, colour = 0x3006002a, drawn = 0x30060039, contours = 0x30060040, kind = 0x30060042,
+                   count = 0x30060046, points = 0x30060050, observations = 0x30060080, of_roi = 0x30060084,
+                   type = 0x300600a4;
 }  // namespace rt
 
 bool is_structure_set(const DicomSet& set) {
@@ -62,16 +63,23 @@ std::set<std::string> spaces_of(const DicomItem& data) {
   return spaces;
 }
 
-std::vector<std::string> drawn_series(const DicomItem& data) {
-  std::vector<std::string> uids;
+ReferencedImages drawn_images(const DicomItem& data) {
+  ReferencedImages drawn;
+  const auto add = [&](const DicomItem& item) {
+    for_each_item(item, rt::images, [&](const DicomItem& image) {
+      if (std::string uid = text_of(image, rt::instance); !uid.empty()) drawn.instances.push_back(std::move(uid));
+    });
+  };
   for_each_item(data, rt::spaces, [&](const DicomItem& space) {
     for_each_item(space, rt::studies, [&](const DicomItem& study) {
       for_each_item(study, rt::series, [&](const DicomItem& series) {
-        if (std::string uid = text_of(series, rt::series_uid); !uid.empty()) uids.push_back(std::move(uid));
+        if (std::string uid = text_of(series, rt::series_uid); !uid.empty()) drawn.series.push_back(std::move(uid));
+        add(series);
       });
     });
   });
-  return uids;
+  for_each_item(data, rt::drawn, [&](const DicomItem& roi) { for_each_item(roi, rt::contours, add); });
+  return drawn;
 }
 
 /// The structures as they are described, without contours.
@@ -253,7 +261,7 @@ Result<Contours> read_contours(const fs::path& path) {
   if (auto added = add_drawn(*set, *rois); !added) return fail(added.error());
   Contours contours{.rois = std::move(*rois),
                     .frame_of_reference = *spaces.begin(),
-                    .series = drawn_series(set->elements),
+                    .referenced = drawn_images(set->elements),
                     .warnings = {}};
   contours.warnings = doubts_about(path, contours.rois);
   return contours;

@@ -18,7 +18,8 @@ constexpr DicomTag frame_of_reference = 0x00200052, position = 0x00200032, orien
                    label = 0x00620005, colour = 0x0062000d, fraction_full = 0x0062000e, tiling = 0x00209311;
 // Sequences: of a frame's place on a slide, its place, direction, pixels and segment.
 constexpr DicomTag slide_group = 0x0048021a, position_group = 0x00209113, orientation_group = 0x00209116,
-                   measures_group = 0x00289110, segment_group = 0x0062000a, referenced_number = 0x0062000b;
+                   measures_group = 0x00289110, segment_group = 0x0062000a, referenced_number = 0x0062000b,
+                   groups_of_frames = 0x52009230;
 }  // namespace seg
 
 std::optional<std::array<double, 3>> three_shorts(const DicomItem& item, DicomTag tag, bool big_endian) {
@@ -173,10 +174,32 @@ Result<PlacedFrames> placed_frames(const DicomSet& set, const DicomHeader& heade
   return placed;
 }
 
+/// Errors: frames, their descriptions and their pixels are not equally many.
+Result<void> check_count(const DicomSet& set, const DicomHeader& header) {
+  const std::size_t frames = header.planes.size();
+  std::size_t groups = 0;
+  while (item_of(set.elements, seg::groups_of_frames, groups) != nullptr) ++groups;
+  if (groups != frames && (groups > 0 || frames > 1))
+    return fail(set.path.string(), "has " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") +
+                                       " and describes " + std::to_string(groups) +
+                                       " (functional groups), so that it does not tell which lies where; export it "
+                                       "again");
+  if (!header.pixels->fragments.empty()) return {};
+  // A last byte may be there to make their number even.
+  const double bits = static_cast<double>(header.rows) * header.columns * header.bits_allocated;
+  const double held = std::floor(8 * (static_cast<double>(header.pixels->bytes) - 1) / bits);
+  if (held > static_cast<double>(frames))
+    return fail(set.path.string(), "says that it has " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") +
+                                       ", and has the pixels of " + std::to_string(static_cast<long>(held)) +
+                                       "; export it again");
+  return {};
+}
+
 }  // namespace
 
 Result<SegmentFrames> segment_frames(const DicomSet& set, const DicomHeader& header) {
   const std::string name = set.path.string();
+  if (auto alike = check_count(set, header); !alike) return fail(alike.error());
   if (text_of(set.elements, seg::frame_of_reference).empty() && item_of(set.elements, 0x00480008, 0) == nullptr)
     return fail(name,
                 "names no frame of reference, so that its place in the patient is not known; export it again from "

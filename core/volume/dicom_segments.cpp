@@ -23,6 +23,7 @@ struct SegmentationFile {
   const DicomHeader& header;
   const SegmentFrames& frames;
   FrameLattice lattice;
+  bool on_series = false;  ///< the lattice is that of the series which was segmented
   Progress* progress = nullptr;
 
   std::string name() const { return header.path.string(); }
@@ -241,6 +242,22 @@ Result<std::vector<Volume>> label_layer(const SegmentationFile& file, const Fram
   return layers;
 }
 
+/// Whether the file holds a slice without a voxel, so that it leaves none out for that.
+bool keeps_empty_slices(const SegmentationFile& file, const std::vector<Volume>& layers) {
+  const std::set<int> held(file.lattice.slices.begin(), file.lattice.slices.end());
+  return std::ranges::any_of(held, [&](int slice) {
+    const auto begin = static_cast<std::ptrdiff_t>(file.pixels()) * slice;
+    const auto end = begin + static_cast<std::ptrdiff_t>(file.pixels());
+    return std::ranges::all_of(layers, [&](const Volume& layer) {
+      return std::visit(
+          [&](const auto& all) {
+            return std::all_of(all.begin() + begin, all.begin() + end, [](const auto voxel) { return voxel == 0; });
+          },
+          layer.data);
+    });
+  });
+}
+
 Result<VolumeRead> place_voxels(const SegmentationFile& file, VolumeRead result) {
   using Kind = SegmentFrames::Kind;
   const bool packed = file.header.bits_allocated == 1;
@@ -255,6 +272,8 @@ Result<VolumeRead> place_voxels(const SegmentationFile& file, VolumeRead result)
                 : small                                ? binary_layers<std::uint8_t>(file, *pixels, result.segmentation)
                         : binary_layers<std::uint16_t>(file, *pixels, result.segmentation);
   if (!layers) return fail(layers.error());
+  if (!file.on_series && !keeps_empty_slices(file, *layers))
+    for (Volume& layer : *layers) layer.empty_beyond_slices = true;
   if (layers->size() > 1)
     result.warnings.push_back(file.name() + ": its segments " +
                               (file.frames.kind == Kind::fractional ? "are fractional" : "overlap") +
@@ -273,12 +292,26 @@ bool is_dicom_segmentation(const DicomSet& set) {
          (text_of(set.elements, 0x00080060) == "SEG" && item_of(set.elements, 0x00620002, 0) != nullptr);
 }
 
-std::vector<std::string> segmented_series(const DicomSet& set) {
-  std::vector<std::string> uids;
+ReferencedImages segmented_images(const DicomSet& set) {
+  ReferencedImages images;
+  const auto add = [&](const DicomItem& item, DicomTag sequence) {
+    for (std::size_t k = 0;; ++k) {
+      const DicomItem* image = item_of(item, sequence, k);
+      if (image == nullptr) return;
+      if (std::string uid = text_of(*image, 0x00081155); !uid.empty()) images.instances.push_back(std::move(uid));
+    }
+  };
   for (std::size_t k = 0;; ++k) {
     const DicomItem* series = item_of(set.elements, 0x00081115, k);
-    if (series == nullptr) return uids;
-    if (std::string uid = text_of(*series, 0x0020000e); !uid.empty()) uids.push_back(std::move(uid));
+    if (series == nullptr) break;
+    if (std::string uid = text_of(*series, 0x0020000e); !uid.empty()) images.series.push_back(std::move(uid));
+    add(*series, 0x0008114a);
+  }
+  constexpr DicomTag frames = 0x52009230, derivation = 0x00089124, source = 0x00082112;
+  for (std::size_t f = 0;; ++f) {
+    const DicomItem* frame = item_of(set.elements, frames, f);
+    if (frame == nullptr) return images;
+    if (const DicomItem* made = item_of(*frame, derivation, 0)) add(*made, source);
   }
 }
 
@@ -294,13 +327,15 @@ Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optio
   const auto frames = segment_frames(set, header);
   if (!frames) return fail(frames.error());
   VolumeRead result;
+  result.referenced = segmented_images(set);
   auto lattice = series ? on_grid(frames->placed, *series) : std::nullopt;
+  const bool on_series = lattice.has_value();
   if (!lattice) {
     auto own = lattice_of(set.path, frames->placed, result.warnings);
     if (!own) return fail(own.error());
     lattice = std::move(*own);
   }
-  return place_voxels({header, *frames, std::move(*lattice), progress}, std::move(result));
+  return place_voxels({header, *frames, std::move(*lattice), on_series, progress}, std::move(result));
 }
 
 }  // namespace homolog

@@ -31,10 +31,11 @@ constexpr std::string_view deflated_syntax = "1.2.840.10008.1.2.1.99", big_endia
 
 /// Sequences that a file without type marks does not declare but that are needed: functional groups and their parts,
 /// those of segmentations (group 62) and those of contours (group 3006).
-constexpr std::array<DicomTag, 26> known_sequences{
-    0x00081115, 0x00189114, 0x00189117, 0x00189118, 0x00209111, 0x00209113, 0x00209116,    0x00209253,  0x00209310,
-    0x00283000, 0x00289110, 0x00289132, 0x00289145, 0x00480008, 0x0048021a, 0x00620002,    0x0062000a,  0x30060010,
-    0x30060012, 0x30060014, 0x30060020, 0x30060039, 0x30060040, 0x30060080, shared_groups, plane_groups};
+constexpr std::array<DicomTag, 30> known_sequences{
+    0x00081115, 0x0008114a, 0x00082112, 0x00089124, 0x30060016,    0x00189114,  0x00189117, 0x00189118,
+    0x00209111, 0x00209113, 0x00209116, 0x00209253, 0x00209310,    0x00283000,  0x00289110, 0x00289132,
+    0x00289145, 0x00480008, 0x0048021a, 0x00620002, 0x0062000a,    0x30060010,  0x30060012, 0x30060014,
+    0x30060020, 0x30060039, 0x30060040, 0x30060080, shared_groups, plane_groups};
 
 bool is_known_sequence(DicomTag tag) {
   return std::find(known_sequences.begin(), known_sequences.end(), tag) != known_sequences.end();

@@ -95,6 +95,7 @@ Volume cropped(const Volume& volume, const VoxelBox& box, int margin, int frame)
   Volume part;
   part.geometry = part_of_grid(volume.geometry, wide);
   part.modality = volume.modality;
+  part.empty_beyond_slices = volume.empty_beyond_slices;
   std::visit(
       [&](const auto& voxels) {
         std::decay_t<decltype(voxels)> kept;

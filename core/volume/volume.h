@@ -61,11 +61,15 @@ struct Volume {
   double range_min = 0, range_max = 0;  ///< over all finite voxels of all frames
   /// The window that the file itself asks for (DICOM): centre and width in intensity units.
   std::optional<std::pair<double, double>> file_window;
-  std::string series_uid;          ///< DICOM series instance UID; empty elsewhere
-  std::string modality;            ///< "CT", "MR", …; empty where unknown
-  std::string frame_of_reference;  ///< UID of the space that positions are given in (DICOM); empty elsewhere
+  std::string series_uid;                  ///< DICOM series instance UID; empty elsewhere
+  std::string modality;                    ///< "CT", "MR", …; empty where unknown
+  std::string frame_of_reference;          ///< UID of the space that positions are given in (DICOM); empty elsewhere
+  std::vector<std::string> instance_uids;  ///< of the DICOM images that it was read from; empty elsewhere
   /// A mask of one structure, label 1, whose surface lies where values between voxels pass 0.5 [soft_mask.h].
   bool soft = false;
+  /// Slices before the first and behind the last were left out, or may have been, since they are empty (DICOM
+  /// segmentations): an organ on the first or last slice ends there and is not cut off.
+  bool empty_beyond_slices = false;
 
   /// Value of a voxel; the index must be inside.
   double at(int i, int j, int k, int frame = 0) const;

@@ -19,12 +19,26 @@ struct SeriesInfo {
   int files = 0;
 };
 
+/// The grid of an image, and the space that it lies in (DICOM; empty elsewhere).
+struct ImageGrid {
+  VolumeGeometry geometry;
+  std::string frame_of_reference;
+};
+
+/// UIDs of the DICOM images that a segmentation or contours were made on, as far as the file names them.
+struct ReferencedImages {
+  std::vector<std::string> series, instances;
+};
+
 struct VolumeReadOptions {
   std::string series_uid;                ///< which series of a folder that holds several
   std::optional<Vec3> stack_spacing_mm;  ///< required for a folder (or one file) of PNG/TIFF slices
   Progress* progress = nullptr;          ///< reported to and asked for cancellation when given
   /// NIfTI, NRRD and MetaImage: grid and frames are enough, as their headers say them; `data` stays empty.
   bool without_voxels = false;
+  /// DICOM segmentations: the image beside which it is read; taken as its grid where its frames lie on slices of that,
+  /// in the same space.
+  std::optional<ImageGrid> image{};
 };
 
 /// A volume and what had to be mended to read it (each a sentence for `homolog: warning: …`).
@@ -35,6 +49,7 @@ struct VolumeRead {
   /// Of a segmentation whose segments overlap or share labels (3D Slicer): the layers behind `volume`, which is the
   /// first. Each lies on the same grid, except those of a folder of masks. read_labels.h chooses among them.
   std::vector<Volume> other_layers;
+  ReferencedImages referenced{};  ///< of a DICOM segmentation
 };
 
 /// Reads a volume of one of the formats in formats/, frames of a cine included: a file, a DICOM series' folder, or a

@@ -14,6 +14,7 @@
 #include "core/base/text.h"
 #include "core/volume/dicom_elements.h"
 #include "core/volume/dicom_series.h"
+#include "core/volume/map_on_grid.h"
 
 namespace homolog {
 namespace fs = std::filesystem;
@@ -28,34 +29,6 @@ struct WrittenSegment {
   int number = 0;   ///< in the file
 };
 
-/// Where a voxel of the series lies in the map: first + steps · (i, j, k), all whole numbers.
-struct VoxelMapping {
-  std::array<std::int64_t, 3> first{};
-  std::array<std::array<std::int64_t, 3>, 3> steps{};  ///< of an axis of the series along the axes of the map
-};
-
-/// Nothing where the voxels of the map are no voxels of the series within a hundredth of one.
-std::optional<VoxelMapping> mapping_of(const VolumeGeometry& series, const VolumeGeometry& map) {
-  constexpr double close = 0.01;
-  const Vec3 first = map.to_voxel(series.to_mm(Vec3::Zero()));
-  VoxelMapping mapping;
-  for (int a = 0; a < 3; ++a) {
-    const auto at = static_cast<std::size_t>(a);
-    mapping.first[at] = std::llround(first[a]);
-    const Vec3 step = map.to_voxel(series.to_mm(Vec3::Unit(a))) - first;
-    for (int b = 0; b < 3; ++b) mapping.steps[at][static_cast<std::size_t>(b)] = std::llround(step[b]);
-    // At the last voxel too, where differences add up.
-    const double far = std::max(series.dims[at] - 1, 1);
-    if ((step - step.array().round().matrix()).cwiseAbs().maxCoeff() * far > close) return {};
-    if (std::abs(step.cwiseAbs().sum() - 1) > close) return {};
-  }
-  if ((first - first.array().round().matrix()).cwiseAbs().maxCoeff() > close) return {};
-  const Vec3 last(map.dims[0] - 1, map.dims[1] - 1, map.dims[2] - 1);
-  for (const Vec3& corner : {Vec3(Vec3::Zero()), last})
-    if (!series.holds(map.to_mm(corner))) return {};
-  return mapping;
-}
-
 /// A layer of the map on the grid of the series, and the labels that occur on each of its slices.
 struct SeriesLayer {
   std::vector<int> labels;
@@ -69,15 +42,11 @@ SeriesLayer on_series(const Volume& layer, const VolumeGeometry& grid, const Vox
   for (std::int64_t k = 0; k < grid.dims[2]; ++k)
     for (std::int64_t j = 0; j < grid.dims[1]; ++j)
       for (std::int64_t i = 0; i < grid.dims[0]; ++i) {
-        std::array<int, 3> at{};
+        const auto at = mapping.at(i, j, k);
         bool inside = true;
-        for (std::size_t b = 0; b < 3; ++b) {
-          const std::int64_t place =
-              mapping.first[b] + i * mapping.steps[0][b] + j * mapping.steps[1][b] + k * mapping.steps[2][b];
-          inside = inside && place >= 0 && place < layer.geometry.dims[b];
-          at[b] = static_cast<int>(place);
-        }
-        const int label = inside ? rounded_label(layer.at(at[0], at[1], at[2])) : 0;
+        for (std::size_t b = 0; b < 3; ++b) inside = inside && at[b] >= 0 && at[b] < layer.geometry.dims[b];
+        const auto voxel = [&](std::size_t b) { return static_cast<int>(at[b]); };
+        const int label = inside ? rounded_label(layer.at(voxel(0), voxel(1), voxel(2))) : 0;
         const bool goes_on = i > 0 && label == result.labels.back();
         if (label != 0 && !goes_on) result.on_slice[static_cast<std::size_t>(k)].insert(label);
         result.labels.push_back(label);

@@ -81,6 +81,19 @@ def compare(name, path, grid, masks, first=0, last=None, warns=None):
     check(name + " place", off < 1e-3, f"{off} mm")
 
 
+def compare_on(name, path, grid, masks, like, warns=None):
+    """The masks are what is read on the grid of an image, all slices of it."""
+    out = folder / "on.seg.nrrd"
+    out.unlink(missing_ok=True)
+    ran = run("convert", path, out, "--like", like)
+    check(name + " warns", (warns in ran.stderr) if warns else "warning" not in ran.stderr, ran.stderr)
+    voxels, steps, origin, segments = read_nrrd(out)
+    check(name + " dims", voxels.shape[1:] == make.SHAPE, voxels.shape)
+    for number, mask in masks.items():
+        check(f"{name} voxels of {number}", numpy.array_equal(voxels[segments[make.NAMES[number]][0]] == number, mask > 0), number)
+    check(name + " place", numpy.abs(origin - grid.position(0)).max() < 1e-3, origin)
+
+
 def refused(name, path, *words):
     ran = run("info", path, status=1)
     check(name, all(w in ran.stderr for w in words) and len(ran.stderr.strip().split("\n")) == 1 and str(path) in ran.stderr, ran.stderr)
@@ -122,6 +135,20 @@ for oblique in (False, True):
     compare(name, path, grid, {1: masks[1]})
     told = json.loads(run("info", "--json", path.parent).stdout or "{}")
     check(name + ": the folder is the CT", told.get("modality") == "CT" and told.get("dims") == list(make.SHAPE[::-1]), told)
+
+    # On the grid of its series, from elsewhere; of other images of the same space; what was converted before.
+    ct = path.parent
+    compare_on(f"like {kind}", write(f"like {kind}", make.seg(masks, grid)), grid, masks, ct)
+    compare_on(f"like without a distance {kind}", write(f"like {kind}", make.seg({1: masks[1]}, grid, spacing=None, thickness=None)),
+               grid, {1: masks[1]}, ct)
+    run("convert", folder / f"highdicom {kind}" / "seg.dcm", folder / "before.seg.nrrd")
+    compare_on(f"converted before {kind}", folder / "before.seg.nrrd", grid, masks, ct)
+    ds = make.seg(masks, grid)
+    ds.ReferencedSeriesSequence[0].SeriesInstanceUID = make.SERIES + ".5"
+    compare_on(f"of another series {kind}", write(f"other series {kind}", ds), grid, masks, ct, f"refers to the series {make.SERIES}.5")
+    ds = make.seg(masks, grid)
+    ds.ReferencedSeriesSequence[0].ReferencedInstanceSequence[3].ReferencedSOPInstanceUID += ".7"
+    compare_on(f"of a missing image {kind}", write(f"missing {kind}", ds), grid, masks, ct, "refers to 9 images, 1 of which is not in")
 
     # Segments that overlap.
     over = {n: m.copy() for n, m in masks.items()}
@@ -199,6 +226,10 @@ broken("to the side", lambda ds: setattr(ds.PerFrameFunctionalGroupsSequence[1].
        "ImagePositionPatient", [-30, 12.5, 115]), "sideways", "resample")
 broken("uneven", lambda ds: setattr(ds.PerFrameFunctionalGroupsSequence[2].PlanePositionSequence[0],
        "ImagePositionPatient", ["-31.25", "12.5", "107.837"]), "even slices")
+broken("more groups", lambda ds: ds.PerFrameFunctionalGroupsSequence.append(ds.PerFrameFunctionalGroupsSequence[0]),
+       "has 4 frames and describes 5")
+broken("fewer groups", lambda ds: ds.PerFrameFunctionalGroupsSequence.pop(), "has 4 frames and describes 3")
+broken("more pixels", lambda ds: setattr(ds, "PixelData", ds.PixelData + bytes(10)), "has 4 frames, and has the pixels of")
 broken("cut", lambda ds: setattr(ds, "PixelData", ds.PixelData[:10]), "cut short")
 broken("unknown kind", lambda ds: setattr(ds, "SegmentationType", "SURFACE"), "SURFACE")
 broken("unknown syntax", lambda ds: make.encode(ds, [b"\0" * 8] * 4), "1.2.840.10008.1.2.4.201", "uncompressed",
@@ -261,6 +292,14 @@ check("without an image", "--like" in ran.stderr, ran.stderr)
 ds = make.rtstruct({1: ("Liver", [])})
 ds.ROIContourSequence[0].ReferencedROINumber = 7
 refused("no such structure", write("no such structure", ds), "structure 7", "does not describe")
+
+path = write("contours of another series", make.rtstruct({1: ("Liver", [("CLOSED_PLANAR", make.on_plane(make.Grid(), 2, outer))])}))
+ds = pydicom.dcmread(path)
+image = ds.ReferencedFrameOfReferenceSequence[0].RTReferencedStudySequence[0].RTReferencedSeriesSequence[0]
+image.SeriesInstanceUID += ".5"
+path = write("contours of another series", ds)
+ran = run("convert", path, folder / "rt.seg.nrrd", "--like", folder / "series straight")
+check("contours of another series", f"refers to the series {make.SERIES}.5" in ran.stderr, ran.stderr)
 
 # Written: segments that overlap, on the voxels of an oblique series, with its patient, its space and its images.
 for oblique in (False, True):

@@ -14,6 +14,7 @@
 #include "core/volume/dicom_series.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
+#include "core/volume/referenced_images.h"
 
 // DICOM: planes from one file or a folder, put in their place.
 namespace homolog {
@@ -140,6 +141,8 @@ Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHea
   volume.series_uid = headers.front().series_uid;
   volume.modality = headers.front().modality;
   volume.frame_of_reference = headers.front().frame_of_reference;
+  for (const DicomHeader& header : headers)
+    if (!header.instance_uid.empty()) volume.instance_uids.push_back(header.instance_uid);
   volume.file_window = arrangement->planes[static_cast<std::size_t>(arrangement->slices / 2)].plane->window;
   auto stored = read_planes(path, headers, *arrangement, progress);
   if (!stored) return fail(stored.error());
@@ -218,11 +221,8 @@ std::optional<VolumeGeometry> grid_of_series(const fs::path& folder, const std::
   return grid ? std::optional(*grid) : std::nullopt;
 }
 
-/// The grid of the series that a segmentation was made on, where its files lie in the same folder. Files that cannot be
-/// read are no part of it.
-std::optional<VolumeGeometry> grid_beside(const DicomSet& segmentation, Progress* progress) {
-  const auto wanted = segmented_series(segmentation);
-  if (wanted.empty()) return {};
+/// The series in the folder of a segmentation that lie in its space. Files that cannot be read are no part of it.
+std::map<std::string, std::vector<DicomHeader>> series_beside(const DicomSet& segmentation, Progress* progress) {
   const std::string space = text_of(segmentation.elements, 0x00200052);
   const fs::path folder = segmentation.path.has_parent_path() ? segmentation.path.parent_path() : fs::path(".");
   std::vector<fs::path> files;
@@ -240,28 +240,44 @@ std::optional<VolumeGeometry> grid_beside(const DicomSet& segmentation, Progress
     DicomHeader header = dicom_header(*set);
     if (header.is_image() && header.frame_of_reference == space) series[header.series_uid].push_back(std::move(header));
   }
-  for (const std::string& uid : wanted)
-    if (const auto found = series.find(uid); found != series.end()) return grid_of_series(folder, found->second);
-  return {};
+  return series;
 }
 
-Result<VolumeRead> read_segmentation(const DicomSet& set, Progress* progress) {
-  return read_dicom_segmentation(set, grid_beside(set, progress), progress);
+/// `image`: beside which it is read. Else the series that it was made on counts, where its files lie in the same
+/// folder.
+Result<VolumeRead> read_segmentation(const DicomSet& set, const std::optional<ImageGrid>& image, Progress* progress) {
+  const bool in_space =
+      image && (image->frame_of_reference.empty() || image->frame_of_reference == text_of(set.elements, 0x00200052));
+  if (in_space) return read_dicom_segmentation(set, image->geometry, progress);
+  const ReferencedImages made_on = segmented_images(set);
+  const auto series =
+      made_on.series.empty() ? std::map<std::string, std::vector<DicomHeader>>() : series_beside(set, progress);
+  const auto own = std::ranges::find_if(made_on.series, [&](const auto& uid) { return series.contains(uid); });
+  const auto beside = own == made_on.series.end() ? series.begin() : series.find(*own);
+  if (beside == series.end()) return read_dicom_segmentation(set, std::nullopt, progress);
+  const fs::path folder = set.path.parent_path();
+  std::vector<std::string> instances;
+  for (const DicomHeader& header : beside->second) instances.push_back(header.instance_uid);
+  auto read = read_dicom_segmentation(
+      set, own == made_on.series.end() ? std::nullopt : grid_of_series(folder, beside->second), progress);
+  auto other = other_images(set.path, made_on, "the image beside it", beside->first, instances);
+  if (read && other) read->warnings.push_back(std::move(*other));
+  return read;
 }
 
-Result<VolumeRead> read_dicom_file(const fs::path& path, Progress* progress) {
+Result<VolumeRead> read_dicom_file(const fs::path& path, const VolumeReadOptions& options) {
   const auto set = parse_dicom(path);
   if (!set) return fail(set.error());
-  if (is_dicom_segmentation(*set)) return read_segmentation(*set, progress);
+  if (is_dicom_segmentation(*set)) return read_segmentation(*set, options.image, options.progress);
   DicomHeader header = dicom_header(*set);
-  return read_headers(path, {std::move(header)}, progress);
+  return read_headers(path, {std::move(header)}, options.progress);
 }
 
 /// Of a folder without images: the segmentation that lies in it alone.
 Result<VolumeRead> read_lone_segmentation(const fs::path& folder, const std::vector<DicomSet>& segmentations,
-                                          Progress* progress) {
+                                          const VolumeReadOptions& options) {
   if (segmentations.empty()) return fail(folder.string(), "holds no DICOM images; choose the folder that does");
-  if (segmentations.size() == 1) return read_segmentation(segmentations.front(), progress);
+  if (segmentations.size() == 1) return read_segmentation(segmentations.front(), options.image, options.progress);
   std::vector<std::string> names;
   for (const DicomSet& set : segmentations) names.push_back(set.path.filename().string());
   return fail(folder.string(), "holds " + std::to_string(names.size()) +
@@ -269,16 +285,18 @@ Result<VolumeRead> read_lone_segmentation(const fs::path& folder, const std::vec
 }
 
 /// `series_uid` chooses where the folder holds several series. Segmentations beside images count as series only there.
-Result<VolumeRead> read_dicom_folder(const fs::path& folder, const std::string& series_uid, Progress* progress) {
-  const auto contents = scan_folder(folder, progress);
+Result<VolumeRead> read_dicom_folder(const fs::path& folder, const VolumeReadOptions& options) {
+  const std::string& series_uid = options.series_uid;
+  const auto contents = scan_folder(folder, options.progress);
   if (!contents) return fail(contents.error());
   const auto& series = contents->series;
   for (const DicomSet& set : contents->segmentations)
-    if (!series_uid.empty() && text_of(set.elements, 0x0020000e) == series_uid) return read_segmentation(set, progress);
-  if (series.empty() && series_uid.empty()) return read_lone_segmentation(folder, contents->segmentations, progress);
+    if (!series_uid.empty() && text_of(set.elements, 0x0020000e) == series_uid)
+      return read_segmentation(set, options.image, options.progress);
+  if (series.empty() && series_uid.empty()) return read_lone_segmentation(folder, contents->segmentations, options);
   const auto chosen = series_uid.empty() ? series.begin() : series.find(series_uid);
   if (chosen != series.end() && (!series_uid.empty() || series.size() == 1))
-    return read_headers(folder, chosen->second, progress);
+    return read_headers(folder, chosen->second, options.progress);
   std::vector<std::string> list;
   for (const auto& [uid, headers] : series)
     list.push_back(uid + " (" + headers.front().modality + " \"" + headers.front().series_description + "\", " +
@@ -292,8 +310,8 @@ Result<VolumeRead> read_dicom_folder(const fs::path& folder, const std::string& 
 
 Result<VolumeRead> read_dicom(const fs::path& path, const VolumeReadOptions& options) {
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return read_dicom_folder(path, options.series_uid, options.progress);
-  return read_dicom_file(path, options.progress);
+  if (fs::is_directory(path, ignored)) return read_dicom_folder(path, options);
+  return read_dicom_file(path, options);
 }
 
 }  // namespace

@@ -16,7 +16,9 @@
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
+#include "core/volume/write_dicom_segmentation.h"
 #include "tests/ball.h"
+#include "tests/core/volume/dicom_slices.h"
 #include "tests/must.h"
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
@@ -242,6 +244,50 @@ TEST_CASE("of an image and its label map each is known in either order") {
   for (const auto& files :
        {std::vector<fs::path>{ct, labels, other_ct}, std::vector<fs::path>{"a.homolog", ct, labels}})
     CHECK(sort_files(files).error().sentence().find(remedy) != std::string::npos);
+}
+
+TEST_CASE("a segmentation that leaves empty slices out lies on the slices of the image it is opened with") {
+  const TemporaryFolder folder;
+  const fs::path ct = folder.path / "ct", seg = folder.path / "seg.dcm";
+  Slice slice;
+  slice.put(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2");
+  slice.put(0x0020000d, "UI", "1.2.1");
+  slice.put(0x00200052, "UI", "1.2.9");
+  fs::create_directory(ct);
+  for (int k = 0; k < 6; ++k) {
+    slice.z = 2.5 * k;
+    slice.put(0x00080018, "UI", "1.2.3." + std::to_string(k));
+    slice.pixels.assign(6, 7);  // flat as a label map
+    write_bytes(ct / (std::to_string(k) + ".dcm"), slice.bytes());
+  }
+  VolumeRead map;
+  map.volume.geometry = test::must(read_volume(ct)).volume.geometry;
+  std::vector<std::uint8_t> labels(map.volume.geometry.voxels());
+  for (const std::size_t slice_of : {1U, 3U}) labels[6 * slice_of + 2] = 1;
+  map.volume.data = labels;
+  map.volume.range_max = 1;
+  REQUIRE(write_dicom_segmentation(map, seg, ct));
+  CHECK(test::must(read_volume(seg)).volume.geometry.dims == std::array{3, 2, 3});
+  Opener opener([] {});
+  const auto opened = [&](const OpenRequest& request, std::shared_ptr<const Volume> on_screen) {
+    opener.start(request, std::move(on_screen));
+    opener.finish();
+    return test::must(opener.take().value());
+  };
+  for (const auto& files : {std::vector{ct, seg}, std::vector{seg, ct}}) {
+    const Opened both = opened(test::must(sort_files(files)), nullptr);
+    REQUIRE(both.labels.size() == 1);
+    CHECK(both.request.labels == seg);
+    CHECK(both.labels.front().volume->geometry == both.volume->geometry);
+    CHECK(std::get<std::vector<std::uint8_t>>(both.labels.front().volume->data) == labels);
+  }
+  const auto image = std::make_shared<const Volume>(test::must(read_volume(ct)).volume);
+  OpenRequest beside = test::must(sort_files({seg}));  // dropped on the image
+  beside.beside = image;
+  CHECK(opened(beside, image).labels.front().volume->geometry == image->geometry);
+  OpenRequest chosen;
+  chosen.labels = seg;
+  CHECK(opened(chosen, image).labels.front().volume->geometry == image->geometry);
 }
 
 TEST_CASE("files are sorted and named where the working folder is gone") {

@@ -207,6 +207,11 @@ TEST_CASE("an organ cut off by the scan keeps the template's shape beyond") {
   CHECK(boundary.scan_borders[0].outward == -Vec3::UnitZ());
   CHECK(boundary.scan_borders[0].offset_mm == doctest::Approx(-edge_mm));
   CHECK(boundary.warnings.size() == 1);
+  Volume ends = label_map(whole, grid);  // with the organ itself, as where empty slices were left out
+  ends.empty_beyond_slices = true;
+  const Boundary there = label_boundary(ends, 1, 0, 0, whole.points.rows()).value();
+  CHECK(there.scan_borders.empty());
+  CHECK(there.warnings.empty());
   const auto fit = fit_to_boundary(*the_template, boundary).value();
   check_sound(fit);
   REQUIRE(!fit.unseen.empty());

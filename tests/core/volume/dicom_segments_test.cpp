@@ -1,9 +1,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "core/volume/map_on_grid.h"
 #include "core/volume/read_labels.h"
 #include "core/volume/volume_io.h"
 #include "tests/core/volume/dicom_slices.h"
@@ -27,8 +29,11 @@ struct SegFile {
   std::string type = "BINARY", space = "1.2.9", spacing = "2.5", thickness, syntax = "1.2.840.10008.1.2.1";
   std::vector<std::string> names{"spleen", "liver"};
   std::vector<SegFrame> frames{{1, 5, {0, 14}}, {1, 10, {7}}, {2, 5, {1, 2}}};
-  std::string more;  ///< elements of group 62 behind the segments
-  int value = 0;     ///< of set pixels where they are bytes; 0: single bits
+  std::string more;             ///< elements of group 62 behind the segments
+  int value = 0;                ///< of set pixels where they are bytes; 0: single bits
+  std::string references;       ///< elements that name the images it was made on
+  std::size_t groups_less = 0;  ///< frames without a description
+  std::string pixels_more;      ///< behind those of all frames
 
   std::string pixels() const {
     if (value > 0) {
@@ -50,7 +55,7 @@ struct SegFile {
     std::string segments, groups;
     for (std::size_t s = 0; s < names.size(); ++s)
       segments += item(us(0x00620004, static_cast<std::uint32_t>(s + 1)) + element(0x00620005, "LO", names[s]));
-    for (const SegFrame& frame : frames)
+    for (const SegFrame& frame : std::span(frames).first(frames.size() - groups_less))
       groups += item(sequence(0x00209113, item(position(1, 2, frame.z))) +
                      sequence(0x0062000a, item(us(0x0062000b, static_cast<std::uint32_t>(frame.segment)))));
     std::string measures = element(0x00280030, "DS", "0.5\\0.25");
@@ -60,23 +65,30 @@ struct SegFile {
                                     sequence(0x00289110, item(measures)));
     const std::uint32_t bits = value > 0 ? 8 : 1;
     const std::string data =
-        element(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.66.4") + element(0x00080060, "CS", "SEG") +
+        element(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.66.4") + element(0x00080060, "CS", "SEG") + references +
         element(0x0020000e, "UI", "1.2.3") + (space.empty() ? "" : element(0x00200052, "UI", space)) +
         us(0x00280002, 1) + element(0x00280004, "CS", "MONOCHROME2") +
         element(0x00280008, "IS", std::to_string(frames.size())) + us(0x00280010, 3) + us(0x00280011, 5) +
         us(0x00280100, bits) + us(0x00280101, bits) + us(0x00280102, bits - 1) + us(0x00280103, 0) +
         element(0x00620001, "CS", type) + sequence(0x00620002, segments) + more + sequence(0x52009229, shared) +
-        sequence(0x52009230, groups) + element(0x7fe00010, "OW", pixels());
+        sequence(0x52009230, groups) + element(0x7fe00010, "OW", pixels() + pixels_more);
     const std::string meta = element(0x00020010, "UI", syntax);
     return std::string(128, '\0') + "DICM" +
            element(0x00020000, "UL", little_endian(static_cast<std::uint32_t>(meta.size()), 4)) + meta + data;
   }
 };
 
-Result<VolumeRead> read_seg(const SegFile& file) {
+Result<VolumeRead> read_seg(const SegFile& file, const VolumeReadOptions& options = {}) {
   const TemporaryFolder folder;
   write_bytes(folder.path / "seg.dcm", file.bytes());
-  return read_volume(folder.path / "seg.dcm");
+  return read_volume(folder.path / "seg.dcm", options);
+}
+
+/// What refers to images of a series.
+std::string references_to(const std::string& series, const std::vector<std::string>& instances) {
+  std::string images;
+  for (const std::string& uid : instances) images += item(element(0x00081155, "UI", uid));
+  return sequence(0x00081115, item(sequence(0x0008114a, images) + element(0x0020000e, "UI", series)));
 }
 
 std::vector<int> voxels_with(const Volume& volume, double value) {
@@ -230,4 +242,98 @@ TEST_CASE("a DICOM file whose line ends were converted is told so") {
   REQUIRE_FALSE(read);
   INFO(read.error().sentence());
   CHECK(read.error().what.find("line ends were converted") != std::string::npos);
+}
+
+TEST_CASE("slices beyond the first and last frame of a segmentation are empty unless it keeps empty ones") {
+  SegFile file;
+  const auto sparse = read_seg(file);
+  if (!sparse) FAIL(sparse.error().sentence());
+  CHECK(sparse->volume.empty_beyond_slices);
+  file.frames.push_back({2, 12.5, {}});
+  const auto keeps = read_seg(file);
+  if (!keeps) FAIL(keeps.error().sentence());
+  CHECK_FALSE(keeps->volume.empty_beyond_slices);
+  CHECK(keeps->volume.geometry.dims == std::array{5, 3, 4});
+}
+
+TEST_CASE("a segmentation lies on the grid of the image beside which it is read") {
+  const auto whole = read_seg({});
+  if (!whole) FAIL(whole.error().sentence());
+  VolumeReadOptions options;
+  options.image = ImageGrid{whole->volume.geometry, "1.2.9"};
+  options.image->geometry.origin_mm.z() = -2.5;
+  options.image->geometry.dims[2] = 7;
+  SegFile file;
+  file.spacing.clear();  // the image tells it
+  const auto placed = read_seg(file, options);
+  if (!placed) FAIL(placed.error().sentence());
+  CHECK(placed->volume.geometry.dims == std::array{5, 3, 7});
+  CHECK(placed->volume.geometry.origin_mm.z() == doctest::Approx(-2.5));
+  CHECK_FALSE(placed->volume.empty_beyond_slices);
+  CHECK(voxels_with(placed->volume, 1) == std::vector{45, 59, 82});
+  CHECK(placed->warnings.empty());
+  options.image->frame_of_reference = "1.2.10";  // elsewhere
+  CHECK(read_seg({}, options)->volume.geometry.dims == std::array{5, 3, 3});
+  options.image->frame_of_reference = "1.2.9";
+  options.image->geometry.origin_mm.z() += 1;  // between its slices
+  CHECK(read_seg({}, options)->volume.geometry.dims == std::array{5, 3, 3});
+}
+
+TEST_CASE("a label map is put on the grid of which its voxels are voxels") {
+  auto read = read_seg({});
+  if (!read) FAIL(read.error().sentence());
+  VolumeGeometry grid = read->volume.geometry;
+  grid.dims = {6, 3, 5};
+  grid.origin_mm = read->volume.geometry.to_mm(Vec3(5, 0, -1));
+  grid.direction.col(0) *= -1;  // the other way round
+  VolumeRead map = *read;
+  REQUIRE(put_on_grid(map, grid));
+  CHECK(map.volume.geometry == grid);
+  // Of voxels (0, 0, 0), (4, 2, 0) and (2, 1, 2) of five columns.
+  CHECK(voxels_with(map.volume, 1) == std::vector{18 + 5, 18 + 2 * 6 + 1, 3 * 18 + 6 + 3});
+  CHECK_FALSE(map.volume.empty_beyond_slices);
+  grid.origin_mm.x() += 0.1;
+  CHECK_FALSE(put_on_grid(map = *read, grid));
+  CHECK(map.volume.geometry == read->volume.geometry);
+}
+
+TEST_CASE("frames and their descriptions and their pixels are equally many") {
+  SegFile file;
+  file.groups_less = 1;
+  seg_refused(file, "has 3 frames and describes 2 (functional groups)");
+  file = {};
+  file.value = 1;
+  file.type = "LABELMAP";
+  file.frames.pop_back();
+  CHECK(read_seg(file));
+  file.pixels_more = std::string(16, '\0');
+  seg_refused(file, "says that it has 2 frames, and has the pixels of 3");
+}
+
+TEST_CASE("a segmentation of other images than those beside it says so") {
+  const auto warnings = [](const SegFile& file) {
+    const TemporaryFolder folder;
+    Slice slice;
+    slice.put(0x00200052, "UI", "1.2.9");
+    for (int k = 0; k < 3; ++k) {
+      slice.z = 2.5 * k;
+      slice.put(0x00080018, "UI", "1.2.3." + std::to_string(k));
+      write_bytes(folder.path / (std::to_string(k) + ".bin"), slice.bytes());
+    }
+    write_bytes(folder.path / "seg.bin", file.bytes());
+    const auto read = read_volume(folder.path / "seg.bin");
+    if (!read) FAIL(read.error().sentence());
+    return read->warnings;
+  };
+  SegFile file;
+  file.references = references_to("1.2.3", {"1.2.3.0", "1.2.3.2"});
+  CHECK(warnings(file).empty());
+  file.references = references_to("1.2.3", {"1.2.3.0", "1.2.3.7"});
+  REQUIRE(warnings(file).size() == 1);
+  CHECK(warnings(file).front().find("refers to 2 images, 1 of which is not in the image beside it") !=
+        std::string::npos);
+  file.references = references_to("1.2.4", {});
+  REQUIRE(warnings(file).size() == 1);
+  CHECK(warnings(file).front().find("refers to the series 1.2.4, and the image beside it is series 1.2.3") !=
+        std::string::npos);
 }

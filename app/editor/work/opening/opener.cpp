@@ -103,28 +103,41 @@ std::string name_of(const OpenRequest& request) {
   return (path.has_filename() ? path : path.parent_path()).filename().string();
 }
 
+/// The grid that a segmentation gets which is read beside an image. Nothing beside one that is a segmentation itself.
+std::optional<ImageGrid> grid_beside(const Volume* image) {
+  if (image == nullptr || image->empty_beyond_slices) return {};
+  return ImageGrid{image->geometry, image->frame_of_reference};
+}
+
 /// Takes the volume that was read first as the image over which the other lies as a label map, or the other way round.
 Result<void> take_pair(Opened& opened, VolumeRead first, Progress& progress) {
   OpenRequest& request = opened.request;
   VolumeReadOptions options;
   options.progress = &progress;
   options.stack_spacing_mm = request.volume_options.stack_spacing_mm;
+  options.image = grid_beside(&first.volume);
   auto other = load_volume(request.other_source, options);
   if (!other) return fail(other.error());
+  if (first.volume.empty_beyond_slices) {
+    options.image = grid_beside(&other->volume);
+    if (auto on_other = load_volume(request.volume_source, options)) first = std::move(*on_other);
+  }
   opened.warnings.insert(opened.warnings.end(), other->warnings.begin(), other->warnings.end());
   const auto likeness = [](const Volume& map, const Volume& image) {
     return on_same_voxels(map, image) ? label_likeness(map) : LabelLikeness::none;
   };
   const LabelLikeness of_first = likeness(first.volume, other->volume),
                       of_other = likeness(other->volume, first.volume);
-  if (of_first == of_other) {
+  // Of two that look like label maps the one that says so is it.
+  const bool says_first = first.volume.modality == "SEG", says_other = other->volume.modality == "SEG";
+  if (of_first == of_other && (of_first == LabelLikeness::none || says_first == says_other)) {
     const std::string name = fs::path(request.volume_source).filename().string();
     return fail(second_image(request.other_source,
                              of_first != LabelLikeness::none
                                  ? ", and the program cannot tell whether it or " + name + " is the label map"
                                  : ", and not a label map with the voxels of " + name));
   }
-  const bool first_is_map = of_first > of_other;
+  const bool first_is_map = of_first == of_other ? says_first : of_first > of_other;
   if (first_is_map) {
     std::swap(first, *other);
     std::swap(request.volume_source, request.other_source);
@@ -153,6 +166,7 @@ Result<void> open_volume(Opened& opened, Progress& progress) {
       return {};
     }
   }
+  if (request.template_source.empty()) options.image = grid_beside(request.beside.get());
   auto read = load_volume(request.volume_source, options);
   if (!read) return fail(read.error());
   opened.warnings = std::move(read->warnings);
@@ -170,9 +184,16 @@ Result<void> open_volume(Opened& opened, Progress& progress) {
   return {};
 }
 
-Result<void> open_labels(Opened& opened, Progress& progress) {
+/// The image that is on the screen once this is open; null where there is none.
+const Volume* shown_image(const Opened& opened, const Volume* on_screen) {
+  if (opened.volume) return opened.volume.get();
+  return opened.opened_case ? opened.opened_case->session.document().scan.image.get() : on_screen;
+}
+
+Result<void> open_labels(Opened& opened, const Volume* on_screen, Progress& progress) {
   VolumeReadOptions options;
   options.progress = &progress;
+  options.image = grid_beside(shown_image(opened, on_screen));
   auto read = read_labels(opened.request.labels, options);
   if (!read) return fail(read.error());
   opened.warnings.insert(opened.warnings.end(), read->warnings.begin(), read->warnings.end());
@@ -185,7 +206,7 @@ Result<void> read_kept_labels(Opened& opened, Progress& progress) {
   const fs::path kept = opened.opened_case->session.kept().labels;
   if (kept.empty()) return {};
   opened.request.labels = kept;
-  auto read = open_labels(opened, progress);
+  auto read = open_labels(opened, nullptr, progress);
   if (read) return {};
   if (progress.cancelled()) return read;
   opened.request.labels.clear();
@@ -230,9 +251,7 @@ bool lies_in(const Volume& labels, const VolumeGeometry& image) {
 
 /// Whether its labels miss the image, and why. `on_screen`: null where there is none.
 void meet_image(Opened& opened, const Volume* on_screen) {
-  const Volume* image = on_screen;
-  if (opened.opened_case) image = opened.opened_case->session.document().scan.image.get();
-  if (opened.volume) image = opened.volume.get();
+  const Volume* image = shown_image(opened, on_screen);
   if (image == nullptr) return;
   const auto is_empty = [](const LabelMapLayer& layer) { return layer.values.empty(); };
   const auto is_there = [&](const LabelMapLayer& layer) { return lies_in(*layer.volume, image->geometry); };
@@ -241,7 +260,7 @@ void meet_image(Opened& opened, const Volume* on_screen) {
   opened.labels_misfit = misfit_in_image(opened.labels.front().volume->geometry.bounds_mm(), image->geometry);
 }
 
-Result<void> open_parts(Opened& opened, Progress& progress) {
+Result<void> open_parts(Opened& opened, const Volume* on_screen, Progress& progress) {
   OpenRequest& request = opened.request;
   if (request.demo) {
     if (request.demo->first == Organ::kidney && request.demo->second == 1) {
@@ -270,7 +289,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
                                 " is read-only. Your changes are kept in a new case. Save it under another name.");
     opened.opened_case = std::move(*read);
     load_saved_template(opened);
-    return request.labels.empty() ? read_kept_labels(opened, progress) : open_labels(opened, progress);
+    return request.labels.empty() ? read_kept_labels(opened, progress) : open_labels(opened, on_screen, progress);
   }
   if (auto made = make_sample(request); !made) return made;
   if (!request.volume_source.empty()) {
@@ -282,7 +301,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     if (!the_template) return fail(the_template.error());
     opened.the_template = std::move(*the_template);
   }
-  return request.labels.empty() || !opened.labels.empty() ? Result<void>() : open_labels(opened, progress);
+  return request.labels.empty() || !opened.labels.empty() ? Result<void>() : open_labels(opened, on_screen, progress);
 }
 
 /// As dialogs, recent files and cases need it, wherever the program was started.
@@ -346,7 +365,7 @@ void Opener::start(OpenRequest request, std::shared_ptr<const Volume> on_screen)
   worker_.start(name, [request = std::move(request), on_screen](Progress& progress) -> Result<Opened> {
     Opened opened;
     opened.request = request;
-    if (auto done = open_parts(opened, progress); !done) return fail(done.error());
+    if (auto done = open_parts(opened, on_screen.get(), progress); !done) return fail(done.error());
     meet_image(opened, on_screen.get());
     return opened;
   });

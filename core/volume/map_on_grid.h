@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+/// Where a voxel of a grid lies in a label map: first + steps · (i, j, k), all whole numbers.
+struct VoxelMapping {
+  std::array<std::int64_t, 3> first{};
+  std::array<std::array<std::int64_t, 3>, 3> steps{};  ///< of an axis of the grid along the axes of the map
+
+  /// The voxel of the map; it may lie beyond it.
+  std::array<std::int64_t, 3> at(std::int64_t i, std::int64_t j, std::int64_t k) const;
+};
+
+/// Nothing where the voxels of the map are no voxels of the grid within a hundredth of one, or leave it.
+std::optional<VoxelMapping> mapping_of(const VolumeGeometry& grid, const VolumeGeometry& map);
+
+/// Puts a label map whose voxels are voxels of a grid onto that, in the grid's axes; voxels that it lacks are 0. False,
+/// with nothing changed, where its voxels lie elsewhere.
+bool put_on_grid(VolumeRead& map, const VolumeGeometry& grid);
+
+}  // namespace homolog

@@ -1,0 +1,46 @@
+#include "core/volume/referenced_images.h"
+
+#include <algorithm>
+#include <set>
+
+#include "core/base/text.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+std::optional<std::string> other_images(const fs::path& path, const ReferencedImages& referenced,
+                                        const std::string& image, const std::string& series_uid,
+                                        const std::vector<std::string>& instance_uids) {
+  const auto& series = referenced.series;
+  if (!series.empty() && !series_uid.empty() && std::ranges::find(series, series_uid) == series.end())
+    return path.string() + ": refers to the series " + excerpt(series.front()) + ", and " + image + " is series " +
+           excerpt(series_uid) + " in the same space; check that it was made on that image";
+  const std::set<std::string> there(instance_uids.begin(), instance_uids.end());
+  const std::set<std::string> wanted(referenced.instances.begin(), referenced.instances.end());
+  const auto lacking = std::ranges::count_if(wanted, [&](const std::string& uid) { return !there.contains(uid); });
+  if (there.empty() || lacking == 0) return {};
+  return path.string() + ": refers to " + std::to_string(wanted.size()) +
+         (wanted.size() == 1 ? " image, " : " images, ") +
+         (lacking == std::ssize(wanted) ? std::string("none") : std::to_string(lacking)) + " of which " +
+         (lacking == std::ssize(wanted) ? "is"
+          : lacking == 1                ? "is not"
+                                        : "are not") +
+         " in " + image + "; check that it was made on that image, and that no slice of it is missing";
+}
+
+std::optional<std::string> other_images(const fs::path& path, const ReferencedImages& referenced,
+                                        const fs::path& image_path, const Volume& image) {
+  if (image.modality == "SEG") return {};  // its series is one of its own
+  return other_images(path, referenced, image_path.string(), image.series_uid, image.instance_uids);
+}
+
+Result<void> check_same_space(const fs::path& path, const std::string& frame_of_reference, const fs::path& image_path,
+                              const Volume& image, const std::string& how) {
+  if (frame_of_reference.empty() || image.frame_of_reference.empty() || frame_of_reference == image.frame_of_reference)
+    return {};
+  return fail(path.string(), "was drawn on another scan than " + image_path.string() + " (frames of reference " +
+                                 excerpt(frame_of_reference) + " and " + excerpt(image.frame_of_reference) +
+                                 "); give the series that it was drawn on" + how);
+}
+
+}  // namespace homolog

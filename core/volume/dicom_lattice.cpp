@@ -89,7 +89,8 @@ Result<double> step_between(const fs::path& path, const PlacedFrames& frames, co
   };
   if (const double step = fits(spacing); step > 0) return step;
   // Thickness is not distance: slices overlap, or leave gaps.
-  const double thickness = mostly_next_to_another(heights) ? 0 : fits(frames.thickness_mm);
+  const bool next = mostly_next_to_another(heights);
+  const double thickness = next ? 0 : fits(frames.thickness_mm);
   const double step = thickness > 0 ? thickness : common_step(heights);
   if (step == 0)
     return fail(path.string(),
@@ -101,6 +102,9 @@ Result<double> step_between(const fs::path& path, const PlacedFrames& frames, co
   else if (thickness > 0 && smallest_gap(heights) > 1.5 * step)
     warnings.push_back(path.string() + ": does not say how far its slices lie apart; their thickness, " +
                        mm_text(step) + ", was taken, though no two frames lie so near");
+  else if (thickness == 0 && !next)
+    warnings.push_back(path.string() + ": does not say how far its slices lie apart; " + mm_text(step) +
+                       ", of which the distances of its frames are multiples, was assumed");
   return step;
 }
 

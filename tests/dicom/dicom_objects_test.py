@@ -124,7 +124,7 @@ for oblique in (False, True):
     name = f"whole {kind}"
     compare(name, write(name, make.seg(masks, grid, keep_empty=True, order=-1)), grid, masks)
     name = f"without a distance {kind}"  # the gaps of 2.5 and 7.5 mm tell it
-    compare(name, write(name, make.seg(masks, grid, spacing=None, thickness=None)), grid, masks, 2, 6)
+    compare(name, write(name, make.seg(masks, grid, spacing=None, thickness=None)), grid, masks, 2, 6, "2.50 mm, of which")
     name = f"thickness alone {kind}"  # its two frames lie 10 mm apart
     compare(name, write(name, make.seg({1: masks[1]}, grid, spacing=None)), grid, {1: masks[1]}, 2, 6, "thickness")
     name = f"wrong distance {kind}"

@@ -297,6 +297,19 @@ TEST_CASE("a label map is put on the grid of which its voxels are voxels") {
   CHECK(map.volume.geometry == read->volume.geometry);
 }
 
+TEST_CASE("a distance between slices that nothing tells is said to be assumed") {
+  SegFile file;
+  file.spacing.clear();
+  const auto read = read_seg(file);
+  if (!read) FAIL(read.error().sentence());
+  CHECK(read->volume.geometry.spacing_mm.z() == doctest::Approx(5));
+  REQUIRE(read->warnings.size() == 1);
+  CHECK(read->warnings.front().find("does not say how far its slices lie apart; 5.00 mm") != std::string::npos);
+  CHECK(read_seg({})->warnings.empty());
+  file.frames = {{1, 0, {0}}, {1, 2, {0}}, {1, 4, {0}}, {1, 6, {0}}};  // they follow one another
+  CHECK(read_seg(file)->warnings.empty());
+}
+
 TEST_CASE("frames and their descriptions and their pixels are equally many") {
   SegFile file;
   file.groups_less = 1;

@@ -59,7 +59,8 @@ Result<std::vector<std::string>> write_labels(const VolumeRead& map, const fs::p
 
 /// Contours as a label map on the grid of an image.
 Result<Report> convert_contours(const fs::path& in, const fs::path& out, const fs::path& like,
-                                const std::string& structure, Progress& progress, const std::string& record) {
+                                const std::string& structure, bool resample, Progress& progress,
+                                const std::string& record) {
   if (like.empty())
     return fail(in.string(),
                 "holds contours, which become a label map on the grid of an image; name the series that "
@@ -72,7 +73,8 @@ Result<Report> convert_contours(const fs::path& in, const fs::path& out, const f
     contours->rois = {ContourRoi(**roi)};
     contours->warnings = doubts_about(in, contours->rois);
   }
-  const auto image = read_image(like, 0, progress);
+  if (auto usable = check_reading(like, "", false, resample); !usable) return fail(usable.error());
+  const auto image = read_volume(like, read_options("", {}, progress, resample));
   if (!image) return fail(image.error());
   auto map = labels_of_contours(in, *contours, like, image->volume, &progress);
   if (!map) return fail(map.error());
@@ -81,7 +83,9 @@ Result<Report> convert_contours(const fs::path& in, const fs::path& out, const f
   std::vector<std::string> warnings = image->warnings;
   warnings.insert(warnings.end(), map->warnings.begin(), map->warnings.end());
   warnings.insert(warnings.end(), written->begin(), written->end());
-  return Report{describe(map->volume), std::move(warnings)};
+  Report report{describe(map->volume), std::move(warnings)};
+  report_resampled(*image, report.values);
+  return report;
 }
 
 /// A label map on the grid of an image, with the voxels that it has.
@@ -130,6 +134,7 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     std::string structure;
     fs::path like;
     std::optional<std::uint64_t> sample;
+    bool resample = false;
     GivenCommand command;
   };
   auto options = std::make_shared<Options>();
@@ -150,6 +155,7 @@ void add_convert(CLI::App& app, CommandLine& asked) {
       "--like", options->like,
       "Of contours (RTSTRUCT) or a label map: the image whose grid it gets; of one that is written as DICOM "
       "(.dcm): the series that it refers to");
+  add_resample_option(*verb, options->resample);
   auto* sample =
       verb->add_option("--sample", options->sample, "Of a model the random shape of this seed, not the mean");
   const auto convert = [options, structure, sample](Progress& progress) -> Result<Report> {
@@ -158,7 +164,8 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     if (is_model_name(options->in))
       return convert_model(options->in, options->out, options->structure, options->sample, *record);
     if (holds_contours(options->in) && sample->count() == 0)
-      return convert_contours(options->in, options->out, options->like, options->structure, progress, *record);
+      return convert_contours(options->in, options->out, options->like, options->structure, options->resample, progress,
+                              *record);
     if (structure->count() + sample->count() > 0)
       return fail(options->in.string(), "is no model, so --structure and --sample have no effect; leave them out");
     if (!options->like.empty() && is_mesh_name(options->in))
@@ -168,7 +175,7 @@ void add_convert(CLI::App& app, CommandLine& asked) {
                   "is not of the same kind as " + options->in.string() +
                       "; use label-map to make a volume of a mesh, and template to make a mesh of a volume");
     }
-    auto warnings = check_reading(options->in, options->series, !options->spacing_mm.empty());
+    auto warnings = check_reading(options->in, options->series, !options->spacing_mm.empty(), options->resample);
     if (!warnings) return fail(warnings.error());
     if (is_mesh_name(options->in)) {
       const Vec3 times = options->times * (options->from_ras ? Vec3(-1, -1, 1) : Vec3(1, 1, 1));
@@ -183,7 +190,7 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     if (options->times != 1 || options->from_ras)
       return fail(options->in.string(),
                   "is a volume, on which --times and --from-ras have no effect; correct the geometry in its header");
-    const VolumeReadOptions reading = read_options(options->series, options->spacing_mm, progress);
+    const VolumeReadOptions reading = read_options(options->series, options->spacing_mm, progress, options->resample);
     auto read =
         options->like.empty() ? read_volume(options->in, reading) : read_on_image(options->in, reading, options->like);
     if (!read) return fail(read.error());
@@ -195,7 +202,9 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     if (!written) return fail(written.error());
     warnings->insert(warnings->begin(), read->warnings.begin(), read->warnings.end());
     warnings->insert(warnings->end(), written->begin(), written->end());
-    return Report{describe(read->volume), std::move(*warnings)};
+    Report report{describe(read->volume), std::move(*warnings)};
+    report_resampled(*read, report.values);
+    return report;
   };
   verb->callback([options, verb, convert, &asked] {
     options->command = given_command(*verb);

@@ -2,6 +2,7 @@
 
 #include "app/editor/work/opening/opener.h"
 #include "app/verbs/mending_report.h"
+#include "app/verbs/read_image.h"
 #include "app/verbs/training.h"
 #include "core/base/colour.h"
 #include "core/mesh/inside_out.h"
@@ -266,6 +267,7 @@ Result<Report> describe_file(const std::filesystem::path& path, const VolumeRead
   auto read = read_volume(path, options);
   if (!read) return fail(read.error());
   Report report{describe(read->volume), read->warnings};
+  report_resampled(*read, report.values);
   if (!read->other_layers.empty()) report.values["layers"] = read->other_layers.size() + 1;
   const Segmentation& known = read->segmentation;
   if (!known.segments.empty() || holds_labels(read->volume)) {

@@ -10,6 +10,7 @@
 #include "core/base/text.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"
+#include "core/volume/dicom_set.h"
 #include "core/volume/read_labels.h"
 #include "core/volume/soft_mask.h"
 
@@ -254,22 +255,47 @@ void add_spacing_option(CLI::App& verb, std::vector<double>& spacing_mm) {
       ->check(CLI::PositiveNumber);
 }
 
-VolumeReadOptions read_options(const std::string& series, const std::vector<double>& spacing_mm, Progress& progress) {
+void add_resample_option(CLI::App& verb, bool& resample) {
+  verb.add_flag(
+      "--resample", resample,
+      "DICOM slices that are shifted sideways (a tilted gantry) or unevenly spaced become a rectangular grid, by "
+      "linear interpolation; without it they are refused");
+}
+
+void report_resampled(const VolumeRead& read, Json& values) {
+  if (!read.resampled) return;
+  const ResampledSlices& done = *read.resampled;
+  const Vec3& spacing = done.spacing_mm;
+  values["resampled"] = {{"why", done.why},
+                         {"from",
+                          {{"slices", done.from_slices},
+                           {"least_mm", done.least_mm},
+                           {"most_mm", done.most_mm},
+                           {"shifted_mm", done.shifted_mm}}},
+                         {"to", {{"dims", done.dims}, {"spacing_mm", {spacing.x(), spacing.y(), spacing.z()}}}}};
+}
+
+VolumeReadOptions read_options(const std::string& series, const std::vector<double>& spacing_mm, Progress& progress,
+                               bool resample) {
   VolumeReadOptions options;
   options.series_uid = series;
   options.progress = &progress;
+  options.resample = resample;
   if (spacing_mm.size() == 3) options.stack_spacing_mm = Vec3(spacing_mm.data());
   return options;
 }
 
 Result<std::vector<std::string>> check_reading(const std::filesystem::path& path, const std::string& series,
-                                               bool spacing) {
+                                               bool spacing, bool resample) {
   std::error_code ignored;
   const bool mesh = is_mesh_name(path);
   if (mesh && spacing) return fail(path.string(), "is a mesh, on which --spacing has no effect; leave it out");
   if (!series.empty() &&
       (mesh || (std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored))))
     return fail(path.string(), "is no folder of DICOM images, so --series has no effect; leave it out");
+  if (resample && std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored) &&
+      !looks_like_dicom(path))
+    return fail(path.string(), "is no series of DICOM slices, so --resample has no effect; leave it out");
   std::vector<std::string> warnings;
   if (spacing && !is_picture_stack(path))
     warnings.push_back(path.string() + ": has a spacing of its own, so --spacing has no effect");

@@ -29,12 +29,17 @@ Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Prog
 
 /// Adds `--spacing X,Y,Z` in mm; without it `spacing_mm` stays empty.
 void add_spacing_option(CLI::App& verb, std::vector<double>& spacing_mm);
-/// What --series and --spacing ask for.
-VolumeReadOptions read_options(const std::string& series, const std::vector<double>& spacing_mm, Progress& progress);
-/// A mesh has neither series nor spacing, and only a folder holds several series. What a volume's own header says is
-/// not overruled: that is a warning.
+/// Adds `--resample`: VolumeReadOptions::resample.
+void add_resample_option(CLI::App& verb, bool& resample);
+/// What --series, --spacing and --resample ask for.
+VolumeReadOptions read_options(const std::string& series, const std::vector<double>& spacing_mm, Progress& progress,
+                               bool resample = false);
+/// A mesh has neither series nor spacing, only a folder holds several series, and only DICOM slices are resampled. What
+/// a volume's own header says is not overruled: that is a warning.
 Result<std::vector<std::string>> check_reading(const std::filesystem::path& path, const std::string& series,
-                                               bool spacing);
+                                               bool spacing, bool resample = false);
+/// Says in a report how slices became a rectangular grid, where they did.
+void report_resampled(const VolumeRead& read, Json& values);
 
 /// Adds `--label N`, `--label NAME`, or several for what they cover together; `label` is empty without it.
 CLI::Option* add_label_option(CLI::App& verb, std::string& label, const std::string& help);

@@ -114,10 +114,18 @@ Result<DicomArrangement> arrange_unplaced(const fs::path& path, const std::vecto
   return result;
 }
 
+/// What an error says is wrong, without its verb and the remedy: "unevenly spaced slices: …".
+std::string fault_alone(const std::string& what) {
+  const std::string fault = what.substr(0, what.find(';'));
+  for (const std::string& verb : {std::string("has "), std::string("lacks ")})
+    if (fault.starts_with(verb)) return (verb == "lacks " ? "missing " : "") + fault.substr(verb.size());
+  return fault;
+}
+
 }  // namespace
 
 Result<DicomArrangement> arrange(const fs::path& path, const std::vector<DicomHeader>& headers,
-                                 std::vector<std::string>& warnings) {
+                                 std::vector<std::string>& warnings, bool resample) {
   if (const auto alike = check_alike(path, headers); !alike) return fail(alike.error());
   DicomArrangement result;
   result.planes = all_planes(headers);
@@ -138,13 +146,16 @@ Result<DicomArrangement> arrange(const fs::path& path, const std::vector<DicomHe
   }
   const std::pair<Vec3, Vec3> axes(along_columns, along_rows);
   if (placed)
-    if (const auto straight = check_straight(path, headers, result.planes, axes, std::min(dx, dy)); !straight)
-      return fail(straight.error());
+    if (const auto straight = check_straight(path, headers, result.planes, axes, std::min(dx, dy)); !straight) {
+      if (!resample || result.slices < 2) return fail(straight.error());
+      result.uneven = fault_alone(straight.error().what);
+    }
   Vec3 step = first.slice_step_mm.value_or(1) * normal;
   if (placed && result.slices > 1) {
     const auto found = slice_step(path, headers, result, axes);
-    if (!found) return fail(found.error());
-    step = *found;
+    if (!found && !resample) return fail(found.error());
+    if (!found) result.uneven += (result.uneven.empty() ? "" : ", and ") + fault_alone(found.error().what);
+    step = result.uneven.empty() ? *found : normal;
   } else if (!first.slice_step_mm) {
     warnings.push_back(path.string() + ": gives no slice thickness; 1 mm is assumed");
   }

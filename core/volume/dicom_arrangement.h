@@ -25,12 +25,16 @@ struct DicomArrangement {
   Mat3 steps_mm = Mat3::Identity();
   Vec3 origin_mm = Vec3::Zero();
   double frame_seconds = 0;
+  /// What makes its slices no even stack, where that was let through ("unevenly spaced slices: …"); `steps_mm` is then
+  /// as if they began with the first, a pixel behind one another.
+  std::string uneven{};
 };
 
 /// Orders the planes of one series: from slice to slice along their normal, and by time where several lie at every
 /// place. `path` is named in errors: planes of different sizes, directions, spaces or echo times, a slice that is
 /// missing, uneven or shifted to the side, and several at one place that are no frames. `warnings`: what was assumed.
+/// `resample`: slices that are missing, uneven or shifted are no error, but for resample_slices.
 Result<DicomArrangement> arrange(const std::filesystem::path& path, const std::vector<DicomHeader>& headers,
-                                 std::vector<std::string>& warnings);
+                                 std::vector<std::string>& warnings, bool resample = false);
 
 }  // namespace homolog

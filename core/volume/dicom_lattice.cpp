@@ -120,7 +120,7 @@ Result<void> check_beside(const fs::path& path, const PlacedFrames& frames, cons
   }
   if (worst <= std::max(0.1 * pixel, std::min(0.15, 0.25 * pixel))) return {};
   return fail(path.string(), "has frames that are shifted sideways against one another, by up to " + mm_text(worst) +
-                                 "; resample it to a rectangular grid first");
+                                 "; export it on slices that lie straight behind one another");
 }
 
 }  // namespace

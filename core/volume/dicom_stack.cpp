@@ -12,6 +12,11 @@ namespace {
 
 using Planes = std::span<const DicomPlaneSource>;
 
+/// The verb that does it, behind what is asked for.
+std::string by_resampling() {
+  return " (convert IN OUT.nii.gz --resample)";
+}
+
 /// By which decimals differ from what they stand for.
 constexpr double exactly_mm = 1e-6;
 
@@ -59,7 +64,7 @@ Result<void> check_even(const fs::path& path, const std::vector<DicomHeader>& he
     return fail(path.string(), (gaps[s] > 1.5 * usual ? "lacks slices: " : "has unevenly spaced slices: ") +
                                    named(headers, slices[s]) + " and " + named(headers, slices[s + 1]) + " lie " +
                                    mm_text(gaps[s]) + " apart, the others " + mm_text(usual) +
-                                   "; copy the whole series again or resample it evenly");
+                                   "; copy the whole series again, or resample it evenly" + by_resampling());
   }
   return {};
 }
@@ -116,14 +121,16 @@ Result<void> check_straight(const fs::path& path, const std::vector<DicomHeader>
   if (is_even_slope(planes, u, tolerance) && is_even_slope(planes, v, tolerance))
     return fail(path.string(),
                 "has slices that are shifted sideways against one another (a tilted gantry); resample it "
-                "to a rectangular grid first");
+                "to a rectangular grid" +
+                    by_resampling());
   std::size_t worst = 0;
   for (std::size_t p = 1; p < planes.size(); ++p)
     if (std::hypot(u[p], v[p]) > std::hypot(u[worst], v[worst])) worst = p;
   return fail(path.string(), "has slices that are shifted sideways: " + named(headers, planes[worst]) + " lies " +
                                  mm_text(std::hypot(u[worst], v[worst])) +
                                  " to the side of the others; keep the slices of one stack, or resample it to a "
-                                 "rectangular grid first");
+                                 "rectangular grid" +
+                                 by_resampling());
 }
 
 }  // namespace homolog

@@ -36,9 +36,22 @@ struct VolumeReadOptions {
   Progress* progress = nullptr;          ///< reported to and asked for cancellation when given
   /// NIfTI, NRRD and MetaImage: grid and frames are enough, as their headers say them; `data` stays empty.
   bool without_voxels = false;
+  /// DICOM: slices that are shifted sideways (a tilted gantry) or unevenly spaced are resampled to a rectangular grid
+  /// [resample_slices.h] and not refused.
+  bool resample = false;
   /// DICOM segmentations: the image beside which it is read; taken as its grid where its frames lie on slices of that,
   /// in the same space.
   std::optional<ImageGrid> image{};
+};
+
+/// How slices that are no even stack became a rectangular grid.
+struct ResampledSlices {
+  std::string why;                   ///< what was no even stack: "slices that are shifted sideways …"
+  int from_slices = 0;               ///< that the series has
+  double least_mm = 0, most_mm = 0;  ///< between two of them along their normal
+  double shifted_mm = 0;             ///< by how much they lie sideways against one another
+  std::array<int, 3> dims{0, 0, 0};  ///< of the new grid
+  Vec3 spacing_mm = Vec3::Zero();    ///< of the new grid
 };
 
 /// A volume and what had to be mended to read it (each a sentence for `homolog: warning: …`).
@@ -49,7 +62,8 @@ struct VolumeRead {
   /// Of a segmentation whose segments overlap or share labels (3D Slicer): the layers behind `volume`, which is the
   /// first. Each lies on the same grid, except those of a folder of masks. read_labels.h chooses among them.
   std::vector<Volume> other_layers;
-  ReferencedImages referenced{};  ///< of a DICOM segmentation
+  ReferencedImages referenced{};               ///< of a DICOM segmentation
+  std::optional<ResampledSlices> resampled{};  ///< where `VolumeReadOptions::resample` had something to do
 };
 
 /// Reads a volume of one of the formats in formats/, frames of a cine included: a file, a DICOM series' folder, or a

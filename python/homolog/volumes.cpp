@@ -271,12 +271,15 @@ void add_members(py::class_<HeldVolume, std::shared_ptr<HeldVolume>>& type) {
 
 template <class Held>
 std::shared_ptr<Held> read_held(const std::filesystem::path& path, const std::string& series,
-                                const py::object& spacing_mm, const py::object& progress, bool labels) {
+                                const py::object& spacing_mm, const py::object& progress, bool labels,
+                                bool resample = false) {
   VolumeReadOptions options;
   options.series_uid = series;
+  options.resample = resample;
   if (!spacing_mm.is_none()) options.stack_spacing_mm = vector_from(spacing_mm, "spacing_mm");
   // With options, a verb that reads the file would get something else.
-  const FileStamp stamp = series.empty() && spacing_mm.is_none() ? FileStamp(path) : FileStamp();
+  const bool plain = series.empty() && spacing_mm.is_none() && !resample;
+  const FileStamp stamp = plain ? FileStamp(path) : FileStamp();
   auto read = watched_value<VolumeRead>({progress, {}}, [&](Progress& own) {
     options.progress = &own;
     return labels ? read_labels(path, options) : read_volume(path, options);
@@ -362,10 +365,14 @@ void add_volumes(py::module_& module) {
 
   module.def(
       "read_volume",
-      [](const std::filesystem::path& path, const std::string& series, const py::object& spacing,
-         const py::object& progress) { return read_held<HeldVolume>(path, series, spacing, progress, false); },
-      py::arg("path"), py::kw_only(), py::arg("series") = "", py::arg("spacing_mm") = none, py::arg("progress") = none,
-      "Reads an image: NIfTI, NRRD, MetaImage, a DICOM folder, a folder of pictures (these need spacing_mm).");
+      [](const std::filesystem::path& path, const std::string& series, const py::object& spacing, bool resample,
+         const py::object& progress) {
+        return read_held<HeldVolume>(path, series, spacing, progress, false, resample);
+      },
+      py::arg("path"), py::kw_only(), py::arg("series") = "", py::arg("spacing_mm") = none, py::arg("resample") = false,
+      py::arg("progress") = none,
+      "Reads an image: NIfTI, NRRD, MetaImage, a DICOM folder, a folder of pictures (these need spacing_mm). resample: "
+      "tilted or unevenly spaced DICOM slices become a rectangular grid.");
   module.def(
       "read_label_map",
       [](const std::filesystem::path& path, const py::object& progress) {

@@ -223,7 +223,7 @@ broken("no direction", lambda ds: ds.SharedFunctionalGroupsSequence[0].__delitem
 broken("twice", lambda ds: setattr(ds.PerFrameFunctionalGroupsSequence[1].PlanePositionSequence[0], "ImagePositionPatient",
        ds.PerFrameFunctionalGroupsSequence[0].PlanePositionSequence[0].ImagePositionPatient), "two frames", "segment 1")
 broken("to the side", lambda ds: setattr(ds.PerFrameFunctionalGroupsSequence[1].PlanePositionSequence[0],
-       "ImagePositionPatient", [-30, 12.5, 115]), "sideways", "resample")
+       "ImagePositionPatient", [-30, 12.5, 115]), "sideways", "straight")
 broken("uneven", lambda ds: setattr(ds.PerFrameFunctionalGroupsSequence[2].PlanePositionSequence[0],
        "ImagePositionPatient", ["-31.25", "12.5", "107.837"]), "even slices")
 broken("more groups", lambda ds: ds.PerFrameFunctionalGroupsSequence.append(ds.PerFrameFunctionalGroupsSequence[0]),
@@ -300,6 +300,28 @@ image.SeriesInstanceUID += ".5"
 path = write("contours of another series", ds)
 ran = run("convert", path, folder / "rt.seg.nrrd", "--like", folder / "series straight")
 check("contours of another series", f"refers to the series {make.SERIES}.5" in ran.stderr, ran.stderr)
+
+# Slices that are tilted or uneven are resampled where asked: a ramp stays one.
+for name, places in (("tilted", [(0, 0.9 * k, 2.5 * k) for k in range(6)]), ("uneven", [(0, 0, z) for z in (0, 2, 4, 7, 9, 14)]),
+                     ("both", [(0.3 * k, 0, z) for k, z in enumerate((0, 2, 4, 7, 9, 14))])):
+    for oblique in (False, True):
+        grid, ct, kind = make.Grid(oblique), folder / f"{name} {oblique}", f"{name} {'oblique' if oblique else 'straight'}"
+        make.write_ramp(ct, grid, places)
+        refused(kind + " without the option", ct, "--resample")
+        out = folder / "ramp.nrrd"
+        ran = run("convert", ct, out, "--resample", "--json")
+        told = json.loads(ran.stdout or "{}").get("resampled", {})
+        check(kind + " is said", "were resampled to a rectangular grid" in ran.stderr and told.get("from", {}).get("slices") == 6 and
+              ("tilted" in told["why"] or "shifted" in told["why"]) == (name != "uneven"), (told, ran.stderr))
+        voxels, steps, origin, _ = read_nrrd(out)
+        k, j, i = numpy.indices(voxels[0].shape)
+        at = origin + i[..., None] * steps[0] + j[..., None] * steps[1] + k[..., None] * steps[2]
+        exact = make.ramp(at)
+        filled = numpy.abs(voxels[0] - exact) < 1e-3
+        check(kind + " ramp", numpy.all(filled | (voxels[0] == voxels[0].min())), voxels[0][~filled][:5])
+        check(kind + " filled", filled.mean() > (0.99 if name == "uneven" else 0.3), filled.mean())
+        check(kind + " steps", numpy.abs(numpy.linalg.norm(steps, axis=1) - [0.5, 0.75, 2.5 if name == "tilted" else 2]).max() < 1e-6, steps)
+        check(kind + " info", "resampled" in json.loads(run("info", ct, "--resample", "--json").stdout or "{}"))
 
 # Written: segments that overlap, on the voxels of an oblique series, with its patient, its space and its images.
 for oblique in (False, True):

@@ -101,6 +101,32 @@ def write_series(folder, grid, shape=SHAPE):
         save(ds, folder / f"ct{k:03}.dcm")
 
 
+RAMP = numpy.array([3.0, -2.0, 4.0])
+
+
+def ramp(places):
+    """A value that grows evenly in space."""
+    return 1000 + places @ RAMP
+
+
+def write_ramp(folder, grid, places):
+    """Slices of 9 × 8 pixels at places along the axes of a grid, which hold the ramp, to 1e-5."""
+    for k, place in enumerate(places):
+        ds = basis(CT, "CT", f"{SERIES}.{k + 1}")
+        ds.SeriesInstanceUID, ds.InstanceNumber = SERIES, k + 1
+        at = grid.origin + numpy.array(place) @ grid.axes
+        ds.ImagePositionPatient = [number(v) for v in at]
+        ds.ImageOrientationPatient = [number(v) for v in grid.axes[:2].ravel()]
+        ds.PixelSpacing, ds.SliceThickness = [number(v) for v in SPACING], number(grid.step)
+        ds.Rows, ds.Columns, ds.SamplesPerPixel, ds.PhotometricInterpretation = 9, 8, 1, "MONOCHROME2"
+        j, i = numpy.indices((9, 8))
+        values = ramp(at + i[..., None] * SPACING[1] * grid.axes[0] + j[..., None] * SPACING[0] * grid.axes[1])
+        ds.BitsAllocated, ds.BitsStored, ds.HighBit, ds.PixelRepresentation = 32, 32, 31, 1
+        ds.RescaleSlope, ds.RescaleIntercept = "1e-6", 0
+        ds.PixelData = numpy.rint(values * 1e6).astype("<i4").tobytes()
+        save(ds, folder / f"ct{k:03}.dcm")
+
+
 def lab(l, a, b):
     return [round(l / 100 * 65535), round((a + 128) / 255 * 65535), round((b + 128) / 255 * 65535)]
 

@@ -15,6 +15,7 @@
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
 #include "core/volume/referenced_images.h"
+#include "core/volume/resample_slices.h"
 
 // DICOM: planes from one file or a folder, put in their place.
 namespace homolog {
@@ -122,7 +123,8 @@ StoredVoxels rescaled_by_plane(const StoredVoxels& stored, const std::vector<Dic
       stored);
 }
 
-Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHeader>& all, Progress* progress) {
+Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHeader>& all, bool resample,
+                                Progress* progress) {
   VolumeRead result;
   Volume& volume = result.volume;
   for (const DicomHeader& header : all)
@@ -130,7 +132,7 @@ Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHea
   const std::vector<DicomHeader> headers = without_copies(path, all, result.warnings);
   for (const DicomHeader& header : headers)
     result.warnings.insert(result.warnings.end(), header.warnings.begin(), header.warnings.end());
-  auto arrangement = arrange(path, headers, result.warnings);
+  auto arrangement = arrange(path, headers, result.warnings, resample);
   if (!arrangement) return fail(arrangement.error());
   auto geometry = make_geometry(path, {headers.front().columns, headers.front().rows, arrangement->slices},
                                 arrangement->steps_mm, arrangement->origin_mm);
@@ -154,6 +156,11 @@ Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHea
   }
   if (auto kept = keep_voxels(std::move(*stored), rescale, path.string(), volume, result.warnings); !kept)
     return fail(kept.error());
+  if (arrangement->uneven.empty()) return result;
+  auto done = resample_slices(path, *arrangement, volume, progress);
+  if (!done) return fail(done.error());
+  result.warnings.push_back(resampled_sentence(path, *done));
+  result.resampled = std::move(*done);
   return result;
 }
 
@@ -270,7 +277,7 @@ Result<VolumeRead> read_dicom_file(const fs::path& path, const VolumeReadOptions
   if (!set) return fail(set.error());
   if (is_dicom_segmentation(*set)) return read_segmentation(*set, options.image, options.progress);
   DicomHeader header = dicom_header(*set);
-  return read_headers(path, {std::move(header)}, options.progress);
+  return read_headers(path, {std::move(header)}, options.resample, options.progress);
 }
 
 /// Of a folder without images: the segmentation that lies in it alone.
@@ -296,7 +303,7 @@ Result<VolumeRead> read_dicom_folder(const fs::path& folder, const VolumeReadOpt
   if (series.empty() && series_uid.empty()) return read_lone_segmentation(folder, contents->segmentations, options);
   const auto chosen = series_uid.empty() ? series.begin() : series.find(series_uid);
   if (chosen != series.end() && (!series_uid.empty() || series.size() == 1))
-    return read_headers(folder, chosen->second, options.progress);
+    return read_headers(folder, chosen->second, options.resample, options.progress);
   std::vector<std::string> list;
   for (const auto& [uid, headers] : series)
     list.push_back(uid + " (" + headers.front().modality + " \"" + headers.front().series_description + "\", " +

@@ -210,3 +210,13 @@ TEST_CASE("a soft mask is a surface at its level for the verbs that take a mask"
   check_refused(run(folder, "compare ball.ply --mask grey.nii.gz"), "holds several labels");
   CHECK(run(folder, "template good.nii.gz --tube --level 0.5 -o out.ply").status == 2);
 }
+
+TEST_CASE("--resample is refused where there are no DICOM slices") {
+  const TemporaryFolder folder;
+  Volume image;
+  image.geometry.dims = {2, 2, 2};
+  image.data = std::vector<std::uint8_t>(8);
+  REQUIRE(write_volume(image, folder.path / "image.nii.gz"));
+  check_refused(run(folder, "convert image.nii.gz out.nrrd --resample"), "--resample has no effect");
+  check_refused(run(folder, "info image.nii.gz --resample"), "--resample has no effect");
+}

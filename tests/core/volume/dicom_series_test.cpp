@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <functional>
 
 #include "core/volume/dicom_clocks.h"
@@ -448,4 +449,85 @@ TEST_CASE("a table of values in place of a slope is refused") {
   CHECK(says(read_slice(slice), "Modality LUT"));
   slice.before_pixels = sequence(0x00283000, "");
   CHECK(read_slice(slice));
+}
+
+namespace {
+
+/// A value that grows evenly in space.
+double ramp(const Vec3& p) {
+  return 100 + 8 * p.x() - 4 * p.y() + 2 * p.z();
+}
+
+/// Slices at the places, whose pixels hold the ramp, resampled.
+Result<VolumeRead> read_ramp(const std::vector<Vec3>& places) {
+  const TemporaryFolder folder;
+  for (std::size_t s = 0; s < places.size(); ++s) {
+    Slice slice;
+    slice.x = places[s].x();
+    slice.y = places[s].y();
+    slice.z = places[s].z();
+    for (int p = 0; p < 6; ++p)
+      slice.pixels[static_cast<std::size_t>(p)] =
+          static_cast<std::int16_t>(std::lround(ramp(places[s] + Vec3(0.25 * (p % 3), 0.5 * (p / 3), 0))));
+    write_bytes(folder.path / (std::to_string(s) + ".dcm"), slice.bytes());
+  }
+  VolumeReadOptions options;
+  options.resample = true;
+  return read_volume(folder.path, options);
+}
+
+/// How many rows of voxels of a slice hold the ramp; the other voxels hold the least of all values.
+std::vector<int> rows_on_ramp(const Volume& volume) {
+  std::vector<int> rows;
+  const auto& dims = volume.geometry.dims;
+  for (int k = 0; k < dims[2]; ++k) {
+    rows.push_back(0);
+    for (int j = 0; j < dims[1]; ++j) {
+      int held = 0;
+      for (int i = 0; i < dims[0]; ++i) {
+        const bool holds = std::abs(volume.at(i, j, k) - ramp(volume.geometry.to_mm(Vec3(i, j, k)))) < 1e-3;
+        if (!holds) CHECK(volume.at(i, j, k) == volume.range_min);
+        held += holds ? 1 : 0;
+      }
+      rows.back() += held == dims[0] ? 1 : 0;
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("tilted slices are resampled to a rectangular grid where asked and a ramp stays one") {
+  std::vector<Vec3> places;
+  for (int s = 0; s < 4; ++s) places.emplace_back(3, 1 + 0.75 * s, -2 + 2.5 * s);
+  const auto read = read_ramp(places);
+  if (!read) FAIL(read.error().sentence());
+  const VolumeGeometry& grid = read->volume.geometry;
+  CHECK(grid.dims == std::array{3, 2 + 5, 4});
+  CHECK(grid.spacing_mm.isApprox(Vec3(0.25, 0.5, 2.5), 1e-9));
+  CHECK(grid.origin_mm.isApprox(Vec3(3, 1, -2), 1e-9));
+  CHECK(rows_on_ramp(read->volume) == std::vector{2, 1, 2, 1});  // every other slice lies between rows
+  REQUIRE(read->resampled);
+  CHECK(read->resampled->why.find("tilted gantry") != std::string::npos);
+  CHECK(read->resampled->from_slices == 4);
+  CHECK(read->resampled->shifted_mm == doctest::Approx(2.25));
+  REQUIRE(dicom_warns(read, "4 slices were resampled to a rectangular grid of 4, 2.50 mm apart"));
+}
+
+TEST_CASE("unevenly spaced slices are resampled where asked by the median of their distances") {
+  std::vector<Vec3> places;
+  for (const double z : {0.0, 2.0, 4.0, 7.0, 9.0, 14.0}) places.emplace_back(0, 0, z);
+  const auto read = read_ramp(places);
+  if (!read) FAIL(read.error().sentence());
+  CHECK(read->volume.geometry.dims == std::array{3, 2, 8});
+  CHECK(read->volume.geometry.spacing_mm.z() == doctest::Approx(2));
+  CHECK(rows_on_ramp(read->volume) == std::vector<int>(8, 2));
+  REQUIRE(read->resampled);
+  CHECK(read->resampled->least_mm == doctest::Approx(2));
+  CHECK(read->resampled->most_mm == doctest::Approx(5));
+  CHECK(read->resampled->why.find("lie") != std::string::npos);
+  const auto even = read_ramp({{0, 0, 0}, {0, 0, 2}, {0, 0, 4}});
+  if (!even) FAIL(even.error().sentence());
+  CHECK_FALSE(even->resampled);
+  CHECK(std::string(voxel_type_name(even->volume.data)) == "int16");
 }

@@ -8,6 +8,7 @@
 #include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
 #include "core/structures/set_in_case.h"
+#include "core/volume/referenced_images.h"
 #include "python/homolog/binding.h"
 #include "python/homolog/held_case.h"
 
@@ -173,12 +174,24 @@ py::dict fit_into(HeldCase& self, const py::object& given, const std::string& la
   const auto labels = labels_from(given);
   const auto kept = document_of(self);
   const ShapeView view = shown(*kept, of);
+  const Volume* image = kept->scan.image.get();
+  const std::string name = labels->source.empty() ? "labels" : labels->source,
+                    image_name = kept->scan.source.empty() ? "the image of the case" : kept->scan.source;
+  if (image != nullptr) {
+    value_of(check_same_space(name, labels->read->volume.frame_of_reference, image_name, *image));
+    if (auto other = other_images(name, labels->read->referenced, image_name, *image)) warn({*other});
+  }
   auto edit = computed<FitEdit>(self, progress, [&](Progress& own) -> Result<FitEdit> {
-    auto mask = chosen_mask(*labels->read, labels->source.empty() ? "labels" : labels->source, label, {frame, {}, {}});
+    auto mask = chosen_mask(*labels->read, name, label, {frame, {}, {}});
     if (!mask) return fail(mask.error());
     const auto boundary = label_boundary(mask->volume, mask->label, mask->frame, closing_mm, view.shape.points->rows(),
                                          parts_for(*view.the_template().topology));
-    if (!boundary) return fail(labels->source.empty() ? "labels" : labels->source, boundary.error().what);
+    if (!boundary) return fail(name, boundary.error().what);
+    const Points& places = boundary->surface.points;
+    const auto in_image = [&](Eigen::Index p) { return image->geometry.holds(Vec3(places.row(p))); };
+    bool meets = image == nullptr;
+    for (Eigen::Index p = 0; p < places.rows() && !meets; ++p) meets = in_image(p);
+    if (!meets) return fail(name, "lies outside of " + image_name + "; give the scan that it was drawn on");
     FitOptions options;
     options.progress = &own;
     return fit_shape(view, *boundary, as_placed, options);

@@ -129,3 +129,13 @@ def test_an_array_alone_cannot_be_named_by_a_case_file(kidney, tmp_path):
     image = homolog.Volume(kidney["image"].array)
     with pytest.raises(homolog.Error, match="image: is in memory alone"):
         homolog.Case.create("built-in:kidney", image, tmp_path / "a.homolog")
+
+
+def test_a_label_map_of_another_scan_is_refused(kidney):
+    case = homolog.Case.create("built-in:kidney", kidney["image"])
+    labels = kidney["labels"]
+    affine = labels.affine.copy()
+    affine[0, 3] += 2000
+    with pytest.raises(homolog.Error, match="lies outside of .*; give the scan that it was drawn on"):
+        case.fit(homolog.LabelMap(labels.array, affine=affine))
+    assert not case.can_undo

@@ -12,6 +12,8 @@
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
 #include "core/model/statismo.h"
+#include "core/session/case_file.h"
+#include "core/structures/case_segments.h"
 #include "core/volume/contour_labels.h"
 #include "core/volume/label_likeness.h"
 #include "core/volume/map_on_grid.h"
@@ -239,6 +241,54 @@ void add_mirror(CLI::App& app, CommandLine& asked) {
   });
 }
 
+namespace {
+
+/// All structures of a case as voxels on a volume's grid, with their names.
+Result<Report> label_map_of_case(const fs::path& path, const fs::path& like_path, const fs::path& out,
+                                 const GivenCommand& command, Progress& progress) {
+  ReplayOptions replay;
+  replay.progress = &progress;
+  const auto read = read_case(path, replay);
+  if (!read) return fail(read.error());
+  const Document& document = read->session.document();
+  const auto meshes = segments_of(document);
+  if (meshes.empty())
+    return fail(path.string(), "has no mesh in the frame that it shows; show another one and save it");
+  const auto like = read_volume(like_path, read_options("", {}, progress));
+  if (!like) return fail(like.error());
+  MapOfMeshes made = map_of_meshes(meshes, like->volume.geometry);
+  const auto record = record_of(command, progress);
+  if (!record) return fail(record.error());
+  const auto written = write_labels(made.map, out, like_path, progress, *record);
+  if (!written) return fail(written.error());
+  Report report;
+  report.warnings = read->warnings;
+  report.warnings.insert(report.warnings.end(), like->warnings.begin(), like->warnings.end());
+  report.warnings.insert(report.warnings.end(), written->begin(), written->end());
+  if (made.contested_voxels > 0)
+    report.warnings.push_back(path.string() + ": has structures that overlap; " +
+                              std::to_string(made.contested_voxels) +
+                              " voxels that two of them hold went to the first; keep them apart in the case");
+  Json structures = Json::array();
+  std::size_t all = 0;
+  for (const Segment& segment : made.map.segmentation.segments) {
+    const Volume& layer = segment.layer == 0 ? made.map.volume : made.map.other_layers[segment.layer - 1];
+    const auto counted = labels_of(layer);
+    const std::size_t voxels = counted.contains(segment.value) ? counted.at(segment.value) : 0;
+    all += voxels;
+    structures.push_back({{"name", segment.name}, {"value", segment.value}, {"voxels", voxels}});
+    if (voxels == 0)
+      report.warnings.push_back(path.string() + ": its structure " + segment.name + " lies outside of " +
+                                like_path.string() + ", so that it has no voxels; give the scan that it was made on");
+  }
+  report.values = {{"voxels", all},
+                   {"volume_ml", static_cast<double>(all) * like->volume.geometry.voxel_volume_mm3() / 1000},
+                   {"structures", std::move(structures)}};
+  return report;
+}
+
+}  // namespace
+
 void add_label_map(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path mesh, like, out;
@@ -247,13 +297,19 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "label-map", "The segmentation as voxels on a volume's grid");
-  verb->add_option("MESH", options->mesh, "The mesh")->required();
+  verb->add_option("MESH", options->mesh, "The mesh, or a case: all its structures, by name")->required();
   verb->add_option("--like", options->like, "The volume whose grid to use")->required();
   verb->add_option("-o,--output", options->out,
                    "The label map to write (.nii.gz, .nrrd, .mha; .dcm: a DICOM segmentation of the series)")
       ->required();
-  verb->add_option("--value", options->value, "Label of the voxels inside")->check(CLI::Range(1, 32767));
-  const auto label = [options](Progress& progress) -> Result<Report> {
+  auto* value = verb->add_option("--value", options->value, "Label of the voxels inside; of a mesh alone")
+                    ->check(CLI::Range(1, 32767));
+  const auto label = [options, value](Progress& progress) -> Result<Report> {
+    if (is_case_file(options->mesh) && value->count() > 0)
+      return fail(options->mesh.string(),
+                  "is a case, whose structures are numbered from 1, so --value has no effect; leave it out");
+    if (is_case_file(options->mesh))
+      return label_map_of_case(options->mesh, options->like, options->out, options->command, progress);
     const auto file = read_mesh_file(options->mesh);
     if (!file) return fail(file.error());
     auto mesh = read_mesh(options->mesh);

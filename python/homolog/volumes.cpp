@@ -6,6 +6,7 @@
 #include "core/volume/read_labels.h"
 #include "core/volume/readers.h"
 #include "core/volume/stored_voxels.h"
+#include "core/volume/write_dicom_segmentation.h"
 #include "core/volume/write_segmentation.h"
 #include "python/homolog/binding.h"
 
@@ -292,6 +293,17 @@ std::shared_ptr<Held> read_held(const std::filesystem::path& path, const std::st
   return held;
 }
 
+/// A label map as a DICOM segmentation of a series.
+void write_dicom_held(const HeldLabels& self, const std::filesystem::path& path, const py::object& like,
+                      const py::object& progress) {
+  if (like.is_none())
+    refuse(path.string(), "becomes a DICOM segmentation, which refers to a series of images; give its folder as like");
+  const auto series = like.cast<std::filesystem::path>();
+  const auto warnings = watched_value<std::vector<std::string>>(
+      {progress, {}}, [&](Progress& own) { return write_dicom_segmentation(*self.read, path, series, &own); });
+  warn(warnings);
+}
+
 void write_held(const HeldVolume& self, const std::filesystem::path& path, const py::object& progress, bool labels) {
   do_watched({progress, {}}, [&](Progress& own) {
     value_of(labels ? write_segmentation(*self.read, path, &own) : write_volume(self.read->volume, path, &own));
@@ -356,12 +368,18 @@ void add_volumes(py::module_& module) {
       "{value: name} of the labels that have a name.");
   map.def(
       "write",
-      [](const HeldLabels& self, const std::filesystem::path& path, const py::object& progress) {
-        write_held(self, path, progress, true);
+      [](const HeldLabels& self, const std::filesystem::path& path, const py::object& like,
+         const py::object& progress) {
+        if (has_ending(path, {".dcm"}))
+          write_dicom_held(self, path, like, progress);
+        else if (!like.is_none())
+          refuse("like", "has no effect, since " + path.string() + " is no DICOM file; leave it out");
+        else
+          write_held(self, path, progress, true);
       },
-      py::arg("path"), py::kw_only(), py::arg("progress") = none,
+      py::arg("path"), py::kw_only(), py::arg("like") = none, py::arg("progress") = none,
       "Writes .seg.nrrd with names, colours and layers, or NIfTI, NRRD, MetaImage with the names in a JSON file beside "
-      "it.");
+      "it. As .dcm it becomes a DICOM segmentation that refers to the series `like`, a folder.");
 
   module.def(
       "read_volume",

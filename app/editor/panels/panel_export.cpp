@@ -62,13 +62,16 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
              no_mesh, width))
     ask(FilePurpose::export_mesh, name + ".ply");
   const std::string refusal = no_mesh.empty() ? ui.needs_volume() : no_mesh;
-  if (button(theme, "Label map…", "Voxels of the image whose centre is inside the mesh", refusal, width))
+  if (button(theme, "Label map…",
+             "Voxels of the image whose centre is inside the mesh. As .dcm: a DICOM segmentation of the series that is "
+             "open",
+             refusal, width))
     ask(FilePurpose::export_label_map, name + "-label.nii.gz");
   if (ui.document().structures.size() > 1) {
     caption(theme, "All structures");
     if (button(theme, "One label map of all\xe2\x80\xa6",
                "The voxels inside each mesh, with the names and colours of the list. Where two hold a voxel it goes to "
-               "the first",
+               "the first. As .dcm: a DICOM segmentation of the series that is open",
                ui.needs_volume(), width))
       ask(FilePurpose::export_structures_map, name + ".seg.nrrd");
     if (button(theme, "All meshes into a folder\xe2\x80\xa6", "A PLY for each structure, called as in the list", {},

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "core/base/file_stem.h"
 #include "core/base/text.h"
-#include "core/catalogue/catalogue.h"
 #include "core/volume/segmentation.h"
 
 namespace homolog {
@@ -14,13 +12,6 @@ const Points* shape_as_read(const StructureLooks& looks, const Structure& struct
   const auto kept = looks.as_read.find(structure.id);
   if (kept == looks.as_read.end() || !kept->second) return nullptr;
   return kept->second->rows() == structure.the_template->points.rows() ? kept->second.get() : nullptr;
-}
-
-std::string structure_name(const Structure& structure) {
-  if (!structure.name.empty()) return structure.name;
-  const std::string& source = structure.the_template->source;
-  if (is_built_in(source)) return source.substr(source.find(':') + 1);
-  return source.empty() ? structure.id : file_stem(source);
 }
 
 Rgb structure_colour(const Structure& structure) {

@@ -8,6 +8,7 @@
 
 #include "core/case/document.h"
 #include "core/mesh/colours.h"
+#include "core/structures/case_segments.h"
 
 namespace homolog {
 
@@ -29,8 +30,6 @@ struct StructureLooks {
 
 /// The shape of a structure before a repair; null where none is kept.
 const Points* shape_as_read(const StructureLooks& looks, const Structure& structure);
-/// What a structure is called: its name, else its template's.
-std::string structure_name(const Structure& structure);
 /// Its own colour, else the one of its name [colour_by_name].
 Rgb structure_colour(const Structure& structure);
 /// Whether somebody has to look at it: it is in doubt, or more likely wrong than right.

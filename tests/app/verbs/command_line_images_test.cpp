@@ -6,7 +6,9 @@
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
 #include "tests/ball_folder.h"
+#include "tests/case_folder.h"
 #include "tests/command_line.h"
+#include "tests/core/volume/dicom_slices.h"
 #include "tests/real_data.h"
 #include "tests/tiff_bytes.h"
 
@@ -209,6 +211,56 @@ TEST_CASE("a soft mask is a surface at its level for the verbs that take a mask"
   check_refused(run(folder, "compare ball.ply --mask grey.nii.gz --level 0.5"), "above 1 for those from 0 to 255");
   check_refused(run(folder, "compare ball.ply --mask grey.nii.gz"), "holds several labels");
   CHECK(run(folder, "template good.nii.gz --tube --level 0.5 -o out.ply").status == 2);
+}
+
+TEST_CASE("all structures of a case become a label map and a DICOM segmentation of a series") {
+  const CaseFolder made;
+  made.create();
+  made.append(
+      R"({"structure":{"id":"s2","name":"other","template":"ball.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[60,0,0]}}})"
+      "\n");
+  const TemporaryFolder& folder = made.folder;
+  Volume image;
+  image.geometry.dims = {40, 20, 20};
+  image.geometry.spacing_mm = Vec3::Constant(5);
+  image.geometry.origin_mm = Vec3::Constant(-50);
+  image.data = std::vector<std::uint8_t>(image.geometry.voxels());
+  REQUIRE(write_volume(image, folder.path / "image.nii.gz"));
+  const Ran all = run(folder, "label-map ball.homolog --like image.nii.gz -o map.seg.nrrd --json");
+  REQUIRE_MESSAGE(all.status == 0, all.errors);
+  const auto map = read_volume(folder.path / "map.seg.nrrd");
+  REQUIRE(map);
+  REQUIRE(map->segmentation.segments.size() == 2);
+  CHECK(map->segmentation.find(1)->name == "ball");
+  CHECK(map->segmentation.find(2)->name == "other");
+  const auto voxels = labels_of(map->volume);
+  const double ball_voxels = 4.0 / 3 * 3.14159 * 8 * 8 * 8;
+  CHECK(static_cast<double>(voxels.at(1)) == doctest::Approx(ball_voxels).epsilon(0.03));
+  CHECK(voxels.at(2) < voxels.at(1));  // what both hold went to the first
+  CHECK(all.json()["structures"][1]["voxels"] == voxels.at(2));
+  CHECK(all.errors.find("voxels that two of them hold went to the first") != std::string::npos);
+  check_refused(run(folder, "label-map ball.homolog --like image.nii.gz -o x.nrrd --value 3"), "--value has no effect");
+
+  Slice slice;
+  slice.put(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2");
+  slice.put(0x0020000d, "UI", "1.2.1");
+  slice.put(0x00200052, "UI", "1.2.9");
+  fs::create_directory(folder.path / "ct");
+  for (int k = 0; k < 4; ++k) {
+    slice.z = 2.5 * k;
+    slice.put(0x00080018, "UI", "1.2.3." + std::to_string(k));
+    write_bytes(folder.path / "ct" / (std::to_string(k) + ".dcm"), slice.bytes());
+  }
+  const Ran dicom = run(folder, "label-map ball.homolog --like ct -o case.dcm");
+  REQUIRE_MESSAGE(dicom.status == 0, dicom.errors);
+  CHECK(dicom.errors.find("its structure other lies outside of ct") != std::string::npos);
+  const auto read = read_volume(folder.path / "case.dcm");
+  REQUIRE(read);
+  REQUIRE(read->segmentation.segments.size() == 1);
+  CHECK(read->segmentation.find(1)->name == "ball");
+  CHECK(labels_of(read->volume).at(1) == 3 * 2 * 4);
+  CHECK(read->referenced.series == std::vector<std::string>{"1.2.3"});
+  CHECK(read->referenced.instances.size() == 8);  // of the series, and of each frame
 }
 
 TEST_CASE("--resample is refused where there are no DICOM slices") {

@@ -16,9 +16,10 @@
 #include "core/mesh/rims.h"
 #include "core/model/model_files.h"
 #include "core/model/recipe_shapes.h"
-#include "core/structures/set_map.h"
+#include "core/structures/case_segments.h"
 #include "core/structures/template_set.h"
 #include "core/template_making/template_file.h"
+#include "core/volume/write_dicom_segmentation.h"
 #include "core/volume/write_segmentation.h"
 
 namespace homolog {
@@ -53,38 +54,20 @@ std::string closed_flat_of(const Structure& structure) {
   return closed.empty() ? closed : structure_name(structure) + " " + closed + ".";
 }
 
-/// The structures as they go into a label map: each with the value that the shown map gives its name, else with one
-/// that is free.
-std::vector<MeshOfSegment> segments_of(const Document& document, const ShownLabels& labels) {
-  std::map<std::pair<std::size_t, std::string>, int> values;  // by layer and name
-  std::set<int> taken;
+/// Writes a label map by its name: one of DICOM refers to the series that the image is.
+Result<void> write_map(const VolumeRead& map, const fs::path& to, const std::string& image, Progress& progress) {
+  if (lower_case(to.extension().string()) != ".dcm") return write_segmentation(map, to, &progress);
+  const auto written = write_dicom_segmentation(map, to, image, &progress);
+  return written ? Result<void>() : fail(written.error());
+}
+
+/// The values of the shown label map.
+SegmentValues values_of(const ShownLabels& labels) {
+  SegmentValues values;
   for (std::size_t layer = 0; layer < labels.layers.size(); ++layer)
     for (const auto& [value, name] : labels.layers[layer].names)
       values.emplace(std::pair(layer, lower_case(name)), value);
-  const auto known_value = [&](const Structure& one) {
-    const std::size_t layer = labels.layers.size() > 1 ? static_cast<std::size_t>(one.layer) : 0;
-    return values.find({layer, lower_case(structure_name(one))});
-  };
-  for (const auto& one : document.structures)
-    if (const auto known = known_value(*one); known != values.end()) taken.insert(known->second);
-  std::vector<MeshOfSegment> meshes;
-  for (const auto& one : document.structures) {
-    const Shape* shape = one->shape(document.frame);
-    if (shape == nullptr) continue;
-    Segment segment;
-    segment.name = structure_name(*one);
-    segment.layer = static_cast<std::size_t>(one->layer);
-    segment.colour = one->colour.value_or(colour_by_name(segment.name));
-    if (const auto known = known_value(*one); known != values.end()) {
-      segment.value = known->second;
-      values.erase(known);
-    } else {
-      for (segment.value = 1; taken.contains(segment.value);) ++segment.value;
-      taken.insert(segment.value);
-    }
-    meshes.push_back({std::move(segment), {one->the_template->topology, *shape->points}});
-  }
-  return meshes;
+  return values;
 }
 
 }  // namespace
@@ -126,8 +109,14 @@ void ExportLabelMap::run(Editing& editing) const {
   const auto write = [&](int frame, const fs::path& file) {
     write_beside(
         editing, file,
-        [mesh = ShapeView{*structure, *structure->shape(frame), frame}.mesh(), grid = document.scan.image->geometry](
-            const auto& to, Progress& progress) { return write_volume(label_map(mesh, grid, 1), to, &progress); },
+        [mesh = ShapeView{*structure, *structure->shape(frame), frame}.mesh(), grid = document.scan.image->geometry,
+         name = structure_name(*structure), image = document.scan.source](const fs::path& to, Progress& progress) {
+          VolumeRead map;
+          map.volume = label_map(mesh, grid, 1);
+          if (lower_case(to.extension().string()) != ".dcm") return write_volume(map.volume, to, &progress);
+          map.segmentation.add({.name = name, .value = 1});
+          return write_map(map, to, image, progress);
+        },
         closed_flat_of(*structure));
   };
   if (!all) return write(document.frame, path);
@@ -139,7 +128,7 @@ void ExportStructuresMap::run(Editing& editing) const {
   const Document document = as_done(editing);
   if (!document.scan.image)
     return add_notice(editing.state, "A label map needs the voxels of an image. Open the image of this case first.");
-  auto meshes = segments_of(document, editing.shown.labels());
+  auto meshes = segments_of(document, values_of(editing.shown.labels()));
   if (meshes.empty()) return no_mesh_to_export(editing);
   std::string remark;
   for (const auto& one : document.structures)
@@ -147,8 +136,9 @@ void ExportStructuresMap::run(Editing& editing) const {
       remark += (remark.empty() ? "" : " ") + closed;
   write_beside(
       editing, path,
-      [meshes = std::move(meshes), grid = document.scan.image->geometry](const auto& to, Progress& progress) {
-        return write_segmentation(map_of_meshes(meshes, grid).map, to, &progress);
+      [meshes = std::move(meshes), grid = document.scan.image->geometry, image = document.scan.source](
+          const fs::path& to, Progress& progress) {
+        return write_map(map_of_meshes(meshes, grid).map, to, image, progress);
       },
       std::move(remark));
 }

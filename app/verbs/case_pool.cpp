@@ -52,6 +52,7 @@ std::vector<Result<Report>> run_cases(std::size_t count,
     own.part(0, 1);
     own.report(1);
   });
+  set_case_in_work({});
   return results;
 }
 

@@ -44,8 +44,10 @@ ImageInMemory::~ImageInMemory() {
 }
 
 Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress) {
+  constexpr double share_of_work = 0.05;  // what is done with an image takes longer than to read it
+  Progress own(progress, share_of_work);
   VolumeReadOptions reading;
-  reading.progress = &progress;
+  reading.progress = &own;
   const auto lent = image_in_memory(path);
   auto read = lent ? Result<VolumeRead>(*lent) : read_volume(path, reading);
   if (read && frame >= read->volume.frames)

@@ -182,6 +182,7 @@ void warn(const std::vector<std::string>& sentences) {
 void do_watched(const Watched& watched, const std::function<void(Progress&)>& work) {
   const FewerThreads fewer(watched.jobs);
   constexpr std::chrono::milliseconds look_every{100};
+  set_case_in_work({});  // an earlier call's
   Progress progress;
   std::optional<py::error_already_set> raised;
   double farthest = 0;  // a work that has to begin anew stands still for a while

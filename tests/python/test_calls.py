@@ -126,3 +126,12 @@ def test_a_picture_is_an_array_and_png(kidney):
         pytest.skip(str(error))
     assert picture.array.shape == (240, 320, 4) and picture.array.std() > 5
     assert picture._repr_png_().startswith(b"\x89PNG")
+
+
+def test_reading_is_a_small_part_of_the_progress_and_no_case_of_an_earlier_call_is_named(folder, tmp_path):
+    maps = [folder / f"kidney-{k}-labels.nii.gz" for k in (1, 2)]
+    homolog.fit_all("built-in:kidney", maps, tmp_path / "fits")
+    told = []
+    homolog.fit("built-in:kidney", maps[0], progress=lambda share, text: told.append((share, text)))
+    assert all(text == "" for _, text in told)
+    assert told[-1][0] == 1 and (len(told) < 3 or told[0][0] < 0.9)

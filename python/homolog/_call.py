@@ -79,6 +79,8 @@ class Call:
             return file
         if isinstance(value, Study):
             return value.source
+        if isinstance(value, numpy.ndarray):
+            raise _core.Error("array: " + _of_array(lend))
         raise _core.Error(f"{type(value).__name__}: is nothing that can be given here; give a file or an object of homolog")
 
     def add_shapes(self, shapes: Any, lend: Any = False) -> "Call":
@@ -117,6 +119,8 @@ class Call:
         self.arguments.append("--" + name.replace("_", "-"))
         if value is True:
             return self
+        if isinstance(value, numpy.ndarray) and (lend or value.ndim > 1):
+            raise _core.Error(f"{name}: {_of_array(lend)}")
         if isinstance(value, (list, tuple, numpy.ndarray)):
             self.arguments.append(",".join(text_of(one) for one in value))
         elif isinstance(value, (int, float, numpy.number)):
@@ -151,6 +155,13 @@ class Call:
         return _core.run(self.arguments, self.lent, progress, jobs)
 
 
+def _of_array(lend: Any) -> str:
+    """What is wrong with an array where an object is wanted."""
+    wanted = {"labels": "homolog.LabelMap(array, affine=...)", "template": "homolog.Mesh(points, triangles)",
+              True: "homolog.Volume(array, affine=...)"}.get(lend, "homolog.Volume, LabelMap or Mesh of it")
+    return f"is an array of numpy, which does not say where it lies; give {wanted}"
+
+
 def _name_of_array(volume: _core.Volume) -> str:
     """The same name for the same voxels at the same place, since files say what they were made of."""
     digest = hashlib.blake2b(volume.array.ravel(order="F").data, digest_size=6)
@@ -169,6 +180,6 @@ def text_of(value: Any) -> str:
 
 def several(value: Any) -> List[Any]:
     """A list of what may be one."""
-    if isinstance(value, (str, _core.Mesh, _core.Volume, _core.Case, Study, Fit)) or hasattr(value, "__fspath__"):
+    if isinstance(value, (str, numpy.ndarray, _core.Mesh, _core.Volume, _core.Case, Study, Fit)) or hasattr(value, "__fspath__"):
         return [value]
     return list(value) if isinstance(value, Iterable) else [value]

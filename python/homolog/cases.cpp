@@ -38,6 +38,8 @@ std::shared_ptr<const Template> template_from(const py::object& value) {
     if (mesh.source.empty() || has_changed) return value_of(make_template(*mesh.file, ""));
     return value_of(load_template(mesh.source));
   }
+  if (py::isinstance<py::array>(value))
+    refuse("template", "is an array of numpy, which has no faces; give homolog.Mesh(points, triangles)");
   return value_of(load_template(py::str(value)));
 }
 
@@ -55,6 +57,8 @@ std::shared_ptr<HeldCase> create_held(const py::object& the_template, const py::
     volume = std::shared_ptr<const Volume>(given.read, &given.read->volume);
   } else if (py::hasattr(image, "dataobj")) {
     refuse("image", "is one of nibabel; give homolog.from_nibabel(image)");
+  } else if (py::isinstance<py::array>(image)) {
+    refuse("image", "is an array of numpy, which does not say where it lies; give homolog.Volume(array, affine=...)");
   } else if (!image.is_none()) {
     source = py::str(image);
     auto read = value_of(load_volume(source));
@@ -161,6 +165,9 @@ Edit computed(HeldCase& self, const py::object& progress, const std::function<Re
 /// A label map as it is given: one that is held, an image of nibabel, or a file.
 std::shared_ptr<HeldLabels> labels_from(const py::object& value) {
   if (py::isinstance<HeldLabels>(value)) return value.cast<std::shared_ptr<HeldLabels>>();
+  if (py::isinstance<py::array>(value))
+    refuse("labels",
+           "is an array of numpy, which does not say where it lies; give homolog.LabelMap(array, affine=...)");
   const py::module_ images = py::module_::import("homolog._images");
   const bool nibabel = images.attr("is_nibabel")(value).cast<bool>();
   const py::object read =

@@ -139,3 +139,37 @@ def test_a_label_map_of_another_scan_is_refused(kidney):
     with pytest.raises(homolog.Error, match="lies outside of .*; give the scan that it was drawn on"):
         case.fit(homolog.LabelMap(labels.array, affine=affine))
     assert not case.can_undo
+
+
+def test_arrays_of_numpy_are_refused_with_what_to_make_of_them(kidney):
+    array = kidney["labels"].array
+    case = homolog.Case.create("built-in:kidney", kidney["image"])
+    for call in (lambda: homolog.fit("built-in:kidney", array), lambda: homolog.compare(case.mesh(), labels=array),
+                 lambda: case.fit(array), lambda: homolog.make_template(array, "never.ply")):
+        with pytest.raises(homolog.Error, match=r"is an array of numpy.*; give homolog.LabelMap\("):
+            call()
+    for call in (lambda: homolog.snap(case.mesh(), array), lambda: homolog.Case.create("built-in:kidney", array)):
+        with pytest.raises(homolog.Error, match=r"is an array of numpy.*; give homolog.Volume\("):
+            call()
+    with pytest.raises(homolog.Error, match=r"is an array of numpy.*; give homolog.Mesh\("):
+        homolog.fit(case.points(), kidney["labels"])
+
+
+def test_the_stubs_have_every_method_of_a_case():
+    import pathlib
+    stub = (pathlib.Path(homolog.__file__).parent / "_core.pyi").read_text().split("class Case:")[1].split("\nclass ")[0]
+    for name in dir(homolog.Case):
+        assert name.startswith("_") or f"def {name}(" in stub, name
+
+
+def test_curves_of_a_wrong_kind_are_named_with_the_remedy():
+    case = homolog.Case.create("built-in:kidney", "phantom:kidney:1")
+    rows = numpy.arange(12.0).reshape(4, 3)
+    good = {"points": rows.ravel()}
+    for curves, words in (([good, {"points": rows}], "curve 1 of .* one list of numbers; give x, y, z"),
+                          ([good, rows], "curve 1 of .* is no object; give"),
+                          ([{"points": [1, 2, 3, 4]}], "curve 0 of .* give three for each")):
+        with pytest.raises(homolog.Error, match=words):
+            case.contours(id="c1", curves=curves)
+    case.contours(id="c1", curves=[good])
+    assert case.can_undo

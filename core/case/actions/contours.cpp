@@ -96,13 +96,21 @@ std::vector<Contour> curves_from_json(const nlohmann::ordered_json& json) {
   if (!json.is_array()) throw Unreadable{"\"curves\" is not a list"};
   std::vector<Contour> curves;
   for (const auto& one : json) {
+    const std::string which = "curve " + std::to_string(curves.size()) + " of \"curves\" ";
+    if (!one.is_object()) throw Unreadable{which + "is no object; give {\"points\": [x, y, z, x, …]}"};
     Fields members = Fields::reader(one);
     Contour curve;
     std::vector<double> points;
+    const auto given = one.find("points");
+    if (given == one.end() || !given->is_array() ||
+        !std::ranges::all_of(*given, [](const auto& number) { return number.is_number(); }))
+      throw Unreadable{which +
+                       "has no \"points\" that are one list of numbers; give x, y, z of each, behind one another"};
     members.member("points", points);
     members.optional("closed", curve.closed);
     members.optional("cuts_out", curve.cuts_out);
-    if (points.size() % 3 != 0) throw Unreadable{"\"points\" of a curve is not x, y, z of each point"};
+    if (points.size() % 3 != 0)
+      throw Unreadable{which + "has \"points\" that are not x, y, z of each point; give three for each"};
     for (std::size_t k = 0; k < points.size(); k += 3)
       curve.points.emplace_back(points[k], points[k + 1], points[k + 2]);
     curves.push_back(std::move(curve));

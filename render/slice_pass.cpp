@@ -13,10 +13,10 @@ namespace homolog {
 namespace {
 
 /// The colours of the labels from 1 on, clear where one is hidden. They repeat behind the last; what is hidden does
-/// not.
-gl::Texture make_label_colours(const std::map<int, Rgb>* own, const std::set<int>* hidden) {
+/// not. `last`: the largest label.
+gl::Texture make_label_colours(const std::map<int, Rgb>* own, const std::set<int>* hidden, int last) {
   constexpr int most_turns = 64;
-  const int last = hidden == nullptr || hidden->empty() ? 1 : *hidden->rbegin();
+  if (hidden == nullptr) last = 1;
   const int turns = std::clamp((last + label_colour_count - 1) / label_colour_count, 1, most_turns);
   std::vector<float> colours;
   for (int label = 1; label <= turns * label_colour_count; ++label) {
@@ -85,7 +85,7 @@ Result<SlicePass> SlicePass::make() {
   pass.plain_ = std::move(*plain);
   pass.labelled_ = std::move(*labelled);
   pass.no_attributes_ = gl::VertexArray::make();
-  pass.label_colours_ = make_label_colours(nullptr, nullptr);
+  pass.label_colours_ = make_label_colours(nullptr, nullptr, 1);
   return pass;
 }
 
@@ -100,7 +100,9 @@ void SlicePass::draw(const Scene& scene, const PlaneInSpace& part, const Project
   if (label_texture != nullptr && (labels.colours != own_colours_ || labels.hidden != hidden_)) {
     own_colours_ = labels.colours;
     hidden_ = labels.hidden;
-    label_colours_ = make_label_colours(own_colours_.get(), hidden_.get());
+    const double hidden = hidden_ && !hidden_->empty() ? *hidden_->rbegin() : 1;
+    const double last = std::clamp(std::max(labels.labels->range_max, hidden), 1.0, 65535.0);
+    label_colours_ = make_label_colours(own_colours_.get(), hidden_.get(), static_cast<int>(last));
   }
   const gl::Program& program = label_texture != nullptr ? labelled_ : plain_;
   program.use();

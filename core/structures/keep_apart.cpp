@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -224,7 +225,8 @@ double depth_mm(const Mesh& mesh, const Mesh& other, double near_mm) {
 
 std::vector<double> keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, double gap_mm,
                                const std::vector<char>& yields) {
-  constexpr int most_rounds = 40;
+  constexpr int most_rounds = 40, patient_rounds = 8;
+  constexpr double least_gain = 0.01;
   constexpr double at_rest_mm = 0.02, hardly_moved_mm = 0.002, ample = 1.5;
   std::vector<std::vector<Sample>> samples(meshes.size());
   for (const MeshPair& pair : pairs)
@@ -236,6 +238,8 @@ std::vector<double> keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPa
   };
   std::vector<double> left_mm(pairs.size());
   std::vector<std::optional<UnfoldedSteps>> steps(meshes.size());
+  double least_mm = std::numeric_limits<double>::infinity();  // of all pairs together, in any round
+  int since_gain = 0;
   for (int round = 0;; ++round) {
     std::vector<std::unique_ptr<Depths>> depths(meshes.size());
     for_each_in_parallel(meshes.size(), [&](std::size_t k) {
@@ -265,6 +269,11 @@ std::vector<double> keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPa
         }
     }
     if (round == most_rounds || std::ranges::all_of(left_mm, [](double mm) { return mm <= at_rest_mm; })) break;
+    double sum_mm = 0;
+    for (const double mm : left_mm) sum_mm += std::max(0.0, mm);
+    since_gain = sum_mm < (1 - least_gain) * least_mm ? 0 : since_gain + 1;
+    least_mm = std::min(least_mm, sum_mm);
+    if (since_gain == patient_rounds) break;
     std::vector<double> moved_mm(meshes.size());
     for_each_in_parallel(meshes.size(), [&](std::size_t k) {
       if (moves[k].by.rows() == 0) return;

@@ -25,6 +25,7 @@ struct FittedCase {
   VertexScalars doubt_mm, outlier;  ///< empty: none
   std::string doubt;                ///< why a person has to look at it, as a sentence; empty: no doubt
   std::optional<FitFigures> figures;
+  std::string record{};  ///< of how the case is made [record.h]
 };
 
 /// Writes NAME.homolog into a folder that is there, whose one edit is the fit, and gives its entry in a study. One that

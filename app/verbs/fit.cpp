@@ -201,8 +201,11 @@ Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progr
   std::erase_if(cases_made, [](const StudyCase& one) { return one.name.empty(); });
   if (!cases_made.empty()) {
     const fs::path study = study_in(options.out);
-    if (auto written = write_cases_into(study, options.template_source, std::move(cases_made)); !written)
-      return fail(written.error());
+    const auto record = record_of(options.command, progress);
+    if (!record) return fail(record.error());
+    const auto written = write_cases_into(study, options.template_source, std::move(cases_made),
+                                          record_of_made(*record, options.out, study));
+    if (!written) return fail(written.error());
     report.values["study"] = study.string();
   }
   report.values["cases"] = std::move(cases);

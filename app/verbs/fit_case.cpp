@@ -35,6 +35,7 @@
 #include "core/model/statismo.h"
 #include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
+#include "core/session/case_file.h"
 #include "core/template/template_warnings.h"
 
 namespace homolog {
@@ -228,10 +229,7 @@ Json described_doubt(const Template& the_template, const FitResult& fit) {
 
 Result<std::string> record_of_fit(const FitJob& options, const fs::path& path, Progress& progress) {
   const char* const option = options.to_meshes() ? "--mesh" : "--mask";
-  if (options.ways_by_others() > 0) {
-    const auto of_all = record_of(options.command.with(option, options.cases()), progress);
-    return of_all ? record_of_output(*of_all, case_name_of(path) + ".ply") : of_all;
-  }
+  if (options.ways_by_others() > 0) return record_of(options.command.with(option, options.cases()), progress);
   GivenCommand alone = options.command.with(option, {path});
   if (fs::is_directory(options.landmarks)) {
     const fs::path own = landmark_file_in(options.landmarks, case_name_of(path));
@@ -307,12 +305,13 @@ Result<Report> fit_case(const FitJob& options, const FitShared& shared, const fs
   if (fitted.judgement.doubtful) file.comments.push_back(doubt_comment(reason_of_doubt(fitted.judgement.warnings)));
   auto record = record_of_fit(options, path, progress);
   if (!record) return fail(record.error());
-  file.record = std::move(*record);
+  file.record = options.ways_by_others() > 0 ? record_of_output(*record, out.filename().string()) : *record;
   if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
   std::vector<std::string> kept;
   if (among.of_study != nullptr) {
-    auto one = write_case_of_fit(case_of(options, shared, path, *target, fitted.fit, fitted.judgement),
-                                 out.parent_path(), kept);
+    FittedCase of_study = case_of(options, shared, path, *target, fitted.fit, fitted.judgement);
+    of_study.record = record_of_output(*record, of_study.name + case_extension);
+    auto one = write_case_of_fit(of_study, out.parent_path(), kept);
     if (!one) return fail(one.error());
     *among.of_study = std::move(*one);
   }

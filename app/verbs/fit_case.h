@@ -48,8 +48,8 @@ struct FitJob {
   LandmarkFiles landmark_files() const { return {landmarks, template_source, cases().size() > 1 || of_folder}; }
 };
 
-/// The record of a case's file: of the command that makes it alone, whatever else is fitted in the same run. With
-/// --by-others the other cases count too, and it is the record of one file of a folder. Errors: record_of's.
+/// The record of a case's files: of the command that makes them alone, whatever else is fitted in the same run. With
+/// --by-others the other cases count too, and each is one file of a folder. Errors: record_of's.
 Result<std::string> record_of_fit(const FitJob& options, const std::filesystem::path& path, Progress& progress);
 
 /// What all cases of a run share, read once.

@@ -98,10 +98,9 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
 
 /// Writes what was fitted: a mesh each, and a label map of all; how many voxels two meshes hold.
 Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set, const SetInMap& subject,
-                               const SubjectMap& map, const fs::path& of_map, FittedSet& fitted, Progress& progress) {
+                               const SubjectMap& map, const fs::path& of_map, FittedSet& fitted,
+                               const std::string& record) {
   const std::string name = case_name_of(of_map);
-  const auto record = record_of(options.command.with("--mask", {of_map}), progress);
-  if (!record) return fail(record.error());
   const auto folder = ResultFolder::make(options.out / name);
   if (!folder) return fail(folder.error());
   std::vector<MeshOfSegment> meshes;
@@ -114,7 +113,7 @@ Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set,
     if (map.read.volume.frames > 1) note_frame(file, map.frame);
     if (one.judgement.doubtful) file.comments.push_back(doubt_comment(reason_of_doubt(one.judgement.warnings)));
     const std::string output = name + "/" + file_name_of_structure(set.set.structures[k].name) + ".ply";
-    file.record = record_of_output(*record, output);
+    file.record = record_of_output(record, output);
     if (auto written = write_mesh_file(file, options.out / output); !written) return fail(written.error());
     meshes.push_back({subject.structures[k].segment, one.fit->mesh});
   }
@@ -122,7 +121,7 @@ Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set,
   for (const KeptApart& pair : fitted.apart) apart.push_back({place[pair.a], place[pair.b]});
   const auto labels = map_of_meshes(meshes, grid_of_all(map.read), apart);
   const std::string output = name + ".seg.nrrd";
-  auto written = write_segmentation(labels.map, options.out / output, nullptr, record_of_output(*record, output));
+  auto written = write_segmentation(labels.map, options.out / output, nullptr, record_of_output(record, output));
   if (!written) return fail(written.error());
   return labels.contested_voxels;
 }
@@ -145,10 +144,12 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   auto fitted = fit_set(set, subject, {options.gap_mm, &progress});
   if (!fitted) return fail(path.string(), fitted.error().what);
   doubt_names(set, map->read, map->frame, subject, *fitted);
-  const auto contested = write_fits(options, set, subject, *map, path, *fitted, progress);
+  const auto record = record_of(options.command.with("--mask", {path}), progress);
+  if (!record) return fail(record.error());
+  const auto contested = write_fits(options, set, subject, *map, path, *fitted, *record);
   if (!contested) return fail(contested.error());
   Report report;
-  auto one = write_case_of_set(set, path, *map, subject, *fitted, options.out, report.warnings);
+  auto one = write_case_of_set(set, path, *map, subject, *fitted, options.out, *record, report.warnings);
   if (!one) return fail(one.error());
   made.cases.push_back(std::move(*one));
   made.fitted.emplace_back();
@@ -172,7 +173,8 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
 }
 
 /// Writes the study of a folder of fits.
-Result<void> write_study_of(const fs::path& file, const SetOfTemplates& set, CasesOfSet made) {
+Result<void> write_study_of(const fs::path& file, const SetOfTemplates& set, CasesOfSet made,
+                            const std::string& record) {
   std::vector<std::size_t> counts(set.templates.size(), 0);
   for (const auto& fitted : made.fitted)
     for (const std::size_t k : fitted) ++counts[k];
@@ -183,9 +185,8 @@ Result<void> write_study_of(const fs::path& file, const SetOfTemplates& set, Cas
     // A case's structures are numbered as they were fitted.
     if (at > 0 && at < std::ssize(fitted)) made.cases[c].structure = "s" + std::to_string(at + 1);
   }
-  auto written = write_cases_into(file, set.templates[most]->source, std::move(made.cases));
-  if (!written) return fail(written.error());
-  return {};
+  const auto written = write_cases_into(file, set.templates[most]->source, std::move(made.cases), record);
+  return written ? Result<void>() : fail(written.error());
 }
 
 }  // namespace
@@ -199,7 +200,10 @@ Result<Report> fit_sets(const FitJob& options, Progress& progress) {
       [&](const fs::path& path, Progress& own) { return fit_subject(options, *set, path, made, own); }, progress);
   if (!report) return report;
   const fs::path study = study_in(options.out);
-  if (auto written = write_study_of(study, *set, std::move(made)); !written) return fail(written.error());
+  const auto record = record_of(options.command, progress);
+  if (!record) return fail(record.error());
+  const auto written = write_study_of(study, *set, std::move(made), record_of_made(*record, options.out, study));
+  if (!written) return fail(written.error());
   report->values["study"] = study.string();
   return report;
 }

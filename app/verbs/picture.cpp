@@ -203,6 +203,7 @@ Result<Report> of_playing_mode(const PictureVerb& verb, Progress& progress) {
       const fs::path file =
           verb.out.parent_path() / (verb.out.stem().string() + '-' + number + verb.out.extension().string());
       if (auto written = write_picture((*frames)[k], file); !written) return fail(written.error());
+      report.made.push_back(file);
     }
   }
   return report;

@@ -116,8 +116,10 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
   const double frame_seconds = initial.scan.image->frame_seconds;
   const std::string table = volume_table(propagation, frame_seconds);
   if (auto written = write_whole_file(verb.out / "volumes.csv", table); !written) return written;
-  if (auto saved = save_case_as(*session, case_path_of(verb)); !saved) return fail(saved.error());
-  return write_study(study_of(verb, propagation, case_path_of(verb)), verb.out / "cine.study.json");
+  const fs::path file_of_case = case_path_of(verb), study = verb.out / "cine.study.json";
+  session->set_record(record_of_made(*record, verb.out, file_of_case));
+  if (auto saved = save_case_as(*session, file_of_case); !saved) return fail(saved.error());
+  return write_study(study_of(verb, propagation, file_of_case), study, record_of_made(*record, verb.out, study));
 }
 
 Report report_of(const PropagateVerb& verb, const Topology& topology, const Propagation& propagation,

@@ -4,9 +4,11 @@
 #include <array>
 #include <sstream>
 
+#include "app/verbs/case_table.h"
 #include "app/verbs/help_page.h"
 #include "app/version.h"
 #include "core/base/file_record.h"
+#include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/base/paths.h"
@@ -14,6 +16,7 @@
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/model/shape_folder.h"
+#include "core/model/study.h"
 #include "core/session/case_file.h"
 #include "core/structures/built_in_set.h"
 #include "core/structures/template_set.h"
@@ -42,6 +45,10 @@ const std::array recorded_verbs{
     RecordedVerb{"repair-mesh", {"IN"}, "--output", {}},
     RecordedVerb{"repair", {"MAP", "--templates", "--model", "--image"}, "--output", {}},
     RecordedVerb{"set make", {"MAP", "--like"}, "--output", {}},
+    RecordedVerb{"set add", {"SET", "MAP"}, "--output", {}},
+    RecordedVerb{"set rename", {"SET"}, "--output", {}},
+    RecordedVerb{"set share", {"SET"}, "--output", {}},
+    RecordedVerb{"study make", {"CSV|MASK", "--template"}, "--output", {}},
     RecordedVerb{"score", {"NEW", "--model", "--landmarks", "--template"}, "--output", {}},
     RecordedVerb{"test", {"SHAPE", "--covariates", "--permutation-file", "--templates"}, "--csv", {}},
     RecordedVerb{"evaluate", {"SHAPE"}, "--csv", {}},
@@ -62,6 +69,10 @@ const std::array recorded_verbs{
     RecordedVerb{"picture plot", {"FILE"}, "--output", {}},
 };
 
+std::string ascii_text(const Json& json) {
+  return json.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
 /// Whether a folder that it is given stands for the shapes in it. Of a verb of template sets --templates is a file.
 bool of_shapes(std::string_view option) {
   return option == "SHAPE" || option == "--against" || option == "--templates";
@@ -75,6 +86,8 @@ bool changes_no_byte(const std::string& name) {
 struct InputReader {
   bool shapes_alone = false;  ///< a folder stands for the shapes in it
   bool label_names = false;   ///< labels are chosen by names, which a file beside a label map may give
+  bool of_table = false;      ///< a table names files of cases
+  std::string row{};          ///< the case of such a table that counts; empty: all
   Progress* progress = nullptr;
 
   Result<Json> read(const fs::path& path, int depth = 0) const {
@@ -88,7 +101,9 @@ struct InputReader {
     if (!sum) return fail(sum.error());
     Json input{{"file", path.filename().string()}, {"bytes", *bytes}, {"sha256", std::move(*sum)}};
     Json names = Json::array();
-    if (depth < deepest)
+    if (of_table && depth == 0 && is_case_table(path))
+      if (auto read = read_table(path, names); !read) return fail(read.error());
+    if (depth < deepest && !is_case_table(path))
       for (const std::string& name : files_named_in(path)) {
         const fs::path named = resolved_source(absolute_path(path).parent_path(), name);
         auto one = fs::exists(named, none) ? read(named, depth + 1) : Result<Json>(Json());
@@ -106,6 +121,22 @@ struct InputReader {
   }
 
  private:
+  /// What a table names. Of one case: by its place among all that the table names.
+  Result<void> read_table(const fs::path& path, Json& names) const {
+    const auto all = files_of_table(path);
+    if (!row.empty()) names = Json::object();
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (!row.empty() && all[k].of_case != row) continue;
+      auto one = read(resolved_source(absolute_path(path).parent_path(), all[k].file), 1);
+      if (!one) return fail(one.error());
+      if (row.empty())
+        names.push_back(std::move(*one));
+      else
+        names[std::to_string(k)] = std::move(*one);
+    }
+    return {};
+  }
+
   bool counts(const fs::path& path) const {
     if (path.filename().string().starts_with('.') || is_record_file(path)) return false;
     return !shapes_alone || keeps_numbers(path) || is_case_file(path);
@@ -150,11 +181,13 @@ GivenCommand with_shapes_opened(const GivenCommand& command) {
   return command.with("SHAPE", shapes);
 }
 
-/// Whether labels are meant by their names: by --label, or by those of a template set.
+/// Whether labels are meant by their names: by --label or --labels, by those of a template set, or to be those of one.
 bool asks_for_names(const GivenCommand& command) {
   return std::ranges::any_of(command.options, [](const GivenOption& option) {
     if (option.name == "TEMPLATE" || option.name == "--templates") return names_set(option.values.front());
-    return option.name == "--label" && option.values.front().find_first_not_of("0123456789,") != std::string::npos;
+    if (option.name == "SET" || option.name == "--all") return true;
+    return (option.name == "--label" || option.name == "--labels") &&
+           option.values.front().find_first_not_of("0123456789,") != std::string::npos;
   });
 }
 
@@ -254,9 +287,11 @@ Result<std::string> record_of(const GivenCommand& given, Progress& progress) {
   const RecordedVerb& known = *recorded_verb(given.verb);
   const GivenCommand command = with_shapes_opened(given);
   const bool of_names = asks_for_names(command);
+  const auto one_row = std::ranges::find(command.options, std::string_view("--case"), &GivenOption::name);
+  const std::string row = one_row != command.options.end() ? one_row->values.front() : std::string();
   Json options = Json::object();
   for (const GivenOption& option : command.options) {
-    const InputReader reader{of_shapes(option.name), of_names, &progress};
+    const InputReader reader{of_shapes(option.name), of_names, option.name == "CSV|MASK", row, &progress};
     Json values = option.values.empty() ? Json(true) : Json::array();
     for (const std::string& value : option.values) {
       std::error_code none;
@@ -271,12 +306,28 @@ Result<std::string> record_of(const GivenCommand& given, Progress& progress) {
     options[option.name] = std::move(values);
   }
   const Json record{{"version", version}, {"command", command.verb}, {"options", std::move(options)}};
-  return record.dump(-1, ' ', true, Json::error_handler_t::replace);
+  return ascii_text(record);
 }
 
 std::string record_of_output(const std::string& record, const std::string& output) {
-  const std::string name = Json(output).dump(-1, ' ', true, Json::error_handler_t::replace);
-  return record.substr(0, record.size() - 1) + ",\"output\":" + name + "}";
+  return record.substr(0, record.size() - 1) + ",\"output\":" + ascii_text(output) + "}";
+}
+
+std::string record_of_made(const std::string& record, const fs::path& output, const fs::path& file) {
+  if (file == output) return record;
+  const fs::path whole = absolute_path(output / "x").parent_path(), made = absolute_path(file);
+  const std::string within = made.lexically_relative(whole).generic_string();
+  const std::string named = whole.filename().string();
+  const bool is_called_after = is_study_file(file) && file_stem(file) == named;
+  if (!within.starts_with("..") && !is_called_after) return record_of_output(record, within);
+  // A star stands for what somebody called the output, so that files are the same under every name.
+  const std::string from_folder = made.lexically_relative(whole.parent_path()).generic_string();
+  const auto common = std::ranges::mismatch(named, from_folder);
+  const std::string ending(common.in1, named.end());
+  const std::string rest = is_called_after ? "/*" + made.filename().string().substr(named.size())
+                                           : std::string(common.in2, from_folder.end());
+  const std::string starred = record_of_output(record, "*" + rest);
+  return starred.substr(0, starred.size() - 1) + ",\"beside\":" + ascii_text(ending) + "}";
 }
 
 Result<std::string> record_of_case(const fs::path& case_file, Progress& progress) {
@@ -290,19 +341,21 @@ Result<Report> run_recorded(const VerbRun& run, const CLI::App& verb, Progress& 
   const fs::path output = verb.get_option(std::string(known->output))->results().front();
   const auto record = record_of(given_command(verb), progress);
   if (!record) return fail(record.error());
-  for (const fs::path& file : report->made) {
-    const std::string within = file.lexically_relative(output).generic_string();
-    auto added = add_record(file, file == output ? *record : record_of_output(*record, within));
-    if (!added) return fail(added.error());
-  }
+  for (const fs::path& file : report->made)
+    if (auto added = add_record(file, record_of_made(*record, output, file)); !added) return fail(added.error());
   return report;
 }
 
 std::vector<std::string> files_named_in(const fs::path& file) {
   constexpr std::uintmax_t most_bytes = std::uintmax_t{1} << 28;
   const std::string name = lower_case(file.filename().string());
-  const bool is_case = is_case_file(file), is_study = name.ends_with(".study.json"), is_set = is_template_set(file);
+  const bool is_case = is_case_file(file), is_study = is_study_file(name), is_set = is_template_set(file);
   const bool is_header = name.ends_with(".mhd") || name.ends_with(".nhdr");
+  if (is_case_table(file)) {
+    std::vector<std::string> names;
+    for (FileOfTable& one : files_of_table(file)) names.push_back(std::move(one.file));
+    return names;
+  }
   if (!is_case && !is_study && !is_set && !is_header) return {};
   const auto text = read_whole_file(file, most_bytes);
   if (!text) return {};  // whoever reads it says why

@@ -18,8 +18,10 @@ namespace homolog {
 //   {"version":"0.1.0","command":"fit","options":{"TEMPLATE":[INPUT],"--mask":[INPUT],"--label":["2"]}}
 //
 // INPUT is {"file":NAME,"bytes":N,"sha256":DIGITS}, with "names":[INPUT or null…] where the file names others (a case
-// its image); or {"folder":NAME,"files":[INPUT…]}. A flag is true. "output":"CASE/STRUCTURE.ply" says which file of a
-// folder it is; without it the command makes this file alone.
+// its image), or {"0":INPUT…} where only some of them count; or {"folder":NAME,"files":[INPUT…]}. A flag is true.
+// "output":"CASE/STRUCTURE.ply" says which file of a folder it is; without it the command makes this file alone. With
+// "beside":".set.json" the command writes a file *.set.json, and "output":"*/liver.ply" is named from where that lies;
+// stars stand for the name that it was given.
 
 /// A verb whose files carry records.
 struct RecordedVerb {
@@ -60,6 +62,11 @@ Result<std::string> record_of(const GivenCommand& command, Progress& progress);
 /// The same record for one file, `output`, of the folder that the command makes.
 std::string record_of_output(const std::string& record, const std::string& output);
 
+/// The same record for any file that the command writes: `output` itself (what the verb's option names), one of a
+/// folder `output`, or one that lies beside it or is called after it.
+std::string record_of_made(const std::string& record, const std::filesystem::path& output,
+                           const std::filesystem::path& file);
+
 /// The record of a mesh that playing a case gives: of an edit that was added to its file.
 Result<std::string> record_of_case(const std::filesystem::path& case_file, Progress& progress);
 
@@ -68,7 +75,8 @@ Result<std::string> record_of_case(const std::filesystem::path& case_file, Progr
 Result<Report> run_recorded(const VerbRun& run, const CLI::App& verb, Progress& progress);
 
 /// The files that a file names, as it spells them, in its order: a case its image and its templates, a study its
-/// shapes, a template set its templates, a header its voxels. Built-in names are left out.
+/// shapes, a template set its templates, a header its voxels, a table of cases (.csv) what `study make` reads of it.
+/// Built-in names are left out.
 std::vector<std::string> files_named_in(const std::filesystem::path& file);
 
 }  // namespace homolog

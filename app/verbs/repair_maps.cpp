@@ -15,6 +15,7 @@
 #include "core/base/paths.h"
 #include "core/model/statismo.h"
 #include "core/placement/similarity_fit.h"
+#include "core/session/case_file.h"
 #include "core/structures/repair.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
@@ -66,7 +67,7 @@ Json row_of_repair(const TemplateOfSet& structure, const RepairedStructure& foun
 
 /// Writes a mended map as it was read: under its name, in its format, or .seg.nrrd where that format is not written.
 Result<fs::path> write_mended(const MapRepairJob& job, const VolumeRead& map, const fs::path& from,
-                              std::vector<std::string>& warnings, Progress& progress) {
+                              const std::string& record, std::vector<std::string>& warnings) {
   std::error_code error;
   const fs::path& folder = job.out;
   if (fs::equivalent(folder, from.parent_path().empty() ? fs::path(".") : from.parent_path(), error))
@@ -84,9 +85,7 @@ Result<fs::path> write_mended(const MapRepairJob& job, const VolumeRead& map, co
     file = folder / (file_stem(file) + ".seg.nrrd");
     warnings.push_back(from.string() + ": its format is not written, so the mended map is " + file.string());
   }
-  const auto record = record_of(job.command.with("MAP", {from}), progress);
-  if (!record) return fail(record.error());
-  const std::string of_file = record_of_output(*record, file.filename().string());
+  const std::string of_file = record_of_output(record, file.filename().string());
   if (auto written = write_segmentation(map, file, nullptr, of_file); !written) return fail(written.error());
   return file;
 }
@@ -104,7 +103,8 @@ bool is_put_in(const RepairedMap& repaired, std::size_t k) {
 /// The structures that a person has to look at, the least sure one first, as cases of a study.
 Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const SetOfTemplates& set, const fs::path& path,
                                               const SubjectMap& map, const RepairedMap& repaired,
-                                              const fs::path& mended, std::vector<std::string>& warnings) {
+                                              const fs::path& mended, const std::string& record,
+                                              std::vector<std::string>& warnings) {
   constexpr double sure = 0.8;
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t k = 0; k < repaired.structures.size(); ++k) {
@@ -138,6 +138,7 @@ Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const Set
     }
     fitted.doubt = sentence_of(repaired.structures[k]);
     if (map.read.volume.frames > 1) fitted.frame = map.frame;
+    fitted.record = record_of_output(record, folder.filename().string() + "/" + fitted.name + case_extension);
     auto one = write_case_of_fit(fitted, folder, warnings);
     if (!one) return fail(one.error());
     cases.push_back(std::move(*one));
@@ -190,9 +191,11 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
       report.warnings.push_back(path.string() + ": " + one.segment.name + " is left as it is: " + one.why_left_out);
   for (const Variant& variant : repaired->variants)
     report.warnings.push_back(path.string() + ": " + sentence_of(variant, set));
-  const auto file = write_mended(job, map->read, path, report.warnings, progress);
+  const auto record = record_of(job.command.with("MAP", {path}), progress);
+  if (!record) return fail(record.error());
+  const auto file = write_mended(job, map->read, path, *record, report.warnings);
   if (!file) return fail(file.error());
-  auto cases = write_worklist(job, set, path, *map, *repaired, *file, report.warnings);
+  auto cases = write_worklist(job, set, path, *map, *repaired, *file, *record, report.warnings);
   if (!cases) return fail(cases.error());
   worklist.insert(worklist.end(), cases->begin(), cases->end());
   Json rows = Json::array();
@@ -231,7 +234,10 @@ Result<Report> repair_maps(const MapRepairJob& job, Progress& progress) {
       progress);
   if (!report || worklist.empty()) return report;
   const fs::path study = job.out / "worklist.study.json";
-  if (auto written = write_cases_into(study, {}, std::move(worklist)); !written) return fail(written.error());
+  const auto record = record_of(job.command, progress);
+  if (!record) return fail(record.error());
+  const auto written = write_cases_into(study, {}, std::move(worklist), record_of_made(*record, job.out, study));
+  if (!written) return fail(written.error());
   report->values["study"] = study.string();
   return report;
 }

@@ -62,7 +62,8 @@ void add_set_make(CLI::App& set, CommandLine& asked) {
   is_name_of_set(
       verb->add_option("-o,--output", job->out, "The set to write, NAME.set.json; its templates go into NAME beside it")
           ->required());
-  verb->callback([job, &asked] {
+  verb->callback([job, verb, &asked] {
+    job->command = given_command(*verb);
     if (!job->all && job->labels.empty()) throw CLI::RequiredError("--labels with the structures wanted, or --all");
     if (job->consensus && job->maps.size() < 2)
       throw CLI::ValidationError("--consensus", "is a mean of several subjects; name two maps or more");

@@ -7,6 +7,7 @@
 #include "app/verbs/case_of_fit.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/input_folders.h"
+#include "app/verbs/record.h"
 #include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/paths.h"
@@ -90,11 +91,11 @@ std::string doubt_of(const SetOfTemplates& set, const FittedSet& fitted) {
 
 /// A new case of the map with what was fitted. `first`: of the set, the structure that the case begins with.
 Result<EditSession> case_of_set(const SetOfTemplates& set, std::size_t first, const fs::path& image,
-                                const SubjectMap& map, const fs::path& file) {
+                                const SubjectMap& map, const fs::path& file, const std::string& record) {
   const std::shared_ptr<const Volume> grid = grid_of(map.read.volume);
   Document document = new_document(absolute_path(image).string(), grid, set.templates[first]);
   document.change({}, [](Structure& one) { one.landmarks.hold = true; });
-  auto session = create_case(std::move(document), file);
+  auto session = create_case(std::move(document), file, {}, record_of_output(record, file.filename().string()));
   if (session && map.frame > 0)
     if (auto shown = session->apply(SetFrame{map.frame}); !shown) return fail(shown.error());
   return session;
@@ -104,7 +105,7 @@ Result<EditSession> case_of_set(const SetOfTemplates& set, std::size_t first, co
 
 Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const fs::path& path, const SubjectMap& map,
                                     const SetInMap& subject, const FittedSet& fitted, const fs::path& folder,
-                                    std::vector<std::string>& warnings) {
+                                    const std::string& record, std::vector<std::string>& warnings) {
   StudyCase one;
   one.name = case_name_of(path);
   one.file = absolute_path(folder / (one.name + case_extension));
@@ -122,7 +123,8 @@ Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const fs::path& p
   const auto first = std::ranges::find_if(fitted.structures,
                                           [](const FittedStructure& structure) { return structure.fit.has_value(); });
   if (first == fitted.structures.end()) return fail(path.string(), "has no structure that could be fitted");
-  auto session = case_of_set(set, static_cast<std::size_t>(first - fitted.structures.begin()), path, map, one.file);
+  auto session =
+      case_of_set(set, static_cast<std::size_t>(first - fitted.structures.begin()), path, map, one.file, record);
   if (!session) return fail(session.error());
   for (EditStep& step : steps_of_fitted_set(session->document(), set, subject, fitted))
     if (auto done = session->apply(std::move(step)); !done) return fail(path.string(), done.error().what);

@@ -37,11 +37,12 @@ std::string some_of(const std::vector<std::string>& names);
 Json json_of_variants(const std::vector<Variant>& variants, const TemplateSet& set);
 
 /// Writes CASE.homolog into a folder that is there: the label map with all structures that were fitted to it, and gives
-/// its entry in a study. One that somebody worked on since its fit stays as it is, with a warning. Errors:
-/// create_case's.
+/// its entry in a study. One that somebody worked on since its fit stays as it is, with a warning. `record`: of how the
+/// maps' files are made [record.h]. Errors: create_case's.
 Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const std::filesystem::path& path, const SubjectMap& map,
                                     const SetInMap& subject, const FittedSet& fitted,
-                                    const std::filesystem::path& folder, std::vector<std::string>& warnings);
+                                    const std::filesystem::path& folder, const std::string& record,
+                                    std::vector<std::string>& warnings);
 
 /// The study of a folder of fits: "fits/fits.study.json".
 std::filesystem::path study_in(const std::filesystem::path& folder);

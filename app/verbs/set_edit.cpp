@@ -24,6 +24,7 @@ struct SetEdit {
   std::string set, first, second;
   fs::path out;  ///< empty: in place
   double within_mm = 0.5;
+  GivenCommand command;
 };
 
 /// Where a changed set is written. Errors: a set that is built in has no place of its own.
@@ -33,14 +34,27 @@ Result<fs::path> place_of_changed(const std::string& set, const fs::path& out) {
   return fs::path(set);
 }
 
-Result<Report> rename_in_set(const SetEdit& edit) {
+/// Whether a set is changed itself. What it was is gone then, so it gets no record of how it was made.
+bool is_in_place(const std::string& set, const fs::path& out) {
+  std::error_code not_there;
+  return fs::equivalent(set, out, not_there);
+}
+
+/// The record of a set that is written to `out`; empty where it is changed itself.
+Result<std::string> record_of_edit(const SetEdit& edit, const fs::path& out, Progress& progress) {
+  return is_in_place(edit.set, out) ? Result<std::string>(std::string()) : record_of(edit.command, progress);
+}
+
+Result<Report> rename_in_set(const SetEdit& edit, Progress& progress) {
   const auto out = place_of_changed(edit.set, edit.out);
   if (!out) return fail(out.error());
   auto set = load_template_set(edit.set);
   if (!set) return fail(set.error());
   if (auto renamed = rename_structure(*set, edit.first, edit.second); !renamed)
     return fail(edit.set, renamed.error().what);
-  if (auto written = write_template_set(*set, *out); !written) return fail(written.error());
+  const auto record = record_of_edit(edit, *out, progress);
+  if (!record) return fail(record.error());
+  if (auto written = write_template_set(*set, *out, *record); !written) return fail(written.error());
   Report report;
   report.values = {{"set", out->string()}, {"old", edit.first}, {"new", edit.second}};
   return report;
@@ -60,6 +74,7 @@ Result<Report> add_to_set(SetJob job, const std::string& source, Progress& progr
   const auto out = place_of_changed(source, job.out);
   if (!out) return fail(out.error());
   job.out = *out;
+  job.in_place = is_in_place(source, *out);
   auto set = load_set_of_templates(source);
   if (!set) return fail(set.error());
   if (std::ranges::find(set->templates, nullptr) != set->templates.end())
@@ -86,10 +101,10 @@ Result<Report> add_to_set(SetJob job, const std::string& source, Progress& progr
                 "gives the set no template; the first reason: " + making.rows.front()["warning"].get<std::string>());
   // One more subject says nothing of the spread among those that the set was made of.
   for (std::size_t k = 0; k < known; ++k) making.relative[k].clear();
-  return write_set(job, making);
+  return write_set(job, making, progress);
 }
 
-Result<Report> share_in_set(const SetEdit& edit) {
+Result<Report> share_in_set(const SetEdit& edit, Progress& progress) {
   const auto out = place_of_changed(edit.set, edit.out);
   if (!out) return fail(out.error());
   auto loaded = load_set_of_templates(edit.set);
@@ -125,7 +140,9 @@ Result<Report> share_in_set(const SetEdit& edit) {
     return (one.a == shared.a && one.b == shared.b) || (one.a == shared.b && one.b == shared.a);
   });
   set.shared.push_back(std::move(shared));
-  if (auto written = write_template_set(set, *out); !written) return fail(written.error());
+  const auto record = record_of_edit(edit, *out, progress);
+  if (!record) return fail(record.error());
+  if (auto written = write_template_set(set, *out, *record); !written) return fail(written.error());
   return report;
 }
 
@@ -150,8 +167,9 @@ void add_set_edits(CLI::App& set, CommandLine& asked) {
       ->required();
   add_structure_options(*add, *job);
   add_output(*add, job->out);
-  add->callback([job, source, &asked] {
+  add->callback([job, source, add, &asked] {
     if (!job->all && job->labels.empty()) throw CLI::RequiredError("--labels with the structures wanted, or --all");
+    job->command = given_command(*add);
     asked.run = [job, source](Progress& progress) { return add_to_set(*job, *source, progress); };
   });
 
@@ -160,7 +178,10 @@ void add_set_edits(CLI::App& set, CommandLine& asked) {
   rename->add_option("OLD", naming->first, "The structure's name")->required();
   rename->add_option("NEW", naming->second, "Its new name")->required();
   add_output(*rename, naming->out);
-  rename->callback([naming, &asked] { asked.run = [naming](Progress&) { return rename_in_set(*naming); }; });
+  rename->callback([naming, rename, &asked] {
+    naming->command = given_command(*rename);
+    asked.run = [naming](Progress& progress) { return rename_in_set(*naming, progress); };
+  });
 
   auto sharing = std::make_shared<SetEdit>();
   CLI::App* share =
@@ -171,7 +192,10 @@ void add_set_edits(CLI::App& set, CommandLine& asked) {
       ->check(CLI::Range(1e-9, 100.0))
       ->capture_default_str();
   add_output(*share, sharing->out);
-  share->callback([sharing, &asked] { asked.run = [sharing](Progress&) { return share_in_set(*sharing); }; });
+  share->callback([sharing, share, &asked] {
+    sharing->command = given_command(*share);
+    asked.run = [sharing](Progress& progress) { return share_in_set(*sharing, progress); };
+  });
 }
 
 }  // namespace homolog

@@ -318,7 +318,7 @@ Result<void> add_map(const SetJob& job, const fs::path& map, const std::vector<S
   return {};
 }
 
-Result<Report> write_set(const SetJob& job, SetInMaking& making) {
+Result<Report> write_set(const SetJob& job, SetInMaking& making, Progress& progress) {
   SetOfTemplates& made = making.made;
   for (const Json& row : making.rows)
     if (row["vertices"] == 0)
@@ -326,26 +326,31 @@ Result<Report> write_set(const SetJob& job, SetInMaking& making) {
                                 row["warning"].get<std::string>() + ")");
   if (made.templates.empty())
     return fail(job.maps.front().string(), "gives no template at all; the first reason: " + making.warnings.front());
+  // Of what is there now: the set itself may be changed.
+  const auto record = record_of(job.command, progress);
+  if (!record) return fail(record.error());
   std::vector<Mesh> meshes;
   for (std::size_t k = 0; k < made.templates.size(); ++k) {
     const Template& one = *made.templates[k];
     meshes.push_back({one.topology, one.points});
-    if (making.files[k].triangles.rows() > 0)
+    if (making.files[k].triangles.rows() > 0) {
+      making.files[k].record = record_of_made(*record, job.out, made.set.structures[k].file);
       if (auto written = write_mesh_file(making.files[k], made.set.structures[k].file); !written)
         return fail(written.error());
+    }
     if (making.relative[k].empty() || made.templates.size() < 2) continue;
     made.set.structures[k].pose = relative_pose(making.relative[k], one.points.colwise().mean());
   }
   find_partners(made.set);
   find_neighbours(made.set, meshes, near_mm);
-  if (auto written = write_template_set(made.set, job.out); !written) return fail(written.error());
+  if (auto written = write_template_set(made.set, job.out, job.in_place ? "" : *record); !written)
+    return fail(written.error());
   for (Json& row : making.rows)
     if (const TemplateOfSet* one = made.set.find(row["name"].get<std::string>()); one != nullptr && one->pose)
       row["pose"] = json_of_pose(*one->pose);
   Report report;
   report.warnings = std::move(making.warnings);
   report.values = {{"set", job.out.string()}, {"structures", making.rows}};
-  report.made = {job.out};
   return report;
 }
 
@@ -357,14 +362,14 @@ Result<Report> make_set(const SetJob& job, Progress& progress) {
   if (!folder) return fail(folder.error());
   if (job.consensus) {
     if (auto added = add_consensus(job, *asked, making, progress); !added) return fail(added.error());
-    return write_set(job, making);
+    return write_set(job, making, progress);
   }
   for (std::size_t m = 0; m < job.maps.size(); ++m) {
     Progress part(progress, 1 / static_cast<double>(job.maps.size()));
     if (auto added = add_map(job, job.maps[m], (*asked)[m], making, part); !added) return fail(added.error());
     if (progress.cancelled()) return fail("", "was stopped; no set is written");
   }
-  return write_set(job, making);
+  return write_set(job, making, progress);
 }
 
 }  // namespace homolog

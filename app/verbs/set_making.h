@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/verbs/record.h"
 #include "app/verbs/verb.h"
 #include "core/mesh/mesh_io.h"
 #include "core/structures/structures_in_map.h"
@@ -19,6 +20,8 @@ struct SetJob {
   std::string labels;
   bool all = false, consensus = false;
   int vertices = 2500;
+  bool in_place = false;  ///< a set is changed, which then is no input any more that could be found
+  GivenCommand command;
 
   /// Where templates go: NAME beside NAME.set.json.
   std::filesystem::path folder() const;
@@ -74,7 +77,7 @@ Result<void> add_consensus(const SetJob& job, const std::vector<std::vector<Segm
 
 /// Writes the templates that are new, and then the set, with partners and neighbours. Errors: the disk; no template at
 /// all.
-Result<Report> write_set(const SetJob& job, SetInMaking& making);
+Result<Report> write_set(const SetJob& job, SetInMaking& making, Progress& progress);
 
 /// `set make`.
 Result<Report> make_set(const SetJob& job, Progress& progress);

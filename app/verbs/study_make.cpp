@@ -9,14 +9,16 @@
 #include "app/editor/work/worklist.h"
 #include "app/verbs/case_of_fit.h"
 #include "app/verbs/case_pool.h"
+#include "app/verbs/case_table.h"
 #include "app/verbs/describe.h"
+#include "app/verbs/record.h"
 #include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
-#include "core/base/text_table.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_frame.h"
+#include "core/mesh/mesh_io.h"
 #include "core/model/doubtful_shapes.h"
 #include "core/session/case_file.h"
 
@@ -32,56 +34,13 @@ struct MakeJob {
   std::vector<fs::path> in;
   std::string template_source;
   fs::path out;
+  std::string row;  ///< of a table the case that is made alone, by its name; empty: all
+  GivenCommand command;
 
+  bool of_table() const { return in.size() == 1 && is_case_table(in.front()); }
   /// Where case files go, as in the window: NAME-cases beside the study.
   fs::path cases() const { return out.parent_path() / (file_stem(out) + "-cases"); }
 };
-
-using Row = std::map<std::string, std::string>;
-
-constexpr std::array own_columns{"name", "image", "labels", "label", "group", "file", "notes"};
-
-/// Whether a column is not a covariate.
-bool is_own_column(const std::string& column) {
-  return std::find(own_columns.begin(), own_columns.end(), column) != own_columns.end();
-}
-
-/// What a column is called here: people write "mask" for the label map and "scan" for the image.
-std::string column_named(const std::string& text) {
-  static const std::map<std::string, std::string> others{
-      {"mask", "labels"}, {"label_map", "labels"}, {"labelmap", "labels"}, {"segmentation", "labels"},
-      {"scan", "image"},  {"volume", "image"},     {"mesh", "file"},       {"shape", "file"},
-      {"case", "name"},   {"id", "name"}};
-  const std::string small = lower_case(text);
-  if (is_own_column(small)) return small;
-  const auto other = others.find(small);
-  return other == others.end() ? text : other->second;
-}
-
-/// A table with commas, semicolons or tabs between its cells. Errors: no rows, a line of another length, a column
-/// twice.
-Result<std::vector<Row>> read_rows(const fs::path& path) {
-  auto table = read_text_table(path);
-  if (!table) return fail(table.error());
-  for (std::string& column : table->columns) column = column_named(column);
-  const auto& columns = table->columns;
-  if (std::set<std::string>(columns.begin(), columns.end()).size() != columns.size())
-    return fail(path.string(), "has a column twice; rename one of them");
-  std::vector<Row> rows;
-  for (auto& cells : table->rows) {
-    Row row;
-    for (std::size_t k = 0; k < cells.size(); ++k) {
-      const bool is_own = is_own_column(columns[k]);
-      const auto number = is_own || table->separator == ',' ? std::nullopt : with_decimal_point(cells[k]);
-      row[columns[k]] = number ? *number : std::move(cells[k]);
-    }
-    rows.push_back(std::move(row));
-  }
-  if (rows.empty())
-    return fail(path.string(),
-                "has no cases; give a line with the columns (name, image, labels, label, group, file) and one a case");
-  return rows;
-}
 
 /// A number as one, all else as text.
 Json value_of(const std::string& text) {
@@ -94,26 +53,33 @@ struct RowFiles {
   fs::path file, image, labels;
 };
 
-Result<RowFiles> files_of_row(const Row& row, const fs::path& folder, const std::string& where) {
+Result<RowFiles> files_of_row(const RowOfCase& row, const fs::path& folder, const std::string& where) {
   RowFiles files;
-  const std::array<std::pair<const char*, fs::path*>, 3> wanted{
-      {{"file", &files.file}, {"image", &files.image}, {"labels", &files.labels}}};
-  for (const auto& [column, path] : wanted) {
-    const auto cell = row.find(column);
-    if (cell == row.end() || cell->second.empty()) continue;
-    *path = absolute_path(folder / cell->second);
+  const std::array<fs::path*, file_columns.size()> wanted{&files.file, &files.image, &files.labels};
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const std::string cell = cell_of(row, file_columns[k]);
+    if (cell.empty()) continue;
+    *wanted[k] = absolute_path(folder / cell);
     std::error_code ignored;
-    if (!fs::exists(*path, ignored)) return fail(path->string(), "does not exist; correct " + where);
+    if (!fs::exists(*wanted[k], ignored)) return fail(wanted[k]->string(), "does not exist; correct " + where);
   }
   if (files.file.empty() && files.image.empty() && files.labels.empty())
     return fail(where, "names no file, image or label map; name one");
   return files;
 }
 
+/// The record of a row's case: of the command that makes it alone.
+Result<std::string> record_of_row(const MakeJob& job, const std::string& name, Progress& progress) {
+  GivenCommand alone = job.command.with("--case", {});
+  alone.options.push_back({"--case", {name}});
+  const auto record = record_of(alone, progress);
+  return record ? record_of_made(*record, job.out, job.cases() / (name + case_extension)) : record;
+}
+
 /// A case for a mesh that was fitted elsewhere, on its scan.
-Result<StudyCase> case_of_mesh(const std::string& name, const RowFiles& files, std::shared_ptr<const Volume> grid,
-                               const std::shared_ptr<const Template>& the_template, const fs::path& folder,
-                               std::vector<std::string>& warnings) {
+Result<StudyCase> case_of_mesh(const MakeJob& job, const std::string& name, const RowFiles& files,
+                               std::shared_ptr<const Volume> grid, const std::shared_ptr<const Template>& the_template,
+                               std::vector<std::string>& warnings, Progress& progress) {
   const auto mesh = read_mesh_file(files.file);
   if (!mesh) return fail(mesh.error());
   FittedCase fitted{name, files.image.empty() ? files.labels : files.image, files.labels, std::move(grid),
@@ -128,15 +94,19 @@ Result<StudyCase> case_of_mesh(const std::string& name, const RowFiles& files, s
   if (mesh->doubt_mm) fitted.doubt_mm = *mesh->doubt_mm;
   if (mesh->outlier) fitted.outlier = *mesh->outlier;
   fitted.doubt = doubt_of_shape(*mesh);
-  return write_case_of_fit(fitted, folder, warnings);
+  auto record = record_of_row(job, name, progress);
+  if (!record) return fail(record.error());
+  fitted.record = std::move(*record);
+  return write_case_of_fit(fitted, job.cases(), warnings);
 }
 
 /// A case whose template lies somewhere in its scan; one that is there already stays.
-Result<StudyCase> case_of_scan(const std::string& name, const RowFiles& files, std::shared_ptr<const Volume> grid,
-                               const std::shared_ptr<const Template>& the_template, const fs::path& folder) {
+Result<StudyCase> case_of_scan(const MakeJob& job, const std::string& name, const RowFiles& files,
+                               std::shared_ptr<const Volume> grid, const std::shared_ptr<const Template>& the_template,
+                               Progress& progress) {
   StudyCase one;
   one.name = name;
-  one.file = absolute_path(folder / (name + case_extension));
+  one.file = absolute_path(job.cases() / (name + case_extension));
   one.from_scan = true;
   one.labels = files.labels;
   std::error_code ignored;
@@ -144,20 +114,20 @@ Result<StudyCase> case_of_scan(const std::string& name, const RowFiles& files, s
   const fs::path& image = files.image.empty() ? files.labels : files.image;
   Document document = new_document(image.string(), std::move(grid), the_template);
   document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
-  if (auto made = create_case(std::move(document), one.file); !made) return fail(made.error());
+  auto record = record_of_row(job, name, progress);
+  if (!record) return fail(record.error());
+  auto made = create_case(std::move(document), one.file, {}, std::move(*record));
+  if (!made) return fail(made.error());
   return one;
 }
 
-Result<StudyCase> case_of_row(const MakeJob& job, const Row& row, const fs::path& folder,
+Result<StudyCase> case_of_row(const MakeJob& job, const RowOfCase& row, const fs::path& folder,
                               const std::shared_ptr<const Template>& the_template, const std::string& where,
                               std::vector<std::string>& warnings, Progress& progress) {
   const auto files = files_of_row(row, folder, where);
   if (!files) return fail(files.error());
   const fs::path& scan = files->image.empty() ? files->labels : files->image;
-  const auto named = row.find("name");
-  const std::string name = named != row.end() && !named->second.empty() ? named->second
-                           : !files->file.empty()                       ? file_stem(files->file)
-                                                                        : file_stem(scan);
+  const std::string name = name_of_row(row);
   if (!is_file_name(name))
     return fail(where, "has the name \"" + name + "\", which cannot be a file's; choose another");
   std::shared_ptr<const Volume> grid;
@@ -175,9 +145,9 @@ Result<StudyCase> case_of_row(const MakeJob& job, const Row& row, const fs::path
     one->labels = files->labels;
     one->state = CaseState::in_work;
   } else if (!files->file.empty()) {
-    one = case_of_mesh(name, *files, std::move(grid), the_template, job.cases(), warnings);
+    one = case_of_mesh(job, name, *files, std::move(grid), the_template, warnings, progress);
   } else {
-    one = case_of_scan(name, *files, std::move(grid), the_template, job.cases());
+    one = case_of_scan(job, name, *files, std::move(grid), the_template, progress);
   }
   if (!one) return one;
   Json covariates = Json::object();
@@ -198,15 +168,18 @@ Result<StudyCase> case_of_row(const MakeJob& job, const Row& row, const fs::path
 Result<std::vector<StudyCase>> cases_of_table(const MakeJob& job, const std::shared_ptr<const Template>& the_template,
                                               Report& report, Progress& progress) {
   const fs::path& table = job.in.front();
-  const auto rows = read_rows(table);
+  auto rows = read_case_table(table);
   if (!rows) return fail(rows.error());
+  if (!job.row.empty()) std::erase_if(*rows, [&](const RowOfCase& row) { return name_of_row(row) != job.row; });
+  if (rows->empty()) return fail(table.string(), "has no case \"" + job.row + "\"; name one that it has with --case");
   std::vector<StudyCase> cases(rows->size());
   std::vector<std::vector<std::string>> warnings(rows->size());
   const auto results = run_cases(
       rows->size(),
       [&](std::size_t k, Progress& own) -> Result<Report> {
-        set_case_in_work("row " + std::to_string(k + 1));
-        const std::string where = "row " + std::to_string(k + 1) + " of " + table.string();
+        const std::string row = job.row.empty() ? "row " + std::to_string(k + 1) : "the row of " + job.row;
+        set_case_in_work(row);
+        const std::string where = row + " of " + table.string();
         auto one =
             case_of_row(job, (*rows)[k], absolute_path(table).parent_path(), the_template, where, warnings[k], own);
         if (!one) return fail(one.error());
@@ -224,6 +197,17 @@ Result<std::vector<StudyCase>> cases_of_table(const MakeJob& job, const std::sha
   return cases;
 }
 
+/// The record of a scan's case: of the command that makes it alone, of its image and its label map.
+Result<std::string> record_of_scan(const MakeJob& job, const fs::path& file, const std::vector<fs::path>& scan,
+                                   Progress& progress) {
+  std::error_code ignored;
+  // A scan of slices is a folder, which stands for the scans in it where it is given.
+  const bool alone = std::ranges::none_of(scan, [&](const fs::path& one) { return fs::is_directory(one, ignored); });
+  const auto record = record_of(alone ? job.command.with("CSV|MASK", scan) : job.command, progress);
+  if (!record) return record;
+  return record_of_made(*record, job.out, alone ? job.cases() / (file_stem(scan.front()) + case_extension) : file);
+}
+
 Result<std::vector<StudyCase>> cases_of_maps(const MakeJob& job, const std::shared_ptr<const Template>& the_template,
                                              Report& report, Progress& progress) {
   std::vector<std::vector<fs::path>> parts(1);  // loose files, then folder by folder
@@ -233,10 +217,14 @@ Result<std::vector<StudyCase>> cases_of_maps(const MakeJob& job, const std::shar
       parts.push_back({path});
     else
       parts.front().push_back(path);
+  CaseStart start{job.cases(), the_template, false, {}};
+  start.record = [&](const fs::path& file, const std::vector<fs::path>& scan) {
+    return record_of_scan(job, file, scan, progress);
+  };
   std::vector<StudyCase> cases;
   for (const auto& part : parts) {
     if (part.empty()) continue;
-    auto done = cases_of_scans(part, {job.cases(), the_template, false, {}}, progress);
+    auto done = cases_of_scans(part, start, progress);
     if (!done) return fail(done.error());
     for (StudyCase& one : done->added) cases.push_back(std::move(one));
     report.warnings.insert(report.warnings.end(), done->warnings.begin(), done->warnings.end());
@@ -252,7 +240,7 @@ Result<Report> make_study(const MakeJob& job, Progress& progress) {
   if (!the_template) return fail(the_template.error());
   const auto folder = ResultFolder::make(job.cases());
   if (!folder) return fail(folder.error());
-  const bool is_table = job.in.size() == 1 && lower_case(job.in.front().extension().string()) == ".csv";
+  const bool is_table = job.of_table();
   Report report;
   auto cases = is_table ? cases_of_table(job, *the_template, report, progress)
                         : cases_of_maps(job, *the_template, report, progress);
@@ -264,7 +252,9 @@ Result<Report> make_study(const MakeJob& job, Progress& progress) {
     without_labels += one.waits() && one.labels.empty() ? 1 : 0;
   }
   const std::size_t count = cases->size();
-  const auto added = write_cases_into(job.out, job.template_source, std::move(*cases));
+  const auto record = record_of(job.command, progress);
+  if (!record) return fail(record.error());
+  const auto added = write_cases_into(job.out, job.template_source, std::move(*cases), *record);
   if (!added) return fail(added.error());
   const auto written = read_study(job.out);
   if (!written) return fail(written.error());
@@ -292,8 +282,8 @@ Result<Report> make_study(const MakeJob& job, Progress& progress) {
 }  // namespace
 
 Result<std::size_t> write_cases_into(const fs::path& study_file, const fs::path& the_template,
-                                     std::vector<StudyCase> cases) {
-  Study study;
+                                     std::vector<StudyCase> cases, const std::string& record) {
+  Study study, alone;
   std::error_code ignored;
   if (fs::exists(study_file, ignored)) {
     auto read = read_study(study_file);
@@ -301,6 +291,8 @@ Result<std::size_t> write_cases_into(const fs::path& study_file, const fs::path&
     study = std::move(read->study);
   }
   study.template_file = is_built_in(the_template.string()) ? the_template : absolute_path(the_template);
+  alone.template_file = study.template_file;
+  alone.cases = cases;
   std::size_t added = 0;
   for (StudyCase& one : cases) {
     const auto known = std::find_if(study.cases.begin(), study.cases.end(),
@@ -319,7 +311,8 @@ Result<std::size_t> write_cases_into(const fs::path& study_file, const fs::path&
     if (!one.notes.empty()) known->notes = one.notes;
     known->other.update(one.other);
   }
-  if (auto written = write_study(study, study_file); !written) return fail(written.error());
+  const std::string of_alone = study == alone ? record : std::string();
+  if (auto written = write_study(study, study_file, of_alone); !written) return fail(written.error());
   return added;
 }
 
@@ -338,8 +331,12 @@ void add_study_make(CLI::App& study, CommandLine& asked) {
         return text.empty() || text.ends_with(".study.json") ? std::string()
                                                              : text + " is no name of a study; use NAME.study.json";
       });
-  verb->callback(
-      [options, &asked] { asked.run = [options](Progress& progress) { return make_study(*options, progress); }; });
+  verb->add_option("--case", options->row, "Of a table this case alone, by its name");
+  verb->callback([options, verb, &asked] {
+    if (!options->of_table()) refuse_without_effect(*verb, "--case", "a table");
+    options->command = given_command(*verb);
+    asked.run = [options](Progress& progress) { return make_study(*options, progress); };
+  });
 }
 
 }  // namespace homolog

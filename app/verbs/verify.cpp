@@ -37,15 +37,18 @@ struct VerifyJob {
 /// What a record says, its form checked.
 struct ReadRecord {
   std::string version, output;
+  std::optional<std::string> beside;  ///< how what the command writes ends, where the output is named from beside it
   const RecordedVerb* verb = nullptr;
   Json options;
 };
 
 Result<Json> record_json(const fs::path& file) {
-  if (is_case_file(file))
-    return fail(file.string(), "is a case, which is how a mesh was made; verify the mesh that replay wrote of it");
   const auto text = is_model_name(file) ? read_model_record(file) : read_record(file);
   if (!text) return fail(text.error());
+  if (!*text && is_case_file(file))
+    return fail(file.string(),
+                "is a case without a record of how it began; its edits are how its mesh was made, so verify the mesh "
+                "that replay wrote of it");
   if (!*text)
     return fail(file.string(),
                 "carries no record of how it was made; only what a verb of this version or a newer one wrote can be "
@@ -62,7 +65,7 @@ Result<ReadRecord> record_in(const fs::path& file) {
     const auto found = json->find(key);
     return json->is_object() && found != json->end() && found->is_string() ? found->get<std::string>() : std::string();
   };
-  ReadRecord record{text("version"), text("output"), recorded_verb(text("command")), Json::object()};
+  ReadRecord record{text("version"), text("output"), {}, recorded_verb(text("command")), Json::object()};
   if (record.version.empty() || !json->contains("options") || !(*json)["options"].is_object())
     return fail(file.string(), damaged_record().what);
   if (record.verb == nullptr)
@@ -70,6 +73,7 @@ Result<ReadRecord> record_in(const fs::path& file) {
                                    excerpt(record.version) + ", which this version " + version +
                                    " cannot do again; use that version");
   record.options = (*json)["options"];
+  if (json->contains("beside")) record.beside = text("beside");
   return record;
 }
 
@@ -161,10 +165,14 @@ Result<fs::path> made_anew(const ReadRecord& record, const FoundInputs& inputs, 
   const fs::path room = scratch / "in", folder = scratch / "out";
   fs::path anew = folder / file.filename(), out = anew;
   if (!record.output.empty()) {
-    const fs::path output(record.output);
+    const std::string called = "made";
+    fs::path output;
+    for (const fs::path& part : fs::path(record.output))
+      output /= record.beside && part.string().starts_with('*') ? called + part.string().substr(1) : part.string();
     for (const fs::path& part : output)
       if (!is_file_name(part.string())) return fail(damaged_record());
-    out = folder;
+    if (record.beside && !is_file_name(called + *record.beside)) return fail(damaged_record());
+    out = record.beside ? folder / (called + *record.beside) : folder;
     anew = folder / output;
   }
   std::error_code error;
@@ -227,6 +235,7 @@ Result<Report> verify(const VerifyJob& job, Progress& progress) {
                    {"verified_by", version},
                    {"inputs", json_of_inputs(*inputs)}};
   if (difference->voxels) report.values["different_voxels"] = *difference->voxels;
+  if (difference->lines_since) report.values["lines_since"] = *difference->lines_since;
   if (!same) report.refusal = Error{job.file.string(), sentence_of(*difference, *record)};
   return report;
 }
@@ -236,7 +245,9 @@ Result<Report> verify(const VerifyJob& job, Progress& progress) {
 void add_verify(CLI::App& app, CommandLine& asked) {
   auto job = std::make_shared<VerifyJob>();
   CLI::App* verb = add_verb(app, "verify", "Makes a file anew from its inputs, as its record says, and compares");
-  verb->add_option("FILE", job->file, "A mesh, image or model that a verb wrote")->required();
+  verb->add_option("FILE", job->file,
+                   "What a verb wrote: a mesh, an image, a model, a case, a study, a table, a page or a picture")
+      ->required();
   verb->add_option("--inputs", job->inputs,
                    "The folder in which its inputs lie, however deep and under whatever name (default: FILE's folder)");
   verb->callback([job, &asked] { asked.run = [job](Progress& progress) { return verify(*job, progress); }; });

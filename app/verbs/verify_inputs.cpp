@@ -150,15 +150,18 @@ Result<void> FoundInputs::lay_at(const Json& input, const fs::path& at, const fs
     if (auto done = lay(input["label_names"], at.parent_path(), room); !done) return fail(done.error());
   if (!input.contains("names")) return {};
   const std::vector<std::string> names = files_named_in(at);
-  if (!input["names"].is_array() || names.size() != input["names"].size()) return fail(damaged_record());
+  const Json& there_named = input["names"];
+  const bool is_whole = there_named.is_array() && there_named.size() == names.size();
+  if (!is_whole && !there_named.is_object()) return fail(damaged_record());
   for (std::size_t k = 0; k < names.size(); ++k) {
     const fs::path named = resolved_source(at.parent_path(), names[k]);
-    if (input["names"][k].is_null()) continue;
+    const Json one = is_whole ? there_named[k] : there_named.value(std::to_string(k), Json());
+    if (one.is_null()) continue;
     if (fs::path(names[k]).is_absolute())
       return fail(there->path.string(),
                   "names " + named.filename().string() +
                       " by its whole path, so what was made of it cannot be made elsewhere; save the case beside it");
-    if (auto done = lay_at(input["names"][k], named.lexically_normal(), room); !done) return done;
+    if (auto done = lay_at(one, named.lexically_normal(), room); !done) return done;
   }
   return {};
 }

@@ -22,6 +22,20 @@ constexpr std::size_t piece_bytes = 200;
 /// A header with its record is never longer: a record names some hundred bytes for each input.
 constexpr std::size_t most_header_bytes = std::size_t{16} << 20;
 
+constexpr const char* case_ending = ".homolog";
+
+/// A record as it is written: one line of ASCII.
+std::string line_of(const nlohmann::ordered_json& record) {
+  return record.dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+/// The key of a case's first line, which is JSON.
+std::string from_case(std::string_view text) {
+  const auto header = read_json<nlohmann::ordered_json>(text.substr(0, text.find('\n')));
+  if (!header || !header->is_object() || !header->contains(record_key)) return {};
+  return line_of((*header)[record_key]);
+}
+
 /// The pieces of all lines, joined.
 std::string joined_lines(std::string_view text) {
   const std::string key = std::string(record_key) + " ";
@@ -211,20 +225,25 @@ std::string record_of_vtp(std::string_view record) {
          codes + "0</DataArray>\n";
 }
 
-Result<void> add_record(const fs::path& path, std::string_view record) {
+Result<std::string> with_record(const fs::path& path, std::string bytes, std::string_view record) {
+  bytes = without_record(path, std::move(bytes));
+  if (record.empty()) return bytes;
   const RecordInText* form = form_of(path);
-  const bool is_png = is_png_name(path);
-  if (form == nullptr && !is_png) return write_record_file(path, record);
+  if (is_png_name(path) && bytes.starts_with(png_start) && bytes.size() > png_text_at)
+    return bytes.insert(png_text_at, png_chunk(record));
+  std::size_t at = form == nullptr ? bytes.npos : bytes.find(form->after);
+  if (at != bytes.npos) at += form->after.size();
+  if (at != bytes.npos && form->after.starts_with('<') && !form->after.ends_with('>')) at = bytes.find('>', at) + 1;
+  if (at == bytes.npos || at == 0) return fail(path.string(), "was changed by another program while it was written");
+  return bytes.insert(at, std::string(form->begin) + without_brackets(record) + std::string(form->end));
+}
+
+Result<void> add_record(const fs::path& path, std::string_view record) {
+  if (form_of(path) == nullptr && !is_png_name(path)) return write_record_file(path, record);
   auto bytes = read_whole_file(path);
   if (!bytes) return fail(bytes.error());
-  if (is_png && bytes->starts_with(png_start) && bytes->size() > png_text_at)
-    return write_whole_file(path, bytes->insert(png_text_at, png_chunk(record)));
-  std::size_t at = is_png ? bytes->npos : bytes->find(form->after);
-  if (at != bytes->npos) at += form->after.size();
-  if (at != bytes->npos && form->after.starts_with('<') && !form->after.ends_with('>')) at = bytes->find('>', at) + 1;
-  if (at == bytes->npos || at == 0) return fail(path.string(), "was changed by another program while it was written");
-  return write_whole_file(
-      path, bytes->insert(at, std::string(form->begin) + without_brackets(record) + std::string(form->end)));
+  const auto whole = with_record(path, std::move(*bytes), record);
+  return whole ? write_whole_file(path, *whole) : fail(whole.error());
 }
 
 std::string without_record(const fs::path& path, std::string bytes) {
@@ -261,6 +280,7 @@ Result<std::optional<std::string>> read_record(const fs::path& path) {
   if (extension == ".nrrd") record = from_nrrd(*header);
   if (extension == ".vtk") record = from_vtk(*header);
   if (extension == ".vtp" || extension == ".vtu") record = from_vtp(*header);
+  if (extension == case_ending) record = from_case(*header);
   if (const Place place = place_in(path, *header); place.size > 0) record = header->substr(place.from, place.size);
   if (!record.empty()) return record;
   const fs::path beside = record_file_of(path);
@@ -270,7 +290,7 @@ Result<std::optional<std::string>> read_record(const fs::path& path) {
   const auto json = read_json<nlohmann::ordered_json>(*text);
   if (!json) return fail(beside.string(), json.error().what + "; copy it again with its file");
   if (!json->is_object() || !json->contains(std::string(record_key))) return std::nullopt;
-  return (*json)[std::string(record_key)].dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
+  return line_of((*json)[std::string(record_key)]);
 }
 
 }  // namespace homolog

@@ -28,8 +28,12 @@ std::string record_of_vtk(std::string_view record);
 /// An array of VTP's FieldData.
 std::string record_of_vtp(std::string_view record);
 
-/// Puts a record into a file that was written whole: a picture (.png, .svg), a page (.html) or JSON holds it, any other
-/// format has it beside. Errors: the file is none of its format, the system refuses.
+/// The bytes of a picture (.png, .svg), a page (.html) or JSON with a record, in place of one that they have. Without a
+/// record: as they are. Errors: they are none of their format.
+Result<std::string> with_record(const std::filesystem::path& path, std::string bytes, std::string_view record);
+
+/// Puts a record into a file that was written whole: one of these formats holds it, any other has it beside. Errors:
+/// the file is none of its format, the system refuses.
 Result<void> add_record(const std::filesystem::path& path, std::string_view record);
 
 /// What such a file held before: `bytes` without the record, where it holds one in itself.
@@ -43,8 +47,8 @@ std::filesystem::path record_file_of(const std::filesystem::path& path);
 /// the system refuses.
 Result<void> write_record_file(const std::filesystem::path& path, std::string_view record);
 
-/// The record of a mesh or an image, in it or beside it; none where it has none. Models have theirs in their tree
-/// [read_model_record]. Errors: the file cannot be read.
+/// The record of a mesh, an image or a case (whose first line has it), in it or beside it; none where it has none.
+/// Models have theirs in their tree [read_model_record]. Errors: the file cannot be read.
 Result<std::optional<std::string>> read_record(const std::filesystem::path& path);
 
 }  // namespace homolog

@@ -234,7 +234,7 @@ Result<void> check_names(const Study& study, const fs::path& path) {
 
 }  // namespace
 
-Result<void> write_study(const Study& study, const fs::path& path) {
+Result<void> write_study(const Study& study, const fs::path& path, const std::string& record) {
   const fs::path folder = folder_of(path);
   if (auto nameable = check_names(study, path); !nameable) return nameable;
   Json json{{"homolog_study", version}};
@@ -242,11 +242,13 @@ Result<void> write_study(const Study& study, const fs::path& path) {
   json.update(study.other);
   json["cases"] = Json::array();
   for (const StudyCase& one : study.cases) json["cases"].push_back(case_json(one, folder));
-  const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  const auto text = with_record(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n', record);
+  if (!text) return fail(text.error());
   std::error_code ignored;
-  if (fs::file_size(path, ignored) == text.size())
-    if (const auto there = read_whole_file(path, text.size()); there && *there == text) return {};
-  return write_whole_file(path, text);
+  if (fs::file_size(path, ignored) >= text->size())
+    if (const auto there = read_whole_file(path); there)
+      if (*there == *text || without_record(path, *there) == *text) return {};
+  return write_whole_file(path, *text);
 }
 
 }  // namespace homolog

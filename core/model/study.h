@@ -35,6 +35,7 @@ struct StudyCase {
 
   /// Whether it has no shape of its own yet: the template lies somewhere in its scan.
   bool waits() const { return from_scan && state == CaseState::to_do; }
+  bool operator==(const StudyCase&) const = default;
 };
 
 /// The project file of a study, `*.study.json`: readable JSON, its paths relative to its own folder, so that the
@@ -49,6 +50,7 @@ struct Study {
   /// The next case that is not done: after `from`, then on from the start. Cases in doubt come before the rest, except
   /// `from` itself. −1 where all are done.
   std::ptrdiff_t next_case(std::ptrdiff_t from = -1) const;
+  bool operator==(const Study&) const = default;
 };
 
 /// The cases of a study by name, where many are looked up. The study must outlive it, and keep its cases.
@@ -72,8 +74,9 @@ struct StudyRead {
 Result<StudyRead> read_study(const std::filesystem::path& path);
 
 /// Whole or not at all, and only where the file does not hold the same already. Fields that were read and are not known
-/// here are written again.
-Result<void> write_study(const Study& study, const std::filesystem::path& path);
+/// here are written again. `record`: of how the file is made [file_record.h]. That which it has is not written again,
+/// for a study that was changed.
+Result<void> write_study(const Study& study, const std::filesystem::path& path, const std::string& record = {});
 
 /// Whether a file is called as studies are.
 bool is_study_file(const std::filesystem::path& file);

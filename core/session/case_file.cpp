@@ -261,8 +261,10 @@ Result<CaseRead> open_case(const fs::path& path, Progress* progress, const std::
   return read;
 }
 
-Result<EditSession> create_case(Document initial, const fs::path& path, const HistoryLimits& limits) {
+Result<EditSession> create_case(Document initial, const fs::path& path, const HistoryLimits& limits,
+                                std::string record) {
   EditSession session(std::move(initial), limits);
+  session.set_record(std::move(record));
   if (auto begun = go_on_in(session, path); !begun) return fail(begun.error());
   return session;
 }

@@ -51,8 +51,9 @@ bool shapes_need_image(const std::filesystem::path& path);
 Result<CaseRead> open_case(const std::filesystem::path& path, Progress* progress = nullptr,
                            const std::string& volume_source = {}, const HistoryLimits& limits = {});
 
-/// A new case whose journal is `path`; an existing file is replaced.
-Result<EditSession> create_case(Document initial, const std::filesystem::path& path, const HistoryLimits& limits = {});
+/// A new case whose journal is `path`; an existing file is replaced. `record`: how a verb makes it; empty: none does.
+Result<EditSession> create_case(Document initial, const std::filesystem::path& path, const HistoryLimits& limits = {},
+                                std::string record = {});
 
 /// Copies the case so far to `path` (paths in its first line made relative to the new folder, every other line as it
 /// is) and goes on there. A journal in unsaved_folder() is removed then. Works also where the case's own file was

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "core/base/file_record.h"
 #include "core/base/json.h"
 #include "core/base/limits.h"
 #include "core/base/paths.h"
@@ -172,7 +173,7 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const I
   return document;
 }
 
-Result<std::string> case_header(const Document& document, const fs::path& folder) {
+Result<std::string> case_header(const Document& document, const fs::path& folder, const std::string& record) {
   Json header{{"homolog", one_structure}};
   if (auto named = name_files(document, {}, folder, header); !named) return fail(named.error());
   if (const auto first = document.view()) header["placement"] = to_json(first->shape.placement);
@@ -193,6 +194,7 @@ Result<std::string> case_header(const Document& document, const fs::path& folder
     const Vec3& spacing = volume.geometry.spacing_mm;
     header["spacing_mm"] = Json::array({spacing[0], spacing[1], spacing[2]});
   }
+  if (auto made = read_json<Json>(record); made) header[std::string(record_key)] = std::move(*made);
   return dumped(header);
 }
 

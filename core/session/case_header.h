@@ -13,8 +13,10 @@ namespace homolog {
 // The first line of a case file: the files that it is made of, and where the template lies.
 
 /// For this document: volume, template (paths relative to `folder`), placement, vertices, connectivity hash, series
-/// UID, voxels, spacing and geometry hash. Errors: a path that is no UTF-8.
-Result<std::string> case_header(const Document& document, const std::filesystem::path& folder);
+/// UID, voxels, spacing and geometry hash, and how a verb made the case (empty: none did). Errors: a path that is no
+/// UTF-8.
+Result<std::string> case_header(const Document& document, const std::filesystem::path& folder,
+                                const std::string& record);
 
 /// The same line for a case that goes on in `folder` with the files of `document`, and with a label map (empty: none);
 /// all other keys stay as they are. Errors: a line that is no header, a path that is no UTF-8.

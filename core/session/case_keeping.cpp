@@ -52,7 +52,7 @@ Result<void> go_on_in(EditSession& session, const fs::path& path) {
   const auto old = session.lines().first_line();
   if (!old) return fail(old.error());
   const Document& start = session.initial_document();
-  const auto begun = old->empty() ? case_header(start, folder) : *old;
+  const auto begun = old->empty() ? case_header(start, folder, session.kept().record) : *old;
   const auto header = begun ? moved_header(*begun, start, session.kept().labels, session.templates(), folder) : begun;
   if (!header) return header.error().subject.empty() ? fail(path.string(), header.error().what) : fail(header.error());
   const std::string first_line = *header + '\n';

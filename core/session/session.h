@@ -36,6 +36,7 @@ struct KeptWithCase {
   std::filesystem::path template_file;          ///< where the template was saved as it is painted; empty: it was not
   std::optional<FitFigures> fit;                ///< of the last fit to a label map
   std::filesystem::path labels;                 ///< the label map over the image, of the first line; empty: none
+  std::string record;  ///< how a verb made it, for the first line of a new case [file_record.h]; empty: none did
 };
 
 /// A case being edited: the document, its history and its journal. Belongs to one thread.
@@ -83,6 +84,8 @@ class EditSession {
   const KeptWithCase& kept() const { return kept_; }
   /// What the first line says; a file of the case is not changed.
   void set_labels(std::filesystem::path labels) { kept_.labels = std::move(labels); }
+  /// Before the case has a file.
+  void set_record(std::string record) { kept_.record = std::move(record); }
   std::size_t history_bytes() const { return history_.bytes(); }
 
   // What keeps the case: every action is a line of it.

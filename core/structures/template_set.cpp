@@ -252,7 +252,7 @@ Result<TemplateSet> read_template_set(const fs::path& path) {
   return set;
 }
 
-Result<void> write_template_set(const TemplateSet& set, const fs::path& path) {
+Result<void> write_template_set(const TemplateSet& set, const fs::path& path, const std::string& record) {
   const fs::path folder = absolute_path(path).parent_path();
   Json json{{"homolog_set", version}};
   json.update(set.other);
@@ -271,7 +271,8 @@ Result<void> write_template_set(const TemplateSet& set, const fs::path& path) {
   }
   for (const SharedVertices& one : set.shared)
     json["shared"].push_back({{"structures", {one.a, one.b}}, {"vertices", text_of_pairs(one.vertices)}});
-  return write_whole_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  const auto text = with_record(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n', record);
+  return text ? write_whole_file(path, *text) : fail(text.error());
 }
 
 Side side_in(const std::string& name) {

@@ -62,8 +62,10 @@ nlohmann::ordered_json json_of_pose(const RelativePose& pose);
 
 /// Errors: absent, not JSON, no set, a newer version, a structure without a name or template, two of one name.
 Result<TemplateSet> read_template_set(const std::filesystem::path& path);
-/// Whole or not at all; paths of templates relative to its folder.
-Result<void> write_template_set(const TemplateSet& set, const std::filesystem::path& path);
+/// Whole or not at all; paths of templates relative to its folder. `record`: of how it is made [file_record.h]; empty:
+/// that is not known.
+Result<void> write_template_set(const TemplateSet& set, const std::filesystem::path& path,
+                                const std::string& record = {});
 
 /// The side that a name says: "kidney_left", "Left kidney", "L_hip", "hip.r".
 Side side_in(const std::string& name);

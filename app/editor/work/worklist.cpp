@@ -197,7 +197,11 @@ Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const CaseStart
   if (fs::exists(one.file, ignored)) return one;
   Document document = new_document(image.string(), pair.image->grid, start.the_template);
   document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
-  auto made = create_case(std::move(document), one.file);
+  std::vector<fs::path> scan{image};
+  if (pair.map != nullptr && pair.map != pair.image) scan.push_back(one.labels);
+  auto record = start.record ? start.record(one.file, scan) : Result<std::string>(std::string());
+  if (!record) return fail(record.error());
+  auto made = create_case(std::move(document), one.file, {}, std::move(*record));
   if (!made) return fail(made.error());
   if (!start.mirrored) return one;
   // A case's first line names the template's file, so the other side is its first step.

@@ -38,6 +38,9 @@ struct CaseStart {
   bool mirrored = false;                         ///< each begins with the template of the other side
   std::vector<std::filesystem::path> known;      ///< files of the study's cases: these are never made again
   std::string template_source;                   ///< where the template is null
+  /// How a case of an image, and of its label map where it has one, is made, for its first line; empty: by hand.
+  std::function<Result<std::string>(const std::filesystem::path& file, const std::vector<std::filesystem::path>& scan)>
+      record{};
 };
 
 /// Makes a case for every scan in a folder, or for each of several files: see Worklist::add. Errors: no scan there,

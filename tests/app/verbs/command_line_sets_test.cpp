@@ -134,8 +134,8 @@ TEST_CASE("a consensus set does not depend on which map comes first") {
   CHECK(first[1]["pose"]["offset_sd_mm"].get<double>() > 1);
   for (const char* name : {"a.ply", "b.ply", "c.ply", "d.ply"}) {
     CAPTURE(name);
-    CHECK(read_whole_file(folder.path / "first" / name).value() ==
-          read_whole_file(folder.path / "same" / name).value());
+    CHECK(without_record(read_whole_file(folder.path / "first" / name).value()) ==
+          without_record(read_whole_file(folder.path / "same" / name).value()));
     const Points one = read_mesh_file(folder.path / "first" / name).value().points;
     const Points two = read_mesh_file(folder.path / "other" / name).value().points;
     CHECK((one - two).rowwise().norm().maxCoeff() < 0.01);

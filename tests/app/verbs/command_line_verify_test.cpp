@@ -1,45 +1,11 @@
 // The command-line contract of docs/verify.md: records in what verbs write, and `verify`.
 #include "core/base/picture_io.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
-#include "core/volume/volume_io.h"
-#include "tests/ball_folder.h"
-#include "tests/command_line.h"
+#include "tests/verify_folder.h"
 
 namespace homolog {
 
 namespace {
-
-/// A ball as a template, and label maps of a larger and of a longer one.
-struct VerifyFolder : BallFolder {
-  VerifyFolder() {
-    fs::create_directory(path / "data");
-    fs::rename(path / "ball.ply", path / "data/ball.ply");
-    Mesh longer = icosphere(3, 20);
-    longer.points.col(2) *= 1.2;
-    REQUIRE(write_volume(label_map(longer, grid), path / "data/long.nii.gz"));
-    fs::rename(path / "good.nii.gz", path / "data/round.nii.gz");
-  }
-  std::string bytes(const fs::path& name) const { return read_whole_file(path / name).value(); }
-};
-
-Json verified(const TemporaryFolder& folder, const std::string& arguments) {
-  const Ran ran = run(folder, "verify " + arguments + " --json");
-  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
-  CHECK(ran.json()["largest_mm"] == 0);
-  return ran.json();
-}
-
-/// A file that is not what its inputs give: the report all the same, and one sentence.
-Json differs(const TemporaryFolder& folder, const std::string& arguments) {
-  const Ran ran = run(folder, "verify " + arguments + " --json");
-  INFO(ran.errors);
-  CHECK(ran.status == 1);
-  CHECK(lines(ran.errors) == 1);
-  CHECK(ran.json()["same"] == false);
-  return ran.json();
-}
 
 /// The first vertex of a binary PLY goes by so much along x.
 void move_first_vertex(const fs::path& file, double mm) {
@@ -256,6 +222,16 @@ TEST_CASE("a template set and a mended map are verified and a set that goes on h
   REQUIRE(run(folder, "repair data/round.nii.gz data/long.nii.gz --templates pear.set.json -o mended").status == 0);
   CHECK(verified(folder, "mended/long.nii.gz --inputs .")["inputs"].size() == 3);
   const std::string name = Json::parse(folder.bytes("pear.set.json"))["structures"][0]["name"];
+  // Its templates too; what is changed and written elsewhere names what it was made of.
+  const fs::path the_template = Json::parse(folder.bytes("pear.set.json"))["structures"][0]["template"];
+  CHECK(verified(folder, "'" + the_template.string() + "' --inputs .")["command"] == "set make");
+  REQUIRE(run(folder, "set rename pear.set.json \"" + name + "\" core -o sets/core.set.json").status != 0);
+  fs::create_directory(folder.path / "sets");
+  REQUIRE(run(folder, "set rename pear.set.json \"" + name + "\" core -o sets/core.set.json").status == 0);
+  CHECK(verified(folder, "sets/core.set.json --inputs .")["command"] == "set rename");
+  std::string other = folder.bytes("sets/core.set.json");
+  write_bytes(folder.path / "sets/core.set.json", other.replace(other.find("core"), 4, "pith"));
+  CHECK(differs(folder, "sets/core.set.json --inputs .")["command"] == "set rename");
   REQUIRE(run(folder, "set rename pear.set.json \"" + name + "\" core").status == 0);
   check_refused(run(folder, "verify pear.set.json"), "carries no record");
 }
@@ -315,6 +291,9 @@ TEST_CASE("a record can write nowhere and read nothing but what it names by its 
   refuses(bad, "damaged record");
   bad = good;
   bad["homolog.record"]["output"] = "../out.ply";
+  refuses(bad, "damaged record");
+  bad["homolog.record"]["output"] = "*.ply";
+  bad["homolog.record"]["beside"] = "/../../out.ply";
   refuses(bad, "damaged record");
 }
 

@@ -224,7 +224,7 @@ double depth_mm(const Mesh& mesh, const Mesh& other, double near_mm) {
 }
 
 std::vector<double> keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, double gap_mm,
-                               const std::vector<char>& yields) {
+                               const std::vector<char>& yields, bool may_fold) {
   constexpr int most_rounds = 40, patient_rounds = 8;
   constexpr double least_gain = 0.01;
   constexpr double at_rest_mm = 0.02, hardly_moved_mm = 0.002, ample = 1.5;
@@ -277,8 +277,13 @@ std::vector<double> keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPa
     std::vector<double> moved_mm(meshes.size());
     for_each_in_parallel(meshes.size(), [&](std::size_t k) {
       if (moves[k].by.rows() == 0) return;
-      if (!steps[k]) steps[k].emplace(meshes[k]);
       spread_movement(*meshes[k].topology, moves[k].mm, moves[k].by);
+      if (may_fold) {
+        meshes[k].points += moves[k].by;
+        moved_mm[k] = moves[k].by.rowwise().norm().maxCoeff();
+        return;
+      }
+      if (!steps[k]) steps[k].emplace(meshes[k]);
       moved_mm[k] = steps[k]->step(meshes[k], moves[k].by, ample * moves[k].mm.maxCoeff());
     });
     if (std::ranges::all_of(moved_mm, [](double mm) { return mm <= hardly_moved_mm; })) break;

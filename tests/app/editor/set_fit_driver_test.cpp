@@ -107,7 +107,7 @@ TEST_CASE("the labels of a map are a list before anything is fitted, with a choi
 
 TEST_CASE("the window fits a set and one undo takes all of its structures back") {
   const TwoBalls balls;
-  Driver driver(balls.document, {1280, 1000, 1});
+  Driver driver(balls.document, {1280, 1400, 1});
   fit_two_balls(driver, balls);
   CHECK(driver.shows("2 of 2"));
   driver.click("Fit the set");

@@ -141,6 +141,7 @@ class UnfoldedSteps {
   double step(Mesh& mesh, const Points& by, double most_mm) {
     most_mm_ = std::max(most_mm_, most_mm);
     const Points before = mesh.points;
+    pace_.setOnes();  // what had to stay in the last step may go in this one
     for (int rings = 0; rings <= most_rings; ++rings) {
       for (Eigen::Index v = 0; v < by.rows(); ++v) {
         const Vec3 whole = (before.row(v) + pace_[v] * by.row(v) - start_.row(v)).transpose();
@@ -153,7 +154,6 @@ class UnfoldedSteps {
       slow_down(*mesh.topology, faces, rings, rings < 2 ? 0.5 : 0);
     }
     mesh.points = before;
-    pace_.setZero();
     return 0;
   }
 
@@ -182,15 +182,14 @@ class UnfoldedSteps {
   }
 
   Points start_;
-  VertexScalars pace_;  ///< of each step, the share that a vertex goes
+  VertexScalars pace_;  ///< of the step, the share that a vertex goes
   double most_mm_ = 0;
   std::vector<std::array<std::int32_t, 2>> known_;  ///< faces that met at the start
 };
 
 }  // namespace
 
-void spread_movement(const Topology& topology, const VertexScalars& held, Points& by) {
-  constexpr int rings = 4;
+void spread_movement(const Topology& topology, const VertexScalars& held, Points& by, int rings) {
   for (int ring = 0; ring < rings; ++ring) {
     Points next = by;
     for (Eigen::Index v = 0; v < by.rows(); ++v) {
@@ -223,11 +222,29 @@ double depth_mm(const Mesh& mesh, const Mesh& other, double near_mm) {
   return deepest;
 }
 
+namespace {
+
+/// One step of a mesh out of the others. Gives the largest way of a vertex, mm.
+double go_out(Mesh& mesh, Push& move, double edge_mm, UnfoldedSteps& steps) {
+  constexpr double step_edges = 0.5, deep = 1.5, rings_of_edge = 3, ample = 1.5;
+  constexpr int least_rings = 4, most_rings = 40;
+  // Deep within another mesh the nearest ways out part from each other: there it goes the mean way as a whole.
+  const double way_mm = move.mm.maxCoeff(), deep_edges = way_mm / edge_mm;
+  const VertexScalars held = deep_edges > deep ? VertexScalars::Zero(move.mm.size()) : move.mm;
+  const int rings = std::clamp(static_cast<int>(std::ceil(rings_of_edge * deep_edges)), least_rings, most_rings);
+  spread_movement(*mesh.topology, held, move.by, rings);
+  // A way that is long beside the edges folds; the next round looks where to go on from there.
+  const double longest_mm = move.by.rowwise().norm().maxCoeff(), most_mm = step_edges * edge_mm;
+  if (longest_mm > most_mm) move.by *= most_mm / longest_mm;
+  return steps.step(mesh, move.by, ample * way_mm);
+}
+
+}  // namespace
+
 std::vector<double> keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, double gap_mm,
-                               const std::vector<char>& yields, bool may_fold) {
+                               const std::vector<char>& yields) {
   constexpr int most_rounds = 40, patient_rounds = 8;
-  constexpr double least_gain = 0.01;
-  constexpr double at_rest_mm = 0.02, hardly_moved_mm = 0.002, ample = 1.5;
+  constexpr double least_gain = 0.01, at_rest_mm = 0.02, hardly_moved_mm = 0.002;
   std::vector<std::vector<Sample>> samples(meshes.size());
   for (const MeshPair& pair : pairs)
     for (const std::size_t k : pair)
@@ -238,6 +255,9 @@ std::vector<double> keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPa
   };
   std::vector<double> left_mm(pairs.size());
   std::vector<std::optional<UnfoldedSteps>> steps(meshes.size());
+  std::vector<double> edge_mm(meshes.size());
+  for (std::size_t k = 0; k < meshes.size(); ++k)
+    if (!samples[k].empty()) edge_mm[k] = mean_edge_mm(*meshes[k].topology, meshes[k].points);
   double least_mm = std::numeric_limits<double>::infinity();  // of all pairs together, in any round
   int since_gain = 0;
   for (int round = 0;; ++round) {
@@ -276,15 +296,9 @@ std::vector<double> keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPa
     if (since_gain == patient_rounds) break;
     std::vector<double> moved_mm(meshes.size());
     for_each_in_parallel(meshes.size(), [&](std::size_t k) {
-      if (moves[k].by.rows() == 0) return;
-      spread_movement(*meshes[k].topology, moves[k].mm, moves[k].by);
-      if (may_fold) {
-        meshes[k].points += moves[k].by;
-        moved_mm[k] = moves[k].by.rowwise().norm().maxCoeff();
-        return;
-      }
+      if (moves[k].by.rows() == 0 || moves[k].mm.maxCoeff() <= 0) return;
       if (!steps[k]) steps[k].emplace(meshes[k]);
-      moved_mm[k] = steps[k]->step(meshes[k], moves[k].by, ample * moves[k].mm.maxCoeff());
+      moved_mm[k] = go_out(meshes[k], moves[k], edge_mm[k], *steps[k]);
     });
     if (std::ranges::all_of(moved_mm, [](double mm) { return mm <= hardly_moved_mm; })) break;
   }

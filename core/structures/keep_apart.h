@@ -22,14 +22,13 @@ double share_within(const Mesh& mesh, const Mesh& other);
 /// Moves closed meshes apart where two of a pair lie within each other, smoothly, until they are `gap_mm` apart (0:
 /// until they touch). Both go the same way; where only one of them `yields`, it goes all of it (0 or 1 a mesh; empty:
 /// all are alike). No vertex moves that is not near such a place, and no step turns a face or brings two faces of a
-/// mesh through each other: it is taken back there. `may_fold`: none is taken back, so that a mesh goes out of another
-/// by hand however deep it lies. Returns what is left of each pair: the largest depth beyond the
+/// mesh through each other: it is taken back there. Returns what is left of each pair: the largest depth beyond the
 /// gap, in mm; 0 where there is none.
 std::vector<double> keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPair> pairs, double gap_mm = 0,
-                               const std::vector<char>& yields = {}, bool may_fold = false);
+                               const std::vector<char>& yields = {});
 
 /// Spreads movements of vertices to those around, less with every ring. `held`: above 0 where a vertex's movement is
-/// given and stays. `by`: n×3, in mm.
-void spread_movement(const Topology& topology, const VertexScalars& held, Points& by);
+/// given and stays. `by`: n×3, in mm. `rings`: how far, in edges.
+void spread_movement(const Topology& topology, const VertexScalars& held, Points& by, int rings = 4);
 
 }  // namespace homolog

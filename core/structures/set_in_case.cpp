@@ -79,7 +79,7 @@ std::optional<SetPoints> apart_from_others(const Document& document, const std::
   if (pairs.empty()) return std::nullopt;
   std::vector<char> yields(meshes.size());
   yields.front() = 1;
-  keep_apart(meshes, pairs, gap_mm, yields, true);
+  keep_apart(meshes, pairs, gap_mm, yields);
   if (meshes.front().points == *shown->shape.points) return std::nullopt;
   return points_edit(*shown, meshes.front().points, by_keep_apart);
 }

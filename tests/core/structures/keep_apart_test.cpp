@@ -63,6 +63,18 @@ TEST_CASE("one that yields goes all the way") {
   CHECK(balls[1].points(on_axis, 0) == doctest::Approx(20).epsilon(0.01));
 }
 
+TEST_CASE("one that lies ten millimetres deep, which is many edges, comes out without a fold") {
+  // The small ball reaches past the middle of the large one's cap.
+  std::vector<Mesh> balls{large_ball_at(0), large_ball_at(22, 12)};
+  const Mesh first = balls[0];
+  REQUIRE(depth_mm(balls[1], balls[0], 1) > 9);
+  CHECK(keep_apart(balls, {&both, 1}, 1, {0, 1}).front() <= 0.1);
+  CHECK(balls[0].points == first.points);
+  CHECK(depth_mm(balls[1], balls[0], 2) <= -0.9);
+  CHECK(self_intersections(balls[1]).empty());
+  CHECK(turned_triangles(*balls[1].topology, large_ball_at(22, 12).points, balls[1].points).empty());
+}
+
 TEST_CASE("a structure of a case goes out of its neighbour and stays in the wall that holds it") {
   const auto ball_at = [](double x_mm, double radius_mm) {
     MeshFile file;

@@ -23,13 +23,11 @@ struct Ran {
   Json json() const { return Json::parse(out, nullptr, false); }
 };
 
-/// Runs the program with `arguments` as a shell would, without a display. `before`: what the shell runs it by
-/// ("timeout 20 ").
-inline Ran run(const TemporaryFolder& folder, const std::string& arguments, const std::string& before = "") {
+/// Runs a command as a shell would, without a display. `before`: what the shell runs it by ("timeout 20 ").
+inline Ran run_command(const TemporaryFolder& folder, const std::string& command_line, const std::string& before = "") {
   const fs::path errors = folder.path / "stderr";
-  const std::string command = "cd '" + folder.path.string() + "' && " + before +
-                              "env -u DISPLAY -u WAYLAND_DISPLAY '" HOMOLOG_PROGRAM "' " + arguments + " 2>'" +
-                              errors.string() + "' </dev/null";
+  const std::string command = "cd '" + folder.path.string() + "' && " + before + "env -u DISPLAY -u WAYLAND_DISPLAY " +
+                              command_line + " 2>'" + errors.string() + "' </dev/null";
   FILE* pipe = ::popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
   Ran ran;
@@ -42,7 +40,17 @@ inline Ran run(const TemporaryFolder& folder, const std::string& arguments, cons
   return ran;
 }
 
-/// The same on a disk where no file grows beyond `most_bytes`.
+/// Runs the program.
+inline Ran run(const TemporaryFolder& folder, const std::string& arguments, const std::string& before = "") {
+  return run_command(folder, "'" HOMOLOG_PROGRAM "' " + arguments, before);
+}
+
+/// Runs the laboratory.
+inline Ran run_lab(const TemporaryFolder& folder, const std::string& arguments) {
+  return run_command(folder, "'" HOMOLOG_PROGRAM "-lab' " + arguments);
+}
+
+/// Runs the program on a disk where no file grows beyond `most_bytes`.
 inline Ran run_on_full_disk(const TemporaryFolder& folder, const std::string& arguments, rlim_t most_bytes) {
   const SmallFilesOnly full(most_bytes);
   return run(folder, arguments);

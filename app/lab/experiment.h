@@ -31,6 +31,7 @@ Json json_of(const SchemeRun& run);
 
 void add_lab_bench(CLI::App& app, CommandLine& asked);
 void add_lab_corrupt(CLI::App& app, CommandLine& asked);
+void add_lab_repairs(CLI::App& app, CommandLine& asked);
 void add_study_user(CLI::App& study, CommandLine& asked);
 void add_study_schemes(CLI::App& study, CommandLine& asked);
 void add_study_bias(CLI::App& study, CommandLine& asked);

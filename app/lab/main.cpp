@@ -17,7 +17,7 @@ void add_experiments(CLI::App& app, CommandLine& asked) {
   add_study_experts(*study, asked);
 }
 
-constexpr std::array<AddVerb*, 3> lab_verbs{add_experiments, add_lab_bench, add_lab_corrupt};
+constexpr std::array<AddVerb*, 4> lab_verbs{add_experiments, add_lab_bench, add_lab_corrupt, add_lab_repairs};
 
 }  // namespace
 

@@ -41,6 +41,13 @@ struct BodyFolder : TemporaryFolder {
   }
 };
 
+/// body.set.json: a template of each of the two balls.
+void make_set_of_kidneys(const BodyFolder& folder) {
+  const Ran made =
+      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+}
+
 /// Maps of eggs in a row, "a" to "d" with the labels 1 to 4, as three subjects have them: moved, larger, each a little
 /// off its place. The first lacks "d", the second "a".
 struct SubjectsFolder : TemporaryFolder {
@@ -333,9 +340,7 @@ TEST_CASE("a set is the same whatever the threads and holds only what was asked 
 
 TEST_CASE("fit takes a set: a mesh for each structure and one label map") {
   const BodyFolder folder;
-  REQUIRE(
-      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
-      0);
+  make_set_of_kidneys(folder);
   const Ran fitted = run(folder, "fit body.set.json --mask body.seg.nrrd -o fits --json");
   REQUIRE(fitted.status == 0);
   CHECK(fitted.errors.find("speck") != std::string::npos);  // for which the set has no template
@@ -385,9 +390,7 @@ TEST_CASE("fit takes a set: a mesh for each structure and one label map") {
 
 TEST_CASE("a fit of a set has the same bytes whatever the threads, and a case that fails leaves the others") {
   const BodyFolder folder;
-  REQUIRE(
-      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
-      0);
+  make_set_of_kidneys(folder);
   fs::copy(folder.path / "body.seg.nrrd", folder.path / "other.seg.nrrd");
   REQUIRE(write_whole_file(folder.path / "torn.nii.gz", "no volume"));
   const Ran many =
@@ -493,9 +496,7 @@ TEST_CASE("a joint model takes a case that was worked on after the fit in place 
 
 TEST_CASE("a fit of a set refuses what it cannot use, in a sentence") {
   const BodyFolder folder;
-  REQUIRE(
-      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
-      0);
+  make_set_of_kidneys(folder);
   CHECK(run(folder, "fit body.set.json --mask body.seg.nrrd -o fits --partial").status == 2);
   CHECK(run(folder, "fit body.set.json --mask body.seg.nrrd -o fits.ply").status == 2);
   CHECK(run(folder, "fit body.set.json -o fits").status == 2);
@@ -514,9 +515,7 @@ TEST_CASE("a fit of a set refuses what it cannot use, in a sentence") {
 
 TEST_CASE("a folder of single masks, each on a grid of its own, is one case of a set") {
   const BodyFolder folder;
-  REQUIRE(
-      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
-      0);
+  make_set_of_kidneys(folder);
   fs::create_directories(folder.path / "subject");
   for (const double x_mm : {0.0, 44.0}) {
     Mesh ball = icosphere(4, 20);
@@ -543,9 +542,7 @@ TEST_CASE("a folder of single masks, each on a grid of its own, is one case of a
 
 TEST_CASE("a name that two labels have is left out of a set and of a fit with both values, and the rest goes on") {
   const BodyFolder folder;
-  REQUIRE(
-      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
-      0);
+  make_set_of_kidneys(folder);
   VolumeRead doubled = test::must(read_volume(folder.path / "body.seg.nrrd"));
   for (Segment& segment : doubled.segmentation.segments)
     if (segment.name == "speck") segment.name = "Kidney_Left";
@@ -598,9 +595,7 @@ TEST_CASE("a structure that repair puts in goes into the worklist") {
 
 TEST_CASE("repair names a map that is empty, has nothing of the set or misses the image, and goes on with the rest") {
   const BodyFolder folder;
-  REQUIRE(
-      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
-      0);
+  make_set_of_kidneys(folder);
   VolumeRead map = test::must(read_volume(folder.path / "body.seg.nrrd"));
   VolumeRead empty = map;
   std::visit([](auto& voxels) { std::ranges::fill(voxels, 0); }, empty.volume.data);
@@ -627,6 +622,30 @@ TEST_CASE("repair names a map that is empty, has nothing of the set or misses th
   CHECK(away.status == 1);
   CHECK(away.errors.find("body.seg.nrrd: lies 18") != std::string::npos);
   CHECK(away.errors.find("mm outside of scan.nrrd; give the scan that it is of") != std::string::npos);
+}
+
+TEST_CASE("the laboratory judges repair on label maps that it made wrong") {
+  const BodyFolder folder;
+  make_set_of_kidneys(folder);
+  const Ran made = run_lab(folder, "corrupt body.seg.nrrd --kinds island --count 3 --seed 4 -o broken");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  const Ran judged = run_lab(folder, "repairs broken/planted.json --templates body.set.json -o judged --json");
+  REQUIRE_MESSAGE(judged.status == 0, judged.errors);
+  const Json report = judged.json();
+  CHECK(report["maps"] == 3);
+  CHECK(report["structures"] == 6);
+  CHECK(report["sound_voxels_changed"] == 0);
+  REQUIRE(report["kinds"].size() == 1);
+  const Json& islands = report["kinds"][0];
+  CHECK(islands["kind"] == "island");
+  CHECK(islands["planted"].get<int>() >= 1);  // of the speck, too, one may be made
+  CHECK(islands["found"] == islands["planted"]);
+  CHECK(islands["false_alarms"] == 0);
+  CHECK(islands["dice_before"].get<double>() < 1);
+  CHECK(islands["dice_after"] == 1.0);
+  const std::string table = read_whole_file(folder.path / "judged/structures.csv").value();
+  CHECK(lines(table) == 7);
+  check_refused(run_lab(folder, "repairs body.set.json --templates body.set.json -o judged"), "lists no label maps");
 }
 
 TEST_CASE("repair counts a sixth lumbar vertebra as a variant, and fills nothing in") {
@@ -677,9 +696,7 @@ TEST_CASE("the built-in set is told without a file and its templates are taken b
 
 TEST_CASE("repair takes an island away, keeps the rest, and writes a worklist") {
   const BodyFolder folder;
-  REQUIRE(
-      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
-      0);
+  make_set_of_kidneys(folder);
   // A speck of the left kidney in a corner.
   Volume wrong = test::must(read_volume(folder.path / "body.seg.nrrd")).volume;
   const VolumeRead truth = test::must(read_volume(folder.path / "body.seg.nrrd"));
@@ -712,9 +729,7 @@ TEST_CASE("repair takes an island away, keeps the rest, and writes a worklist") 
 
 TEST_CASE("repair never writes over the map that it reads, and keeps a folder of single masks as one") {
   const BodyFolder folder;
-  REQUIRE(
-      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 400 -o body.set.json").status ==
-      0);
+  make_set_of_kidneys(folder);
   const std::string before = read_whole_file(folder.path / "body.seg.nrrd").value();
   const Ran over = run(folder, "repair body.seg.nrrd --templates body.set.json -o .");
   CHECK(over.status == 1);

@@ -27,6 +27,13 @@ inline Json verified(const TemporaryFolder& folder, const std::string& arguments
   return ran.json();
 }
 
+/// Fits a set of the ball alone, data/ball.set.json, to the longer one, into sets/.
+inline void fit_set_of_ball(const VerifyFolder& folder) {
+  write_bytes(folder.path / "data/ball.set.json",
+              R"({"homolog_set":1,"structures":[{"name":"A","value":1,"template":"ball.ply"}]})");
+  REQUIRE(run(folder, "fit data/ball.set.json --mask data/long.nii.gz -o sets").status == 0);
+}
+
 /// A file that is not what its inputs give: the report all the same, and one sentence.
 inline Json differs(const TemporaryFolder& folder, const std::string& arguments) {
   const Ran ran = run(folder, "verify " + arguments + " --json");

@@ -84,9 +84,7 @@ TEST_CASE("a case keeps its record when it is saved elsewhere and a study loses 
 
 TEST_CASE("the cases and the study of a fitted set and of a worklist are verified") {
   const VerifyFolder folder;
-  write_bytes(folder.path / "data/two.set.json",
-              R"({"homolog_set":1,"structures":[{"name":"A","value":1,"template":"ball.ply"}]})");
-  REQUIRE(run(folder, "fit data/two.set.json --mask data/long.nii.gz -o sets").status == 0);
+  fit_set_of_ball(folder);
   CHECK(verified(folder, "sets/long.homolog --inputs data")["inputs"].size() == 3);
   CHECK(verified(folder, "sets/sets.study.json --inputs data")["same"] == true);
   // A map with a speck in a corner is one to look at.
@@ -95,7 +93,7 @@ TEST_CASE("the cases and the study of a fitted set and of a worklist are verifie
   for (const std::size_t first : {31, 61, 91, 931, 961, 991})
     for (std::size_t x = 0; x < 4; ++x) labels[first + x] = 1;
   REQUIRE(write_volume(broken, folder.path / "data/broken.nii.gz"));
-  const Ran ran = run(folder, "repair data/broken.nii.gz --templates data/two.set.json -o mended --json");
+  const Ran ran = run(folder, "repair data/broken.nii.gz --templates data/ball.set.json -o mended --json");
   REQUIRE_MESSAGE(ran.status == 0, ran.errors);
   REQUIRE(ran.json().contains("study"));
   CHECK(verified(folder, "mended/worklist.study.json --inputs data")["same"] == true);

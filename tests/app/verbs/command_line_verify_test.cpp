@@ -208,9 +208,7 @@ TEST_CASE("labels that are chosen by name are verified with the file that names 
 
 TEST_CASE("each file of a fitted set is verified") {
   const VerifyFolder folder;
-  write_bytes(folder.path / "data/two.set.json",
-              R"({"homolog_set":1,"structures":[{"name":"A","value":1,"template":"ball.ply"}]})");
-  REQUIRE(run(folder, "fit data/two.set.json --mask data/long.nii.gz -o sets").status == 0);
+  fit_set_of_ball(folder);
   CHECK(verified(folder, "sets/long/A.ply --inputs data")["inputs"].size() == 3);
   CHECK(verified(folder, "sets/long.seg.nrrd --inputs data")["same"] == true);
 }

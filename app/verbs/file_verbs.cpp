@@ -101,7 +101,7 @@ Json describe(const Agreement& agreement) {
 }
 
 /// A mesh, or that of a case as it is.
-Result<MeshFile> read_shape(const fs::path& path) {
+Result<MeshFile> read_shape_or_surface(const fs::path& path) {
   if (!is_case_file(path)) return read_mesh_file(path);
   auto shapes = read_shapes_of(path);
   if (!shapes) return fail(shapes.error());
@@ -136,13 +136,13 @@ void add_compare(CLI::App& app, CommandLine& asked) {
   add_level_option(*verb, options->level)->needs(mask_option);
   verb->add_option("--mesh", options->other, "Another mesh or case to compare with")->excludes(mask_option);
   const auto compare = [options](Progress& progress) -> Result<Report> {
-    const auto file = read_shape(options->mesh);
+    const auto file = read_shape_or_surface(options->mesh);
     if (!file) return fail(file.error());
     auto mesh = surface_of(*file, options->mesh);
     if (!mesh) return fail(mesh.error());
     std::vector<std::string> warnings = mesh_warnings(options->mesh, *file, *mesh);
     if (!options->other.empty()) {
-      const auto other_file = read_shape(options->other);
+      const auto other_file = read_shape_or_surface(options->other);
       if (!other_file) return fail(other_file.error());
       auto other = surface_of(*other_file, options->other);
       if (!other) return fail(other.error());

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <mutex>
 #include <sstream>
 
 #include "app/verbs/case_table.h"
@@ -82,6 +84,31 @@ bool changes_no_byte(const std::string& name) {
   return name == "--json" || name == "--quiet" || name == "--jobs" || name == "--help";
 }
 
+/// SHA-256 of a file. Several records of one run name the same inputs, of which images are large: each is read once.
+Result<std::string> known_sum(const fs::path& path, std::uintmax_t bytes, Progress* progress) {
+  struct Sum {
+    std::uintmax_t bytes;
+    fs::file_time_type written;
+    std::string sha256;
+  };
+  static std::mutex mutex;
+  static std::map<std::string, Sum> sums;
+  std::error_code error;
+  const auto written = fs::last_write_time(path, error);
+  const std::string name = absolute_path(path).string();
+  if (!error) {
+    const std::lock_guard lock(mutex);
+    const auto known = sums.find(name);
+    if (known != sums.end() && known->second.bytes == bytes && known->second.written == written)
+      return known->second.sha256;
+  }
+  auto sum = sha256_of_file(path, progress);
+  if (!sum || error) return sum;
+  const std::lock_guard lock(mutex);
+  sums[name] = {bytes, written, *sum};
+  return sum;
+}
+
 /// What has to be known of a command to tell its inputs.
 struct InputReader {
   bool shapes_alone = false;  ///< a folder stands for the shapes in it
@@ -97,7 +124,7 @@ struct InputReader {
     if (fs::is_directory(path, none)) return read_folder(path);
     const auto bytes = size_of_file(path);
     if (!bytes) return fail(bytes.error());
-    auto sum = sha256_of_file(path, progress);
+    auto sum = known_sum(path, *bytes, progress);
     if (!sum) return fail(sum.error());
     Json input{{"file", path.filename().string()}, {"bytes", *bytes}, {"sha256", std::move(*sum)}};
     Json names = Json::array();

@@ -166,6 +166,7 @@ Result<std::vector<PageCase>> cases_of_set(const ReportVerb& verb, const Trainin
     const std::string& file = training.names[k];
     const auto of_study = known->find(file);
     one.name = of_study == known->end() ? names[k] : of_study->second.name;
+    one.flipped = of_study != known->end() && of_study->second.flipped;
     if (!training.groups.empty()) one.group = training.groups[k];
     if (const auto reason = doubtful.find(file); reason != doubtful.end()) one.doubt = reason->second;
     one.size_mm = training.sizes_mm[k];
@@ -229,10 +230,8 @@ Result<PageContent> content_of_set(const ReportVerb& verb, Progress& progress) {
   content.distance_modes = modes_holding(components.variances(), share_of_distances);
   content.model.left_out_distances = left_out_distances(components, content.distance_modes);
   put_distances(content);
-  content.flipped = static_cast<Eigen::Index>(training->flipped);
-  if (const auto of_studies = cases_of_studies(verb.training.files))
-    for (const std::string& name : training->names)
-      if (const auto one = of_studies->find(name); one != of_studies->end() && one->second.flipped) ++content.flipped;
+  content.flipped =
+      static_cast<Eigen::Index>(training->flipped) + std::ranges::count(content.cases, true, &PageCase::flipped);
   content.model.parts = training->parts;
   content.model.alignment = verb.training.alignment();
   content.shapes = components.centred.colwise() + components.mean;

@@ -30,6 +30,7 @@ struct PageCase {
   std::string doubt;                  ///< why somebody has to look at it; empty: nothing is known against it
   std::string excluded;               ///< why it is not in the model; empty: it is
   Eigen::Index shape = -1;            ///< its column in the shapes and the scores; −1: it is not in the model
+  bool flipped = false;               ///< its study flips it left for right
   std::optional<double> size_mm;      ///< centroid size before it was aligned
   std::optional<double> doubt_mm;     ///< root mean square over its vertices
   std::optional<double> distance_sd;  ///< from the model of the others [left_out_distances]

@@ -117,7 +117,7 @@ Result<void> take_direction_out(const std::vector<fs::path>& two, Alignment alig
   ShapeMatrix ends(shapes.rows(), 2);
   for (Eigen::Index k = 0; k < 2; ++k) {
     const fs::path& file = two[static_cast<std::size_t>(k)];
-    const auto read = read_shape({file, {}});
+    const auto read = read_shape(ShapeSource{file, {}});
     if (!read) return fail(read.error());
     if ((*read)->points.size() != shapes.rows())
       return fail(file.string(), "has " + std::to_string((*read)->points.rows()) + " vertices where the shapes have " +

@@ -100,33 +100,64 @@ void put_wall(const WallPair& pair, int frame, const VolumeCurve& before, Volume
                                  {pair.outer->the_template->topology, *one.outer});
 }
 
-/// The wall that a structure has a part in. Once known it stays, as long as both are there.
-std::optional<WallPair> wall_of(const Document& document, const Structure& structure, const VolumeCurve& before) {
+/// The meshes that a wall is looked for among: the structure's own in the first frame that was edited, then the
+/// others'.
+struct WallMeshes {
+  int frame = 0;
+  std::vector<const Structure*> structures;
+  std::vector<std::shared_ptr<const Points>> points;  ///< one for each structure
+};
+
+WallMeshes wall_meshes(const Document& document, const Structure& structure) {
+  WallMeshes meshes;
+  for (const auto& [frame, shape] : structure.shapes) {
+    if (shape->strokes == 0) continue;
+    meshes = {frame, {&structure}, {shape->points}};
+    for (const auto& other : document.structures) {
+      const Shape* there = other.get() == &structure ? nullptr : other->shape(frame);
+      if (there == nullptr || there->strokes == 0) continue;
+      meshes.structures.push_back(other.get());
+      meshes.points.push_back(there->points);
+    }
+    break;
+  }
+  return meshes;
+}
+
+/// The nearest of the others that lies around the structure, or that the structure lies around.
+std::optional<WallPair> nearest_wall(const WallMeshes& meshes) {
+  std::optional<WallPair> found;
+  const auto mesh_of = [&](std::size_t k) {
+    return Mesh{meshes.structures[k]->the_template->topology, *meshes.points[k]};
+  };
+  double thinnest_ml = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < meshes.structures.size(); ++k) {
+    const Mesh own = mesh_of(0), other = mesh_of(k);
+    const double between_ml = std::abs(enclosed_volume_ml(other) - enclosed_volume_ml(own));
+    if (between_ml >= thinnest_ml) continue;
+    if (lies_around(other, own))
+      found = WallPair{meshes.structures[0], meshes.structures[k]};
+    else if (lies_around(own, other))
+      found = WallPair{meshes.structures[k], meshes.structures[0]};
+    else
+      continue;
+    thinnest_ml = between_ml;
+  }
+  return found;
+}
+
+/// The wall that a structure has a part in. Once known it stays, as long as both are there. `curve` keeps where none
+/// was found, so that it is looked for again only when a mesh has changed.
+std::optional<WallPair> wall_of(const Document& document, const Structure& structure, const VolumeCurve& before,
+                                VolumeCurve& curve) {
   if (before.inner == structure.id || before.outer == structure.id) {
     const Structure *inner = document.structure(before.inner), *outer = document.structure(before.outer);
     if (!before.inner.empty() && inner != nullptr && outer != nullptr) return WallPair{inner, outer};
   }
-  std::optional<WallPair> found;
-  double thinnest_ml = std::numeric_limits<double>::infinity();
-  for (const auto& [frame, shape] : structure.shapes) {
-    if (shape->strokes == 0) continue;
-    const Mesh own{structure.the_template->topology, *shape->points};
-    for (const auto& other : document.structures) {
-      const Shape* there = other.get() == &structure ? nullptr : other->shape(frame);
-      if (there == nullptr || there->strokes == 0) continue;
-      const Mesh mesh{other->the_template->topology, *there->points};
-      const double between_ml = std::abs(enclosed_volume_ml(mesh) - enclosed_volume_ml(own));
-      if (between_ml >= thinnest_ml) continue;
-      if (lies_around(mesh, own))
-        found = WallPair{&structure, other.get()};
-      else if (lies_around(own, mesh))
-        found = WallPair{other.get(), &structure};
-      else
-        continue;
-      thinnest_ml = between_ml;
-    }
-    break;
-  }
+  WallMeshes meshes = wall_meshes(document, structure);
+  const bool same = !before.looked_at.empty() && meshes.points == before.looked_at;
+  const auto found = same ? std::nullopt : nearest_wall(meshes);
+  if (!found) curve.looked_at = std::move(meshes.points);
   return found;
 }
 
@@ -134,7 +165,7 @@ std::optional<WallPair> wall_of(const Document& document, const Structure& struc
 
 VolumeCurve volume_curve(const Document& document, const Structure& structure, const VolumeCurve& before) {
   VolumeCurve curve;
-  const auto wall = wall_of(document, structure, before);
+  const auto wall = wall_of(document, structure, before, curve);
   if (wall) curve.inner = wall->inner->id, curve.outer = wall->outer->id;
   std::map<int, double> trusted;
   for (const auto& [frame, shared] : structure.shapes) {

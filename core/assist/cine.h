@@ -48,6 +48,7 @@ struct VolumeCurve {
   std::map<int, Frame> frames;
   std::optional<Ejection> ejection;  ///< of the frames that are in no doubt; none where there are fewer than two
   std::string inner, outer;          ///< the structures of the wall, by their ids; empty: there is none
+  std::vector<std::shared_ptr<const Points>> looked_at;  ///< the meshes among which no wall was found
 };
 /// `structure` is one of the document's. Its wall is that to the nearest structure that lies around it in the first
 /// frame that was edited (all but 2 % of the inner one's vertices within 0.5 mm of its inside), or that it lies around,

@@ -16,9 +16,10 @@ namespace {
 
 constexpr float label_units = 24, label_eye_units = 22, most_labels_listed = 9;
 
-std::set<int> hidden_labels_of(const UiContext& ui) {
+const std::set<int>& hidden_labels_of(const UiContext& ui) {
+  static const std::set<int> none;
   const auto& hidden = ui.state.look.hidden_labels;
-  return hidden ? *hidden : std::set<int>();
+  return hidden ? *hidden : none;
 }
 
 void hide_labels(const std::set<int>& labels, Outbox& out) {
@@ -36,8 +37,7 @@ std::vector<int> listed_labels(const UiContext& ui) {
 
 void draw_label(const UiContext& ui, int label, int in_hand, float width, Outbox& out) {
   const Theme& theme = ui.theme;
-  std::set<int> hidden = hidden_labels_of(ui);
-  const bool shown = !hidden.contains(label);
+  const bool shown = !hidden_labels_of(ui).contains(label);
   const std::string name = ui.labels().label_name(label);
   const Part part(name, "label");
   const ImVec2 at = ImGui::GetCursorScreenPos(), size{width, theme.px(label_units)};
@@ -65,6 +65,7 @@ void draw_label(const UiContext& ui, int label, int in_hand, float width, Outbox
   if (icon_button(theme, shown ? icon::eye : icon::eye_shut, "eye",
                   shown ? "Hides this label in the slices" : "Shows this label in the slices", {}, false,
                   label_eye_units)) {
+    std::set<int> hidden = hidden_labels_of(ui);
     if (shown)
       hidden.insert(label);
     else
@@ -79,13 +80,14 @@ void draw_label_eyes(const UiContext& ui, const std::vector<int>& listed, int in
   const Theme& theme = ui.theme;
   const float third = (ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3;
   const std::string none_listed = listed.empty() ? "No name holds what you typed." : "";
-  std::set<int> hidden = hidden_labels_of(ui);
   if (button(theme, "Show all", "Opens the eyes of all labels in the list", none_listed, third)) {
+    std::set<int> hidden = hidden_labels_of(ui);
     for (const int label : listed) hidden.erase(label);
     hide_labels(hidden, out);
   }
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Show none", "Shuts the eyes of all labels in the list", none_listed, third)) {
+    std::set<int> hidden = hidden_labels_of(ui);
     hidden.insert(listed.begin(), listed.end());
     hide_labels(hidden, out);
   }
@@ -94,7 +96,7 @@ void draw_label_eyes(const UiContext& ui, const std::vector<int>& listed, int in
   const bool none_chosen = std::find(values.begin(), values.end(), in_hand) == values.end();
   if (button(theme, "Only this", "Shows the chosen label and hides the others",
              none_chosen ? "Click a label of the list first." : "", third)) {
-    hidden = {values.begin(), values.end()};
+    std::set<int> hidden(values.begin(), values.end());
     hidden.erase(in_hand);
     hide_labels(hidden, out);
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "app/pictures/plates.h"
 #include "app/pictures/plots.h"
@@ -26,15 +27,9 @@ Result<std::size_t> plot_column(const TextTable& table, const std::string& name)
   return static_cast<std::size_t>(found - table.columns.begin());
 }
 
-std::optional<double> plot_number(const TextTable& table, const std::string& cell) {
-  const auto mended = table.separator == ',' ? std::nullopt : with_decimal_point(cell);
-  const auto number = as_number<double>(mended ? *mended : cell);
+std::optional<double> plot_number(const std::string& cell) {
+  const auto number = as_number<double>(cell);
   return number && std::isfinite(*number) ? number : std::nullopt;
-}
-
-bool is_empty_cell(const std::string& cell) {
-  const std::string small = lower_case(cell);
-  return small.empty() || small == "na" || small == "nan";
 }
 
 Result<std::vector<PlotRow>> plot_rows(const TextTable& table, const TablePlot& shown) {
@@ -46,8 +41,8 @@ Result<std::vector<PlotRow>> plot_rows(const TextTable& table, const TablePlot& 
   std::vector<PlotRow> rows;
   for (std::size_t k = 0; k < table.rows.size(); ++k) {
     const auto& cells = table.rows[k];
-    if (is_empty_cell(cells[*x]) || is_empty_cell(cells[*y]) || is_empty_cell(cells[*by])) continue;
-    const auto number = plot_number(table, cells[*y]);
+    if (is_missing(cells[*x]) || is_missing(cells[*y]) || is_missing(cells[*by])) continue;
+    const auto number = plot_number(cells[*y]);
     if (!number)
       return fail("", "has \"" + cells[*y] + "\" in line " + std::to_string(table.lines[k]) + " where " + shown.y +
                           " should be a number; name a column of numbers with --y");
@@ -57,12 +52,12 @@ Result<std::vector<PlotRow>> plot_rows(const TextTable& table, const TablePlot& 
   return rows;
 }
 
-/// Words in the order of their first rows.
-template <class Word>
-std::vector<std::string> words_of(const std::vector<PlotRow>& rows, const Word& word) {
+/// Words in the order of their first rows, each once.
+std::vector<std::string> words_of(const std::vector<PlotRow>& rows, std::string PlotRow::*word) {
   std::vector<std::string> words;
+  std::set<std::string> seen;
   for (const PlotRow& row : rows)
-    if (std::find(words.begin(), words.end(), word(row)) == words.end()) words.push_back(word(row));
+    if (seen.insert(row.*word).second) words.push_back(row.*word);
   return words;
 }
 
@@ -97,11 +92,11 @@ Result<Page> table_plot(const TextTable& table, const TablePlot& shown, double w
   std::vector<double> x, y;
   for (const PlotRow& row : *rows) {
     y.push_back(row.y);
-    if (const auto number = plot_number(table, row.x)) x.push_back(*number);
+    if (const auto number = plot_number(row.x)) x.push_back(*number);
   }
   const bool is_named = x.size() < rows->size();  // one word, and all are names
-  const auto names = words_of(*rows, [](const PlotRow& row) { return row.x; });
-  const auto groups = words_of(*rows, [](const PlotRow& row) { return row.by; });
+  const auto names = is_named ? words_of(*rows, &PlotRow::x) : std::vector<std::string>();
+  const auto groups = words_of(*rows, &PlotRow::by);
   const std::size_t most = plot_colours.size();
   if (groups.size() > most || (is_named && names.size() > 20))
     return fail("", "has " + std::to_string(groups.size() > most ? groups.size() : names.size()) + " groups in " +
@@ -128,7 +123,7 @@ Result<Page> table_plot(const TextTable& table, const TablePlot& shown, double w
     for (const PlotRow& row : *rows) {
       if (row.by != groups[g]) continue;
       if (!is_named) {
-        dots.emplace_back(*plot_number(table, row.x), row.y);
+        dots.emplace_back(*plot_number(row.x), row.y);
         continue;
       }
       auto& values = of_name[place_of(names, row.x)];

@@ -34,14 +34,11 @@ Result<std::vector<RowOfCase>> read_case_table(const fs::path& path) {
   const auto& columns = table->columns;
   if (std::set<std::string>(columns.begin(), columns.end()).size() != columns.size())
     return fail(path.string(), "has a column twice; rename one of them");
+  if (auto mended = mend_decimal_commas(path, *table, is_own_column); !mended) return fail(mended.error());
   std::vector<RowOfCase> rows;
   for (auto& cells : table->rows) {
     RowOfCase row;
-    for (std::size_t k = 0; k < cells.size(); ++k) {
-      const bool may_be_number = table->separator != ',' && !is_own_column(columns[k]);
-      const auto number = may_be_number ? with_decimal_point(cells[k]) : std::nullopt;
-      row[columns[k]] = number ? *number : std::move(cells[k]);
-    }
+    for (std::size_t k = 0; k < cells.size(); ++k) row[columns[k]] = std::move(cells[k]);
     rows.push_back(std::move(row));
   }
   if (rows.empty())

@@ -91,10 +91,9 @@ Result<Report> convert_contours(const fs::path& in, const fs::path& out, const f
 }
 
 /// A label map on the grid of an image, with the voxels that it has.
-Result<VolumeRead> read_on_image(const fs::path& in, VolumeReadOptions reading, const fs::path& like) {
-  VolumeReadOptions of_image;
-  of_image.progress = reading.progress;
-  const auto image = read_volume(like, of_image);
+Result<VolumeRead> read_on_image(const fs::path& in, VolumeReadOptions reading, const fs::path& like, bool resample) {
+  if (auto usable = check_reading(like, "", false, resample); !usable) return fail(usable.error());
+  const auto image = read_volume(like, read_options("", {}, *reading.progress, resample));
   if (!image) return fail(image.error());
   reading.image = ImageGrid{image->volume.geometry, image->volume.frame_of_reference};
   auto map = read_volume(in, reading);
@@ -107,6 +106,7 @@ Result<VolumeRead> read_on_image(const fs::path& in, VolumeReadOptions reading, 
     return fail(in.string(), "does not lie on the voxels of " + like.string() +
                                  "; resample it to that image, or leave out --like to write it as it is");
   map->warnings.insert(map->warnings.begin(), image->warnings.begin(), image->warnings.end());
+  map->resampled = image->resampled;
   if (auto other = other_images(in, map->referenced, like, image->volume)) map->warnings.push_back(std::move(*other));
   return map;
 }
@@ -177,7 +177,8 @@ void add_convert(CLI::App& app, CommandLine& asked) {
                   "is not of the same kind as " + options->in.string() +
                       "; use label-map to make a volume of a mesh, and template to make a mesh of a volume");
     }
-    auto warnings = check_reading(options->in, options->series, !options->spacing_mm.empty(), options->resample);
+    auto warnings = check_reading(options->in, options->series, !options->spacing_mm.empty(),
+                                  options->resample && options->like.empty());
     if (!warnings) return fail(warnings.error());
     if (is_mesh_name(options->in)) {
       const Vec3 times = options->times * (options->from_ras ? Vec3(-1, -1, 1) : Vec3(1, 1, 1));
@@ -192,9 +193,11 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     if (options->times != 1 || options->from_ras)
       return fail(options->in.string(),
                   "is a volume, on which --times and --from-ras have no effect; correct the geometry in its header");
-    const VolumeReadOptions reading = read_options(options->series, options->spacing_mm, progress, options->resample);
-    auto read =
-        options->like.empty() ? read_volume(options->in, reading) : read_on_image(options->in, reading, options->like);
+    const bool on_image = !options->like.empty();
+    const VolumeReadOptions reading =
+        read_options(options->series, options->spacing_mm, progress, options->resample && !on_image);
+    auto read = on_image ? read_on_image(options->in, reading, options->like, options->resample)
+                         : read_volume(options->in, reading);
     if (!read) return fail(read.error());
     if (is_dicom_name(options->out) && read->segmentation.segments.empty() && !holds_labels(read->volume))
       return fail(options->in.string(),

@@ -218,8 +218,9 @@ Result<Report> of_plot(const PlateVerb& verb) {
   if (is_model_name(file) && !verb.plot.x.empty())
     return fail(file.string(), "is a model, so --x and --y have no effect; leave them out");
   if (!is_model_name(file)) {
-    const auto table = read_text_table(file);
+    auto table = read_text_table(file);
     if (!table) return fail(table.error());
+    if (auto mended = mend_decimal_commas(file, *table); !mended) return fail(mended.error());
     return write_plate(verb.plot.x.empty() ? measure_plots(*table, width_mm) : table_plot(*table, verb.plot, width_mm),
                        *verb.picture);
   }

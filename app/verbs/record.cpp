@@ -52,7 +52,8 @@ const std::array recorded_verbs{
     RecordedVerb{"set share", {"SET"}, "--output", {}},
     RecordedVerb{"study make", {"CSV|MASK", "--template"}, "--output", {}},
     RecordedVerb{"score", {"NEW", "--model", "--landmarks", "--template"}, "--output", {}},
-    RecordedVerb{"test", {"SHAPE", "--covariates", "--permutation-file", "--templates"}, "--csv", {}},
+    RecordedVerb{
+        "test", {"SHAPE", "--covariates", "--permutation-file", "--templates", "--without-direction"}, "--csv", {}},
     RecordedVerb{"evaluate", {"SHAPE"}, "--csv", {}},
     RecordedVerb{
         "measure", {"SHAPE", "--recipe", "--template", "--landmarks", "--image", "--model"}, "--csv", {"--profiles"}},

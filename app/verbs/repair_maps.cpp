@@ -19,6 +19,7 @@
 #include "core/structures/repair.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
+#include "core/volume/referenced_images.h"
 #include "core/volume/write_segmentation.h"
 
 // The verb `repair`: what is wrong with the structures of label maps, and maps that are mended.
@@ -182,10 +183,16 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
   const SetInMap subject = find_in_map(set.set, map->read, map->frame);
   if (auto known = check_structures(subject, path); !known) return fail(known.error());
   if (auto met = check_meeting(job, path, subject, options.image); !met) return fail(met.error());
+  if (image)
+    if (auto same = check_same_space(path, map->read.volume.frame_of_reference, job.image, image->volume); !same)
+      return fail(same.error());
   const auto repaired = repair_map(set, map->read, map->frame, options);
   if (!repaired) return fail(path.string(), repaired.error().what);
   Report report;
   report.warnings = map->read.warnings;
+  if (image)
+    if (auto other = other_images(path, map->read.referenced, job.image, image->volume))
+      report.warnings.push_back(std::move(*other));
   for (const StructureInMap& one : subject.structures)
     if (!one.why_left_out.empty())
       report.warnings.push_back(path.string() + ": " + one.segment.name + " is left as it is: " + one.why_left_out);
@@ -236,7 +243,8 @@ Result<Report> repair_maps(const MapRepairJob& job, Progress& progress) {
   const fs::path study = job.out / "worklist.study.json";
   const auto record = record_of(job.command, progress);
   if (!record) return fail(record.error());
-  const auto written = write_cases_into(study, {}, std::move(worklist), record_of_made(*record, job.out, study));
+  const auto written =
+      write_cases_into(study, {}, std::move(worklist), record_of_output(*record, study.filename().string()));
   if (!written) return fail(written.error());
   report->values["study"] = study.string();
   return report;

@@ -310,7 +310,8 @@ void add_test(CLI::App& app, CommandLine& asked) {
                    "Of \"age ~ shape\": how many modes explain (default: those that hold more than chance)")
       ->check(CLI::Range(1, 10000));
   verb->add_option("--templates", options->templates,
-                   "Shapes of the same cases in other templates, a folder or a study each: is the answer theirs too?");
+                   "Shapes of the same cases in other templates, a folder or a study each: is the answer theirs too?")
+      ->excludes("--without-direction");
   auto* tables = verb->add_option("--csv", options->tables, "Folder for cases.csv and, of shapes, landmarks.csv");
   verb->add_option("--at", options->at, "Also write where each case has this vertex (N,N,…) into vertex-N.csv there")
       ->delimiter(',')

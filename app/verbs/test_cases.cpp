@@ -8,6 +8,7 @@
 
 #include "core/base/file_stem.h"
 #include "core/base/nearest_names.h"
+#include "core/base/text_table.h"
 #include "core/model/joint_set.h"
 #include "core/model/model_files.h"
 #include "core/model/shape_files.h"
@@ -106,13 +107,15 @@ Result<TrainingSetRead> read_shapes_asked(const TrainingVerb& shapes, Progress& 
   if (shapes.structures.empty()) return read_training_set(shapes.files, shapes.reading, &progress);
   const auto cases = structure_files(shapes.files, shapes.structures, ShapeWorksFrame::local, 1);
   if (!cases) return fail(cases.error());
-  auto joint = read_joint_set(*cases, shapes.structures, {shapes.reading.without_doubtful}, &progress);
+  auto joint = read_joint_set(
+      *cases, shapes.structures,
+      {.without_doubtful = shapes.reading.without_doubtful, .vertex_doubts = shapes.reading.vertex_doubts}, &progress);
   if (!joint) return fail(joint.error());
   return std::move(joint->read);
 }
 
 /// Takes the direction from one shape to the other out of aligned shapes: what they differ along it is nobody's.
-Result<void> take_direction_out(const std::vector<fs::path>& two, Alignment alignment, ShapeMatrix& shapes) {
+Result<void> take_direction_out(const std::vector<fs::path>& two, const TrainingVerb& asked, ShapeMatrix& shapes) {
   const Eigen::VectorXd mean = shapes.rowwise().mean();
   ShapeMatrix ends(shapes.rows(), 2);
   for (Eigen::Index k = 0; k < 2; ++k) {
@@ -122,7 +125,15 @@ Result<void> take_direction_out(const std::vector<fs::path>& two, Alignment alig
     if ((*read)->points.size() != shapes.rows())
       return fail(file.string(), "has " + std::to_string((*read)->points.rows()) + " vertices where the shapes have " +
                                      std::to_string(shapes.rows() / 3) + "; give two shapes of the same template");
-    const Points aligned = aligned_to((*read)->points, points_of(mean), alignment);
+    Points points = (*read)->points;
+    if (asked.alignment() != Alignment::none && looks_mirrored(points_of(mean), points)) {
+      if (!asked.reading.flip_mirrored)
+        return fail(file.string(),
+                    "is a mirror image of the shapes (left and right exchanged), whose direction is another; use "
+                    "--flip-mirrored");
+      points.col(0) *= -1;
+    }
+    const Points aligned = aligned_to(points, points_of(mean), asked.alignment());
     ends.col(k) = Eigen::Map<const Eigen::VectorXd>(aligned.data(), aligned.size());
   }
   const Eigen::VectorXd along = ends.col(1) - ends.col(0);
@@ -197,7 +208,7 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& rea
   }
   align(cases.shapes, asked.shapes.alignment());
   if (!asked.direction.empty())
-    if (auto out = take_direction_out(asked.direction, asked.shapes.alignment(), cases.shapes); !out) return out;
+    if (auto out = take_direction_out(asked.direction, asked.shapes, cases.shapes); !out) return out;
   if (!asked.shapes.reading.vertex_doubts) return {};
   const Eigen::Index vertices = cases.shapes.rows() / 3;
   VertexScalars squares = VertexScalars::Zero(vertices);

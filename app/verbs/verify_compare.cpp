@@ -9,6 +9,7 @@
 #include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/base/paths.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/statismo.h"
 #include "core/model/study.h"
@@ -245,9 +246,10 @@ Result<FileDifference> difference_of_files(const fs::path& file, const fs::path&
   const auto a = read_whole_file(file), b = read_whole_file(anew);
   if (!a) return fail(a.error());
   if (!b) return fail(b.error());
-  if (*a == *b && !is_case_file(file)) return FileDifference{true, true, 0, std::nullopt, {}};
   const bool is_case = is_case_file(file);
-  if (is_case || is_study_file(file) || is_template_set(file)) {
+  const bool names_others = is_case || is_study_file(file) || is_template_set(file);
+  if (*a == *b && !names_others) return FileDifference{true, true, 0, std::nullopt, {}};
+  if (names_others) {
     auto difference = is_case ? difference_of_cases(file, *a, *b, progress) : difference_of_lists(*a, *b);
     if (!difference || !difference->same_content) return difference;
     auto named = difference_of_named(file, anew, progress);

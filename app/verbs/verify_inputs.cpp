@@ -160,7 +160,8 @@ Result<void> FoundInputs::lay_at(const Json& input, const fs::path& at, const fs
     if (fs::path(names[k]).is_absolute())
       return fail(there->path.string(),
                   "names " + named.filename().string() +
-                      " by its whole path, so what was made of it cannot be made elsewhere; save the case beside it");
+                      " by its whole path, so what was made of it cannot be made elsewhere; " +
+                      (is_case_file(there->path) ? "save the case beside it" : "name it relative to this file"));
     if (auto done = lay_at(one, named.lexically_normal(), room); !done) return done;
   }
   return {};

@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
@@ -22,8 +24,13 @@ struct TextTable {
 /// 32 MiB, a line with another number of cells than columns.
 Result<TextTable> read_text_table(const std::filesystem::path& path);
 
-/// "0,5" as "0.5": where cells are not parted by commas, spreadsheets of many countries write numbers so. Of other text
-/// nothing.
-std::optional<std::string> with_decimal_point(const std::string& cell);
+/// Whether a cell holds no value: it is empty, or says "NA", "NaN", "." or "?".
+bool is_missing(std::string_view cell);
+
+/// Writes "0,5" as "0.5" in the columns that hold numbers alone: where cells are not parted by commas, spreadsheets of
+/// many countries write numbers so. `of_text`: columns that hold text whatever it looks like. Errors: a column that has
+/// points too, or whose commas may all part thousands ("1,234").
+Result<void> mend_decimal_commas(const std::filesystem::path& path, TextTable& table,
+                                 const std::function<bool(const std::string& column)>& of_text = {});
 
 }  // namespace homolog

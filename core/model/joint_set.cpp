@@ -16,6 +16,7 @@ struct OneStructure {
   TrainingSetRead read;
   std::map<std::string, Eigen::Index> column;  ///< of the shape that a file gave
   std::map<std::string, std::string> doubt;    ///< of a file that was left out
+  std::map<std::string, VertexScalars> vertex_doubts;
 };
 
 Result<OneStructure> read_structure(const std::vector<CaseFiles>& cases, std::size_t structure, const std::string& name,
@@ -33,6 +34,7 @@ Result<OneStructure> read_structure(const std::vector<CaseFiles>& cases, std::si
       return Result<void>();
     }
     result.column[shape.name] = static_cast<Eigen::Index>(builder.shapes());
+    if (shape.mesh->doubt_mm) result.vertex_doubts[shape.name] = *shape.mesh->doubt_mm;
     builder.add(shape.name, *shape.mesh);
     return Result<void>();
   };
@@ -60,6 +62,7 @@ struct OneCase {
   std::string name;
   IncompleteShape shape;
   std::vector<std::string> lacks;  ///< each with the reason
+  VertexScalars doubt_mm{};        ///< of all vertices; empty where a structure has none
 };
 
 std::vector<StructurePart> parts_of(const std::vector<std::string>& names, const std::vector<OneStructure>& of) {
@@ -91,12 +94,18 @@ Result<std::shared_ptr<const Topology>> joint_topology(const std::vector<Structu
 OneCase joined_case(const CaseFiles& files, const std::vector<StructurePart>& parts,
                     const std::vector<OneStructure>& of) {
   OneCase one{files.name, {}, {}};
-  one.shape.points.setZero(3 * (parts.back().first_vertex + parts.back().vertices));
+  const Eigen::Index vertices = parts.back().first_vertex + parts.back().vertices;
+  one.shape.points.setZero(3 * vertices);
+  one.doubt_mm.setZero(vertices);
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const ShapeSource& source = files.of_structure[k];
     const std::string file = source.file.empty() ? std::string() : source.name({});
     const auto found = of[k].column.find(file);
     one.shape.has.push_back(found != of[k].column.end());
+    const auto known = of[k].vertex_doubts.find(file);
+    const bool has_doubt = known != of[k].vertex_doubts.end() && known->second.size() == parts[k].vertices;
+    if (!has_doubt) one.doubt_mm.resize(0);
+    if (one.doubt_mm.size() > 0) one.doubt_mm.segment(parts[k].first_vertex, parts[k].vertices) = known->second;
     if (one.shape.has.back()) {
       one.shape.points.segment(3 * parts[k].first_vertex, 3 * parts[k].vertices) =
           of[k].read.set.shapes.col(found->second);
@@ -140,6 +149,7 @@ Result<void> settle(std::vector<OneCase> cases, const JointOptions& options, Joi
     const auto shape = static_cast<Eigen::Index>(set.names.size());
     set.names.push_back(one.name);
     set.shapes.col(shape) = one.shape.points;
+    if (options.vertex_doubts && one.doubt_mm.size() > 0) joint.read.vertex_doubts[one.name] = one.doubt_mm;
     if (one.lacks.empty()) continue;
     const CompletedShape found = completed_shape(complete, joint.parts, one.shape, options.alignment);
     set.shapes.col(shape) = found.points;

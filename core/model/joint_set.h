@@ -20,6 +20,7 @@ struct JointOptions {
   /// Cases that lack structures but not all are completed [completed_shapes]; else they are left out.
   bool complete = false;
   Alignment alignment = Alignment::similarity;  ///< in which they are completed
+  bool vertex_doubts = false;                   ///< gives those of cases whose structures all have them
 };
 
 /// Reads the structures of cases (structure_files) and joins them, the structures in the order given. The sentences of

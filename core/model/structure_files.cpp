@@ -139,7 +139,8 @@ class Finder {
         return fail(file.string(), "has " + one.name +
                                        " as a mesh, which holds one structure; name the folder of the structures' "
                                        "meshes in place of the study");
-      const std::string name = frames[one.file].size() > 1 ? one.name : file_stem(one.file);
+      const bool is_whole = one.structure.empty();  // else it is named after its structure too
+      const std::string name = is_whole || frames[one.file].size() > 1 ? one.name : file_stem(one.file);
       const bool done = one.state == CaseState::done;
       if (auto added = add_case(name, {one.file, one.frame, one.flipped, done ? std::string() : one.doubt, one.group,
                                        done, one.structure});

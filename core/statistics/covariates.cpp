@@ -26,20 +26,6 @@ Result<void> refuse_twice(const std::string& source, const char* what, const std
   return {};
 }
 
-/// Columns of numbers with decimal commas get decimal points.
-void mend_decimal_commas(TextTable& table) {
-  for (std::size_t k = 0; k < table.columns.size(); ++k) {
-    std::vector<std::string> mended;
-    for (const auto& row : table.rows) {
-      const auto number = with_decimal_point(row[k]);
-      if (!number && !is_missing(row[k]) && !as_number<double>(row[k])) break;
-      mended.push_back(number.value_or(row[k]));
-    }
-    if (mended.size() == table.rows.size())
-      for (std::size_t i = 0; i < mended.size(); ++i) table.rows[i][k] = std::move(mended[i]);
-  }
-}
-
 }  // namespace
 
 std::optional<std::size_t> CovariateTable::column(std::string_view name) const {
@@ -48,16 +34,10 @@ std::optional<std::size_t> CovariateTable::column(std::string_view name) const {
   return static_cast<std::size_t>(found - columns.begin());
 }
 
-bool is_missing(std::string_view cell) {
-  const std::string small = lower_case(std::string(trimmed(cell)));
-  constexpr std::array<std::string_view, 6> words{"", "na", "n/a", "nan", ".", "?"};
-  return std::find(words.begin(), words.end(), small) != words.end();
-}
-
 Result<CovariateTable> read_covariates(const std::filesystem::path& path) {
   auto read = read_text_table(path);
   if (!read) return fail(read.error());
-  if (read->separator != ',') mend_decimal_commas(*read);
+  if (auto mended = mend_decimal_commas(path, *read); !mended) return fail(mended.error());
   CovariateTable table{path.string(), std::move(read->columns), {}, {}};
   const std::size_t names = column_of_names(table.columns);
   for (std::size_t k = 0; k < read->rows.size(); ++k) {

@@ -25,7 +25,4 @@ struct CovariateTable {
 /// Errors: unreadable, no rows, a line with another number of cells, a column or a case twice, a row without a name.
 Result<CovariateTable> read_covariates(const std::filesystem::path& path);
 
-/// Whether a cell says that nothing is known: empty, NA, N/A, NaN, "." or "?".
-bool is_missing(std::string_view cell);
-
 }  // namespace homolog

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace homolog {
 
@@ -66,13 +67,16 @@ std::optional<VoxelMapping> mapping_of(const VolumeGeometry& grid, const VolumeG
 }
 
 bool put_on_grid(VolumeRead& map, const VolumeGeometry& grid) {
-  const auto mapping = mapping_of(grid, map.volume.geometry);
-  if (!mapping) return false;
-  for (const Volume& layer : map.other_layers)
-    if (!same_grid(layer.geometry, map.volume.geometry)) return false;
-  if (same_grid(map.volume.geometry, grid)) return true;
-  map.volume = layer_on_grid(map.volume, grid, *mapping);
-  for (Volume& layer : map.other_layers) layer = layer_on_grid(layer, grid, *mapping);
+  std::vector<Volume*> layers{&map.volume};
+  for (Volume& layer : map.other_layers) layers.push_back(&layer);
+  std::vector<VoxelMapping> mappings;  // masks of a folder lie on grids of their own
+  for (const Volume* layer : layers) {
+    const auto mapping = mapping_of(grid, layer->geometry);
+    if (!mapping) return false;
+    mappings.push_back(*mapping);
+  }
+  for (std::size_t k = 0; k < layers.size(); ++k)
+    if (!same_grid(layers[k]->geometry, grid)) *layers[k] = layer_on_grid(*layers[k], grid, mappings[k]);
   return true;
 }
 

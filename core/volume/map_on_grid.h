@@ -20,8 +20,8 @@ struct VoxelMapping {
 /// Nothing where the voxels of the map are no voxels of the grid within a hundredth of one, or leave it.
 std::optional<VoxelMapping> mapping_of(const VolumeGeometry& grid, const VolumeGeometry& map);
 
-/// Puts a label map whose voxels are voxels of a grid onto that, in the grid's axes; voxels that it lacks are 0. False,
-/// with nothing changed, where its voxels lie elsewhere.
+/// Puts a label map whose voxels are voxels of a grid onto that, each layer, in the grid's axes; voxels that it lacks
+/// are 0. False, with nothing changed, where voxels of a layer lie elsewhere.
 bool put_on_grid(VolumeRead& map, const VolumeGeometry& grid);
 
 }  // namespace homolog

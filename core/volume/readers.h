@@ -47,6 +47,9 @@ std::string name_without_numbers(const std::filesystem::path& path);
 /// Whether a file in a folder is no part of a scan: beside each file, macOS leaves one named `._NAME` on other disks.
 bool is_hidden(const std::filesystem::path& path);
 
+/// The files of a folder of single masks, in the order in which they are read: label k + 1 is that of file k.
+std::vector<std::filesystem::path> mask_files(const std::filesystem::path& folder);
+
 /// Whether this machine stores the most significant byte first.
 bool native_big_endian();
 

@@ -9,6 +9,7 @@
 #include "core/base/memory.h"
 #include "core/base/parallel.h"
 #include "core/volume/dicom_stack.h"
+#include "core/volume/readers.h"
 
 namespace homolog {
 namespace fs = std::filesystem;
@@ -30,7 +31,9 @@ struct SlicePlaces {
   VolumeGeometry grid;
 };
 
-SlicePlaces places_of(const DicomArrangement& arrangement, const VolumeGeometry& old, double step_mm) {
+/// Errors: make_geometry's.
+Result<SlicePlaces> places_of(const fs::path& path, const DicomArrangement& arrangement, const VolumeGeometry& old,
+                              double step_mm) {
   const Mat3& axes = old.direction;
   const auto slices = static_cast<std::size_t>(arrangement.slices);
   const Vec3 first = *arrangement.planes.front().plane->position_mm;
@@ -45,12 +48,21 @@ SlicePlaces places_of(const DicomArrangement& arrangement, const VolumeGeometry&
     most = most.cwiseMax(at);
   }
   // What is left over by rounding alone needs no further pixels.
-  const auto over = [](double pixels) { return static_cast<int>(std::ceil(pixels - rounded_voxels)); };
-  places.grid = old;
-  places.grid.spacing_mm.z() = step_mm;
-  places.grid.dims = {old.dims[0] + over(most.x() - least.x()), old.dims[1] + over(most.y() - least.y()),
-                      static_cast<int>(std::floor(most.z() + rounded_voxels)) + 1};
-  places.grid.origin_mm = first + axes * Vec3(least.x() * old.spacing_mm.x(), least.y() * old.spacing_mm.y(), 0);
+  const auto over = [](double pixels) { return std::ceil(pixels - rounded_voxels); };
+  const auto count = [](double voxels) { return static_cast<std::int64_t>(std::min(voxels, 1e15)); };
+  Vec3 spacing_mm = old.spacing_mm;
+  spacing_mm.z() = step_mm;
+  auto grid =
+      make_geometry(path,
+                    {count(old.dims[0] + over(most.x() - least.x())), count(old.dims[1] + over(most.y() - least.y())),
+                     count(std::floor(most.z() + rounded_voxels) + 1)},
+                    axes * spacing_mm.asDiagonal(),
+                    first + axes * Vec3(least.x() * old.spacing_mm.x(), least.y() * old.spacing_mm.y(), 0));
+  if (!grid) return fail(grid.error());
+  places.grid = old;  // its axes to the bit
+  places.grid.dims = grid->dims;
+  places.grid.spacing_mm = spacing_mm;
+  places.grid.origin_mm = grid->origin_mm;
   for (auto& frame : places.frames)
     for (OldSlice& slice : frame) {
       slice.column -= least.x();
@@ -118,7 +130,9 @@ Result<ResampledSlices> resample_slices(const fs::path& path, const DicomArrange
   std::sort(gaps.begin(), gaps.end());
   done.least_mm = gaps.front();
   done.most_mm = gaps.back();
-  const SlicePlaces places = places_of(arrangement, old, gaps[gaps.size() / 2]);
+  const auto made = places_of(path, arrangement, old, gaps[gaps.size() / 2]);
+  if (!made) return fail(made.error());
+  const SlicePlaces& places = *made;
   const VolumeGeometry& grid = places.grid;
   done.dims = grid.dims;
   done.spacing_mm = grid.spacing_mm;

@@ -128,13 +128,14 @@ Result<void> write_slicer(const VolumeRead& map, const fs::path& path, Progress*
 
 /// The voxels of a label as a mask, on the grid of the file that the label was read from and as far beyond it as the
 /// label goes; on the layer's grid where there is no such file.
-Result<Volume> single_mask(const Volume& layer, int value, const fs::path& like) {
+Result<Volume> single_mask(const Volume& layer, const std::map<int, VoxelBox>& boxes, int value, const fs::path& like) {
   VoxelBox part{{}, {layer.geometry.dims[0] - 1, layer.geometry.dims[1] - 1, layer.geometry.dims[2] - 1}};
   if (!like.empty()) {
-    const auto own = read_volume(like);
+    VolumeReadOptions grid_alone;
+    grid_alone.without_voxels = true;
+    const auto own = read_volume(like, grid_alone);
     if (!own) return fail(own.error());
     if (const auto offset = offset_in_grid(layer.geometry, own->volume.geometry)) {
-      const auto boxes = label_boxes(layer);
       const auto box = boxes.find(value);
       for (std::size_t a = 0; a < 3; ++a) {
         part.first[a] = (*offset)[a];
@@ -190,22 +191,36 @@ Result<void> write_segmentation(const VolumeRead& map, const fs::path& path, Pro
 
 Result<void> write_single_masks(const VolumeRead& map, const fs::path& folder, const fs::path& like,
                                 Progress* progress) {
-  std::map<std::string, std::set<fs::path>> names;  // several where their endings differ
-  std::error_code error;
-  for (auto entry = fs::directory_iterator(like, error); !error && entry != fs::directory_iterator();
-       entry.increment(error))
-    if (!is_hidden(entry->path()) && has_ending(entry->path(), {".nii.gz", ".nii", ".nrrd", ".mha", ".mgz", ".mgh"}))
-      names[segment_name(file_stem(entry->path()))].insert(entry->path().filename());
+  std::vector<fs::path> files;
+  for (const fs::path& file : mask_files(like)) files.push_back(file.filename());
+  std::set<fs::path> left(files.begin(), files.end()), made;
+  const auto own_file = [&](const Segment& segment) -> fs::path {
+    const auto is_its = [&](const fs::path& file) {
+      return left.contains(file) && segment_name(file_stem(file)) == segment.name;
+    };
+    const auto number = static_cast<std::size_t>(segment.value) - 1;
+    if (number < files.size() && is_its(files[number])) return files[number];
+    const auto other = std::find_if(files.begin(), files.end(), is_its);
+    return other == files.end() ? fs::path() : *other;
+  };
   const auto layers = layers_in(map);
+  std::vector<std::map<int, VoxelBox>> boxes;
+  for (const Volume* layer : layers) boxes.push_back(label_boxes(*layer));
   for (const Segment& segment : complete_segments(map).segments) {
-    auto& known = names[segment.name];
-    const fs::path own = known.empty() ? fs::path() : *known.begin();
-    if (!known.empty()) known.erase(known.begin());  // they were read in this order
-    fs::path file = folder / (own.empty() ? fs::path(segment.name + ".nii.gz") : own);
-    if (has_ending(file, {".mgz", ".mgh"})) file.replace_extension(".nii.gz");  // which is not written
-    const auto mask = single_mask(*layers[segment.layer], segment.value, own.empty() ? own : like / own);
+    const fs::path own = own_file(segment);
+    left.erase(own);
+    fs::path file = own;
+    if (own.empty() || has_ending(own, {".mgz", ".mgh"}))  // which is not written
+      for (const char* ending : {".nii.gz", ".nrrd", ".mha", ".nii"}) {
+        file = own.empty() ? fs::path(segment.name + ending) : fs::path(own).replace_extension(ending);
+        if (!made.contains(file) && !left.contains(file)) break;
+      }
+    if (!made.insert(file).second)
+      return fail((folder / file).string(), "would hold two masks of one name; rename one of them");
+    const auto mask =
+        single_mask(*layers[segment.layer], boxes[segment.layer], segment.value, own.empty() ? own : like / own);
     if (!mask) return fail(mask.error());
-    if (auto written = write_volume(*mask, file, progress); !written) return written;
+    if (auto written = write_volume(*mask, folder / file, progress); !written) return written;
   }
   return {};
 }

@@ -180,6 +180,7 @@ def text_of(value: Any) -> str:
 
 def several(value: Any) -> List[Any]:
     """A list of what may be one."""
-    if isinstance(value, (str, numpy.ndarray, _core.Mesh, _core.Volume, _core.Case, Study, Fit)) or hasattr(value, "__fspath__"):
+    is_image = isinstance(value, numpy.ndarray) and value.dtype.kind in "biufc"  # others hold paths or objects
+    if is_image or isinstance(value, (str, _core.Mesh, _core.Volume, _core.Case, Study, Fit)) or hasattr(value, "__fspath__"):
         return [value]
     return list(value) if isinstance(value, Iterable) else [value]

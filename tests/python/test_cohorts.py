@@ -38,6 +38,8 @@ def test_a_cohort_is_fitted_into_a_study(folder, tmp_path):
     study = homolog.read_study(report["study"])
     assert [case["name"] for case in study.cases] == ["kidney-1-labels", "kidney-2-labels"]
     assert homolog.model(study).report["shapes"] == 2
+    paths = numpy.array([case["file"] for case in study.cases])
+    assert homolog.model(paths).report["shapes"] == 2
 
 
 def test_a_study_is_not_made_of_what_has_no_file(folder, kidney, tmp_path):

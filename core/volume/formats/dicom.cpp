@@ -250,18 +250,20 @@ std::map<std::string, std::vector<DicomHeader>> series_beside(const DicomSet& se
   return series;
 }
 
-/// `image`: beside which it is read. Else the series that it was made on counts, where its files lie in the same
-/// folder.
+/// `image`: beside which it is read. Where that has another space or other voxels, the series that it was made on
+/// counts, if its files lie in the same folder.
 Result<VolumeRead> read_segmentation(const DicomSet& set, const std::optional<ImageGrid>& image, Progress* progress) {
   const bool in_space =
       image && (image->frame_of_reference.empty() || image->frame_of_reference == text_of(set.elements, 0x00200052));
-  if (in_space) return read_dicom_segmentation(set, image->geometry, progress);
+  auto on_image = in_space ? read_dicom_segmentation(set, image->geometry, progress) : Result<VolumeRead>(VolumeRead());
+  if (!on_image || (in_space && !on_image->volume.empty_beyond_slices)) return on_image;
   const ReferencedImages made_on = segmented_images(set);
   const auto series =
       made_on.series.empty() ? std::map<std::string, std::vector<DicomHeader>>() : series_beside(set, progress);
   const auto own = std::ranges::find_if(made_on.series, [&](const auto& uid) { return series.contains(uid); });
   const auto beside = own == made_on.series.end() ? series.begin() : series.find(*own);
-  if (beside == series.end()) return read_dicom_segmentation(set, std::nullopt, progress);
+  if (beside == series.end())
+    return in_space ? std::move(on_image) : read_dicom_segmentation(set, std::nullopt, progress);
   const fs::path folder = set.path.parent_path();
   std::vector<std::string> instances;
   for (const DicomHeader& header : beside->second) instances.push_back(header.instance_uid);

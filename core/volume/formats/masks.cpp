@@ -7,6 +7,7 @@
 
 #include "core/base/file_stem.h"
 #include "core/base/index.h"
+#include "core/base/memory.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/label_boxes.h"
 #include "core/volume/read_labels.h"
@@ -20,18 +21,6 @@ namespace {
 
 bool is_mask_file(const fs::path& file) {
   return has_ending(file, {".nii.gz", ".nii", ".nrrd", ".mha", ".mgz", ".mgh"});
-}
-
-std::vector<fs::path> mask_files(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
-       entry.increment(error))
-    if (std::error_code ignored;
-        entry->is_regular_file(ignored) && !is_hidden(entry->path()) && is_mask_file(entry->path()))
-      files.push_back(entry->path());
-  std::sort(files.begin(), files.end());
-  return files;
 }
 
 /// A mask: one label at most, in one frame.
@@ -80,9 +69,9 @@ bool is_in(const VolumeGeometry& grid, const VoxelAt& at) {
   return true;
 }
 
-/// Puts the mask's voxels into a layer as `value`, which grows as far as the mask goes; unless one of them has a label
-/// there, or the voxels of both do not coincide.
-bool fits_into(Volume& layer, const Volume& mask, int value) {
+/// Puts the mask's voxels into a layer as `value`, which grows as far as the mask goes; false where one of them has a
+/// label there, or the voxels of both do not coincide. Errors: more memory than there is; `file`: whose mask it is.
+Result<bool> put_into(Volume& layer, const Volume& mask, int value, const fs::path& file) {
   const auto offset = offset_in_grid(layer.geometry, mask.geometry);
   if (!offset) return false;
   const auto grid = grid_of_both(layer.geometry, *offset, mask.geometry);
@@ -94,7 +83,7 @@ bool fits_into(Volume& layer, const Volume& mask, int value) {
   }
   auto& voxels = std::get<std::vector<std::uint16_t>>(layer.data);
   return std::visit(
-      [&](const auto& in) {
+      [&](const auto& in) -> Result<bool> {
         bool overlaps = false;
         each_voxel(mask.geometry, *offset, [&](std::size_t v, const VoxelAt& at) {
           if (rounded_label(in[v]) != 0 && is_in(layer.geometry, at))
@@ -102,6 +91,8 @@ bool fits_into(Volume& layer, const Volume& mask, int value) {
         });
         if (overlaps) return false;
         if (grid->dims != layer.geometry.dims) {
+          const double bytes = sizeof(std::uint16_t) * static_cast<double>(grid->voxels());
+          if (auto enough = check_memory(file, bytes); !enough) return fail(enough.error());
           std::vector<std::uint16_t> grown(grid->voxels());
           each_voxel(layer.geometry, old,
                      [&](std::size_t v, const VoxelAt& at) { grown[index_in(*grid, at)] = voxels[v]; });
@@ -119,13 +110,16 @@ bool fits_into(Volume& layer, const Volume& mask, int value) {
 
 /// The layer that took the mask: the first in which it overlaps none, else one of its own. Masks whose voxels coincide
 /// share a grid that holds them all, so that neighbours are seen as such.
-std::size_t put_into_layers(const Volume& mask, int value, std::vector<Volume>& layers) {
-  for (std::size_t layer = 0; layer < layers.size(); ++layer)
-    if (fits_into(layers[layer], mask, value)) return layer;
+Result<std::size_t> put_into_layers(const Volume& mask, int value, const fs::path& file, std::vector<Volume>& layers) {
+  for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+    const auto put = put_into(layers[layer], mask, value, file);
+    if (!put) return fail(put.error());
+    if (*put) return layer;
+  }
   Volume& own = layers.emplace_back();
   own.geometry = mask.geometry;
   own.data = std::vector<std::uint16_t>(mask.geometry.voxels());
-  fits_into(own, mask, value);
+  if (auto put = put_into(own, mask, value, file); !put) return fail(put.error());
   return layers.size() - 1;
 }
 
@@ -144,8 +138,9 @@ Result<VolumeRead> read_masks(const fs::path& folder, const VolumeReadOptions& o
     if (!mask) return mask;
     result.warnings.insert(result.warnings.end(), mask->warnings.begin(), mask->warnings.end());
     const int value = static_cast<int>(k) + 1;
-    const std::size_t layer = put_into_layers(mask->volume, value, layers);
-    result.segmentation.add({.name = segment_name(file_stem(files[k])), .value = value, .layer = layer});
+    const auto layer = put_into_layers(mask->volume, value, files[k], layers);
+    if (!layer) return fail(layer.error());
+    result.segmentation.add({.name = segment_name(file_stem(files[k])), .value = value, .layer = *layer});
   }
   if (layers.empty()) return fail(folder.string(), "holds no masks any more; read it again");
   if (layers.size() > 1)
@@ -159,6 +154,18 @@ Result<VolumeRead> read_masks(const fs::path& folder, const VolumeReadOptions& o
 }
 
 }  // namespace
+
+std::vector<fs::path> mask_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error))
+    if (std::error_code ignored;
+        entry->is_regular_file(ignored) && !is_hidden(entry->path()) && is_mask_file(entry->path()))
+      files.push_back(entry->path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
 
 const VolumeFormat formats::masks{.name = "single masks",
                                   .endings = {},

@@ -93,11 +93,11 @@ TEST_CASE("the cases and the study of a fitted set and of a worklist are verifie
   for (const std::size_t first : {31, 61, 91, 931, 961, 991})
     for (std::size_t x = 0; x < 4; ++x) labels[first + x] = 1;
   REQUIRE(write_volume(broken, folder.path / "data/broken.nii.gz"));
-  const Ran ran = run(folder, "repair data/broken.nii.gz --templates data/ball.set.json -o mended --json");
+  const Ran ran = run(folder, "repair data/broken.nii.gz --templates data/ball.set.json -o worklist --json");
   REQUIRE_MESSAGE(ran.status == 0, ran.errors);
   REQUIRE(ran.json().contains("study"));
-  CHECK(verified(folder, "mended/worklist.study.json --inputs data")["same"] == true);
-  CHECK(verified(folder, "mended/broken-cases/broken-A.homolog --inputs data")["command"] == "repair");
+  CHECK(verified(folder, "worklist/worklist.study.json --inputs data")["same"] == true);
+  CHECK(verified(folder, "worklist/broken-cases/broken-A.homolog --inputs data")["command"] == "repair");
 }
 
 TEST_CASE("a study that was made of a table or of label maps is verified with its cases each as it is made alone") {

@@ -281,6 +281,16 @@ TEST_CASE("a direction that is nobody's is taken out before the test") {
   CHECK(without.json()["terms"][0]["p"].get<double>() > 0.05);
   CHECK(without.json()["total"]["ss"].get<double>() < 0.9 * run(folder, asked).json()["total"]["ss"].get<double>());
   check_refused(run(folder, asked + "--without-direction shut.ply shut.ply"), "which gives no direction");
+  CHECK(run(folder, asked + "--without-direction shut.ply open.ply --templates shapes").status == 2);
+  // The two shapes are inputs, known by what they hold.
+  REQUIRE(run(folder, asked + "--csv out --without-direction shut.ply open.ply").status == 0);
+  fs::create_directory(folder.path / "elsewhere");
+  for (const char* name : {"shut.ply", "open.ply", "t.csv", "shapes", "out"})
+    fs::rename(folder.path / name, folder.path / "elsewhere" / name);
+  const Ran verified = run(folder, "verify elsewhere/out/landmarks.csv --inputs elsewhere");
+  CHECK_MESSAGE(verified.status == 0, verified.errors);
+  for (const char* name : {"shut.ply", "open.ply", "t.csv", "shapes"})
+    fs::rename(folder.path / "elsewhere" / name, folder.path / name);
   REQUIRE(write_mesh(icosphere(1, 20), folder.path / "coarse.ply"));
   check_refused(run(folder, asked + "--without-direction shut.ply coarse.ply"), "coarse.ply: has 42 vertices");
 }
@@ -304,6 +314,18 @@ TEST_CASE("structures of cases are tested, one or together") {
   const Json both = run(folder, asked + "top,base").json();
   CHECK(both["vertices"] == 162 + 42);
   CHECK(both["terms"][0]["p"].get<double>() <= 0.05);
+  // Doubts count as they do of one structure's meshes.
+  check_refused(run(folder, asked + "top --by-doubt"), "none of the shapes has a doubt");
+  for (int k = 0; k < 12; ++k)
+    for (const char* part : {"top", "base"}) {
+      const fs::path file = folder.path / "fits" / ("c" + std::to_string(k)) / (part + std::string(".ply"));
+      MeshFile mesh = read_mesh_file(file).value();
+      mesh.doubt_mm = VertexScalars::Constant(mesh.points.rows(), k < 6 ? 0.1 : 3);
+      REQUIRE(write_mesh_file(mesh, file));
+    }
+  const Ran by_doubt = run(folder, asked + "top,base --by-doubt");
+  REQUIRE_MESSAGE(by_doubt.status == 0, by_doubt.errors);
+  CHECK(by_doubt.json()["weights"]["min"].get<double>() < 0.5 * by_doubt.json()["weights"]["mean"].get<double>());
 }
 
 TEST_CASE("what no number is gets a short sentence") {

@@ -223,6 +223,15 @@ TEST_CASE("a template set and a mended map are verified and a set that goes on h
   // Its templates too; what is changed and written elsewhere names what it was made of.
   const fs::path the_template = Json::parse(folder.bytes("pear.set.json"))["structures"][0]["template"];
   CHECK(verified(folder, "'" + the_template.string() + "' --inputs .")["command"] == "set make");
+  // A template that was changed is named, though the set itself has the same bytes.
+  const std::string before = folder.bytes(the_template);
+  MeshFile moved = read_mesh_file(folder.path / the_template).value();
+  moved.points(0, 0) += 1;
+  REQUIRE(write_mesh_file(moved, folder.path / the_template));
+  const Ran changed = run(folder, "verify pear.set.json");
+  CHECK(changed.status == 1);
+  CHECK(changed.errors.find(the_template.filename().string() + ", which it names, is another") != std::string::npos);
+  write_bytes(folder.path / the_template, before);
   REQUIRE(run(folder, "set rename pear.set.json \"" + name + "\" core -o sets/core.set.json").status != 0);
   fs::create_directory(folder.path / "sets");
   REQUIRE(run(folder, "set rename pear.set.json \"" + name + "\" core -o sets/core.set.json").status == 0);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/files.h"
+#include "core/base/text_table.h"
 #include "core/statistics/covariates.h"
 #include "core/statistics/formula.h"
 #include "core/statistics/permutations.h"
@@ -83,6 +84,22 @@ TEST_CASE("a table is read with any separator and its errors name the line") {
   CHECK(says(read("name,age\n"), "has no cases"));
   for (const char* cell : {"", " ", "NA", "n/a", "NaN", ".", "?"}) CHECK(is_missing(cell));
   CHECK_FALSE(is_missing("0"));
+}
+
+TEST_CASE("decimal commas are those of a whole column and what may part thousands is refused") {
+  const auto cells = [](const char* text) {
+    const TemporaryFolder folder;
+    REQUIRE(write_whole_file(folder.path / "t.csv", text));
+    const auto table = read_covariates(folder.path / "t.csv");
+    return table ? Result<std::vector<std::vector<std::string>>>(table->cells) : fail(table.error());
+  };
+  using Cells = std::vector<std::vector<std::string>>;
+  CHECK(cells("name;a\nx;1,5\ny;2\nz;NA\n").value() == Cells{{"1.5"}, {"2"}, {"NA"}});
+  CHECK(cells("name;a\nx;1,5\ny;1,2,3\n").value() == Cells{{"1,5"}, {"1,2,3"}});  // words
+  CHECK(cells("name;a\nx;0,125\ny;1,234\n").value() == Cells{{"0.125"}, {"1.234"}});
+  CHECK(says(cells("name;a\nx;1,234\ny;987\n"), "may part thousands"));
+  CHECK(says(cells("name;a\nx;987\ny;1,234\n"), "1,234 in line 3 in the column a"));
+  CHECK(says(cells("name;a\nx;1,5\ny;1.5\n"), "write all its numbers with points"));
 }
 
 TEST_CASE("numbers are coded with mean 0 and deviation 1 and groups against the first") {

@@ -6,9 +6,11 @@
 #include <limits>
 #include <set>
 
+#include "core/volume/map_on_grid.h"
 #include "core/volume/read_labels.h"
 #include "core/volume/volume_io.h"
 #include "core/volume/write_segmentation.h"
+#include "tests/must.h"
 #include "tests/real_data.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"
@@ -413,6 +415,24 @@ TEST_CASE("what is no number in a single mask is background and a share is round
   CHECK(read->warnings.front().find("liver.nii.gz") != std::string::npos);
 }
 
+TEST_CASE("masks of one name go back into the files that they come from") {
+  const TemporaryFolder folder, again;
+  const auto write = [&](const std::string& name, std::vector<std::uint8_t> voxels) {
+    Volume mask;
+    mask.geometry.dims = {static_cast<int>(voxels.size()), 1, 1};
+    mask.data = std::move(voxels);
+    mask.range_max = 1;
+    REQUIRE(write_volume(mask, folder.path / name));
+  };
+  write("aorta.nii.gz", {1, 1, 0, 0});
+  write("liver.nii.gz", {0, 1, 1, 0});  // overlaps the first one, so that it is in the second layer
+  write("liver.nrrd", {0, 0, 0, 1});
+  REQUIRE(write_single_masks(test::must(read_labels(folder.path)), again.path, folder.path));
+  for (const char* name : {"aorta.nii.gz", "liver.nii.gz", "liver.nrrd"})
+    CHECK(test::must(read_volume(folder.path / name)).volume.data ==
+          test::must(read_volume(again.path / name)).volume.data);
+}
+
 TEST_CASE("a folder of single masks is one label map with the names of its files") {
   const TemporaryFolder folder;
   const auto write = [&](const std::string& name, std::vector<std::uint8_t> voxels, double from = 0) {
@@ -457,6 +477,14 @@ TEST_CASE("a folder of single masks is one label map with the names of its files
     CHECK(same_grid(before->volume.geometry, after->volume.geometry));
     CHECK(before->volume.data == after->volume.data);
   }
+  // Its layers lie on grids of their own, and each is put on the grid of an image.
+  VolumeRead placed = test::must(read_labels(folder.path));
+  VolumeGeometry image = placed.volume.geometry;
+  image.origin_mm.x() = -5;
+  image.dims[0] = 20;
+  REQUIRE(put_on_grid(placed, image));
+  CHECK(placed.other_layers[0].geometry == image);
+  CHECK(std::get<std::vector<std::uint16_t>>(placed.other_layers[0].data)[6] == 3);
   write("zz-all", {1, 2, 3, 0});
   CHECK(says(read_labels(folder.path), "zz-all.nii.gz"));
 }

@@ -19,6 +19,7 @@
 #include "core/template_making/label_body.h"
 #include "core/volume/label_likeness.h"
 #include "core/volume/read_labels.h"
+#include "core/volume/referenced_images.h"
 
 namespace homolog {
 
@@ -109,6 +110,20 @@ std::optional<ImageGrid> grid_beside(const Volume* image) {
   return ImageGrid{image->geometry, image->frame_of_reference};
 }
 
+/// Errors: labels that were drawn on another scan than the image; of other images of it a warning. `image_name`: what
+/// the image is called.
+Result<void> check_labels(Opened& opened, const fs::path& file, const VolumeRead& labels, const Volume* image,
+                          const std::string& image_name) {
+  if (image == nullptr) return {};
+  if (auto same = check_same_space(file, labels.volume.frame_of_reference, image_name, *image); !same)
+    return fail(same.error());
+  if (auto other = other_images(file, labels.referenced, fs::path(image_name), *image))
+    opened.warnings.push_back(std::move(*other));
+  return {};
+}
+
+constexpr const char* image_on_screen = "the image that is open";
+
 /// Takes the volume that was read first as the image over which the other lies as a label map, or the other way round.
 Result<void> take_pair(Opened& opened, VolumeRead first, Progress& progress) {
   OpenRequest& request = opened.request;
@@ -142,6 +157,8 @@ Result<void> take_pair(Opened& opened, VolumeRead first, Progress& progress) {
     std::swap(first, *other);
     std::swap(request.volume_source, request.other_source);
   }
+  if (auto checked = check_labels(opened, request.other_source, *other, &first.volume, request.volume_source); !checked)
+    return checked;
   opened.volume = std::make_shared<const Volume>(std::move(first.volume));
   request.labels = std::exchange(request.other_source, {});  // both are known by now
   take_labels(opened, std::move(*other));
@@ -174,6 +191,8 @@ Result<void> open_volume(Opened& opened, Progress& progress) {
     if (auto taken = take_pair(opened, std::move(*read), progress); !taken) return fail(taken.error());
   } else if (request.template_source.empty() && request.beside && is_label_map_on(read->volume, *request.beside)) {
     request.labels = request.volume_source;
+    if (auto checked = check_labels(opened, request.labels, *read, request.beside.get(), image_on_screen); !checked)
+      return checked;
     take_labels(opened, std::move(*read));
     opened.warnings.push_back(shown_as_labels(request.labels));
     return {};
@@ -193,9 +212,12 @@ const Volume* shown_image(const Opened& opened, const Volume* on_screen) {
 Result<void> open_labels(Opened& opened, const Volume* on_screen, Progress& progress) {
   VolumeReadOptions options;
   options.progress = &progress;
-  options.image = grid_beside(shown_image(opened, on_screen));
+  const Volume* const image = shown_image(opened, on_screen);
+  options.image = grid_beside(image);
   auto read = read_labels(opened.request.labels, options);
   if (!read) return fail(read.error());
+  if (auto checked = check_labels(opened, opened.request.labels, *read, image, image_on_screen); !checked)
+    return checked;
   opened.warnings.insert(opened.warnings.end(), read->warnings.begin(), read->warnings.end());
   take_labels(opened, std::move(*read));
   return {};

@@ -87,6 +87,20 @@ Shared shared(const NamedVoxels& first, const NamedVoxels& second, int name) {
   return found;
 }
 
+/// Whether the grid ends within a structure: sound as it is, it is cut off there.
+bool is_cut(const NamedVoxels& map, int name) {
+  std::size_t v = 0;
+  for (int k = 0; k < map.grid.dims[2]; ++k)
+    for (int j = 0; j < map.grid.dims[1]; ++j)
+      for (int i = 0; i < map.grid.dims[0]; ++i, ++v) {
+        if (map.at[v] != name) continue;
+        const std::array<int, 3> at{i, j, k};
+        for (std::size_t a = 0; a < 3; ++a)
+          if (at[a] == 0 || at[a] == map.grid.dims[a] - 1) return true;
+      }
+  return false;
+}
+
 /// Which structure has, by its name, most of what another one truly is; 0: none.
 int name_given_to(const NamedVoxels& truth, const NamedVoxels& given, int name) {
   std::map<int, std::size_t> counts;
@@ -154,6 +168,7 @@ Result<std::vector<Json>> judge_one(const SetOfTemplates& set, const Json& entry
                     {"found", hits},
                     {"said", kinds_of(found.defects)},
                     {"sound", is_sound ? 1 : 0},
+                    {"cut", is_cut(truth, number) ? 1 : 0},
                     {"there", before.second > 0 ? 1 : 0},
                     {"confidence", found.confidence},
                     {"p_named", found.p_named},
@@ -184,11 +199,12 @@ bool holds_word(const Json& row, const char* column, const std::string& word) {
 /// Recall, false alarms and what mending is worth, of each kind.
 Json by_kind(const std::vector<Json>& rows) {
   Json kinds = Json::array();
+  const std::string cut = defect_name(DefectKind::cut_by_scan);
   for (const char* const kind : defect_names) {
     std::size_t planted = 0, found = 0, sound = 0, alarms = 0, worse = 0;
     std::vector<double> before, after;
     for (const Json& row : rows) {
-      const bool is_sound = row["sound"] == 1;
+      const bool is_sound = row["sound"] == 1 && !(row["cut"] == 1 && kind == cut);
       sound += is_sound ? 1 : 0;
       alarms += is_sound && holds_word(row, "said", kind) ? 1 : 0;
       if (!holds_word(row, "planted", kind)) continue;

@@ -125,7 +125,8 @@ class RecipeWork {
                            MeasuredShape shape) {
     if (auto placed = add_landmarks(name, shape.structures.front()); !placed) return placed;
     if (auto seen = add_image(name, frame.value_or(0), shape); !seen) return seen;
-    lenders_.lend_to(shape);
+    const bool suits = lenders_.lend_to(shape);
+    if (job_.model.empty() || cases_.empty()) template_suits_ = template_suits_ || suits;  // then a shape lends too
     if (!job_.model.empty() && cases_.empty()) lenders_.add(shape);
     cases_.push_back({name, group, frame, measure(recipe_, shape)});
     return job_.profiles.empty() ? Result<void>() : write_profiles(name, shape);
@@ -227,6 +228,10 @@ class RecipeWork {
 
   /// A sentence for each shape and reason; one for all where all shapes lack the same.
   void say_missing() {
+    if (!job_.the_template.empty() && !template_suits_)
+      warnings_.push_back(job_.the_template +
+                          ": has other vertices or faces than the shapes, so its landmarks and regions are not used; "
+                          "give the template that they were fitted with");
     std::map<std::string, std::size_t> shapes_without;
     for (const auto& [name, reasons] : missing_)
       for (const auto& [reason, unused] : reasons) ++shapes_without[reason];
@@ -308,6 +313,7 @@ class RecipeWork {
   const RecipeJob& job_;
   Recipe recipe_;
   Lenders lenders_;
+  bool template_suits_ = false;            ///< a shape has its vertices and faces
   std::shared_ptr<const Topology> faces_;  ///< of the mesh before
   Volume image_;                           ///< of `image_file_`
   std::filesystem::path image_file_;

@@ -14,6 +14,8 @@ namespace homolog {
 Result<TextTable> read_text_table(const std::filesystem::path& path) {
   auto text = read_whole_file(path, std::uintmax_t{1} << 25);
   if (!text) return fail(text.error());
+  if (text->starts_with("\xFF\xFE") || text->starts_with("\xFE\xFF"))
+    return fail(path.string(), "is a table in UTF-16; save it as CSV in UTF-8");
   if (text->starts_with("\xEF\xBB\xBF")) text->erase(0, 3);
   TextTable table;
   std::size_t number = 0;

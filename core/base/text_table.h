@@ -20,8 +20,8 @@ struct TextTable {
   char separator = ',';                        ///< between cells
 };
 
-/// Reads a table with commas, semicolons or tabs between its cells [table_separator]. Errors: unreadable, more than
-/// 32 MiB, a line with another number of cells than columns.
+/// Reads a table with commas, semicolons or tabs between its cells [table_separator]. Errors: unreadable, UTF-16, more
+/// than 32 MiB, a line with another number of cells than columns.
 Result<TextTable> read_text_table(const std::filesystem::path& path);
 
 /// Whether a cell holds no value: it is empty, or says "NA", "NaN", "." or "?".

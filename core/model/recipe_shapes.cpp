@@ -35,7 +35,8 @@ void Lenders::add(const MeasuredShape& shape) {
   }
 }
 
-void Lenders::lend_to(MeasuredShape& shape) const {
+bool Lenders::lend_to(MeasuredShape& shape) const {
+  bool suits_one = false;
   for (MeasuredStructure& one : shape.structures)
     for (const auto& lender : lenders_) {
       if (lender->points.rows() != one.mesh.points.rows()) continue;
@@ -44,12 +45,14 @@ void Lenders::lend_to(MeasuredShape& shape) const {
       if (one.mesh.topology != nullptr && one.mesh.topology->triangles() != faces &&
           !turned_faces(one.mesh.topology->triangles(), faces))
         continue;
+      suits_one = true;
       for (Landmark& landmark : carried_landmarks(*lender, one.mesh.points)) {
         const auto same = [&](const Landmark& own) { return own.name == landmark.name; };
         if (std::ranges::none_of(one.landmarks, same)) one.landmarks.push_back(std::move(landmark));
       }
       if (one.regions.list.empty()) one.regions = lender->regions;
     }
+  return suits_one;
 }
 
 Result<MeasuredShape> measured_shape(const ShapeModel& model, const Points& points) {

@@ -27,7 +27,8 @@ class Lenders {
   void add(std::shared_ptr<const Template> lender) { lenders_.push_back(std::move(lender)); }
   /// The structures of a shape whose landmarks or regions can be lent.
   void add(const MeasuredShape& shape);
-  void lend_to(MeasuredShape& shape) const;
+  /// Whether one of them has the faces of one of the shape's structures.
+  bool lend_to(MeasuredShape& shape) const;
 
  private:
   std::vector<std::shared_ptr<const Template>> lenders_;

@@ -23,9 +23,9 @@ namespace {
 
 /// From which share of the voxels something counts; sound structures stay below [docs/measurements/repair.md].
 constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.0025, some_tunnels = 0.0085,
-                 some_bars = 0.004, much_lost = 0.05, much_lacking = 0.15, much_beyond = 0.05, mostly_beyond = 0.5,
-                 some_at_border = 0.002, much_smaller = 0.2, usual_dice = 0.98, no_hole = 0.1, no_bridge = 0.15,
-                 hardly_dice = 0.85, near_share = 0.1, large_island = 0.1;
+                 some_bars = 0.004, much_lost = 0.04, much_lacking = 0.15, surely_lacking = 0.2, much_beyond = 0.05,
+                 mostly_beyond = 0.5, some_at_border = 0.002, much_smaller = 0.2, usual_dice = 0.98, no_hole = 0.1,
+                 no_bridge = 0.15, hardly_dice = 0.85, near_share = 0.1, large_island = 0.1;
 
 /// The work on one map.
 class Mending {
@@ -88,6 +88,13 @@ class Mending {
   /// Changes the voxels that still have the label that they had.
   void change(std::size_t k, const std::vector<VoxelChange>& changes);
   void find_in(std::size_t k);
+  /// Whether a structure shows that something was added to it.
+  bool has_too_much(std::size_t k) const {
+    constexpr double some_islands_more = 0.03, some_volume_more = 0.1;
+    const StructureSigns& signs = result_.signs[k];
+    return signs.bars >= some_bars || signs.bridges >= some_bars || signs.islands >= some_islands_more ||
+           signs.volume >= some_volume_more || result_.fitted.structures[k].judgement.doubtful;
+  }
   /// What a structure has lost, to a neighbour or to nobody.
   void find_lost(std::size_t k);
   void find_missing(std::size_t k);
@@ -223,20 +230,21 @@ void Mending::find_lost(std::size_t k) {
   const StructureSigns& signs = result_.signs[k];
   bool lost = false;
   for (const auto& [other, share] : signs.lost_to) {
-    if (share < much_lost || signs.beyond > mostly_beyond) continue;
+    if (share < much_lost || signs.beyond > mostly_beyond || !has_too_much(other)) continue;
     lost = true;
     add(k, DefectKind::given_to_neighbour, name(other));
     add(other, DefectKind::taken_from_neighbour, name(k));
     take_back(k, other);
   }
-  if (lost || signs.beyond > much_beyond || signs.lacking < much_lacking || signs.volume > -much_smaller) return;
+  if (lost || signs.beyond > much_beyond || signs.lacking < much_lacking) return;
+  if (signs.lacking < surely_lacking && signs.volume > -much_smaller) return;
   add(k, DefectKind::half_missing);
   fill_up(k);
 }
 
 void Mending::find_missing(std::size_t k) {
-  constexpr double whole = 0.6, much_of_it = 0.25, much_larger = 0.3, much_beside = 0.15, much_beyond_itself = 0.5,
-                   room = 0.4;
+  constexpr double whole = 0.6, much_of_it = 0.25, some_of_it = 0.05, two_bodies = 0.3, much_larger = 0.3,
+                   much_beside = 0.15, much_beyond_itself = 0.5, room = 0.4;
   if (!expected_[k] || !result_.subject.structures[k].why_left_out.empty() || is_absent(result_.variants, k)) return;
   if (options_.model != nullptr)
     if (auto said = said_by_model(*options_.model, set_, result_.fitted.structures, k))
@@ -252,8 +260,9 @@ void Mending::find_missing(std::size_t k) {
   std::size_t doubled = k;
   for (std::size_t other = 0; other < result_.structures.size(); ++other) {
     const int label = label_around(result_.subject, k, other);
-    if (!result_.subject.structures[other].is_there() || held[label] < much_of_it) continue;
     const StructureSigns& signs = result_.signs[other];
+    const double enough = signs.islands >= two_bodies ? some_of_it : much_of_it;
+    if (!result_.subject.structures[other].is_there() || held[label] < enough) continue;
     const bool is_too_large = result_.fitted.structures[other].judgement.doubtful || signs.volume > much_larger ||
                               signs.bridges > much_beside;
     if (!is_too_large && share_beyond(other, label, there, inside) * voxels < much_beyond_itself * all) continue;

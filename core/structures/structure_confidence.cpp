@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 namespace homolog {
 
@@ -12,35 +13,33 @@ double part(double value, double much, double most) {
   return std::clamp(value / much, 0.0, most);
 }
 
-/// Whether a defect changes a large part of a structure.
-bool is_large(DefectKind kind) {
-  switch (kind) {
-    case DefectKind::half_missing:
-    case DefectKind::given_to_neighbour:
-    case DefectKind::taken_from_neighbour:
-    case DefectKind::doubled:
-    case DefectKind::sides_exchanged:
-    case DefectKind::other:
-      return true;
-    default:
-      return false;
-  }
+double has(const RepairedStructure& found, std::initializer_list<DefectKind> kinds) {
+  const auto is_one = [&](const Defect& defect) { return std::ranges::find(kinds, defect.kind) != kinds.end(); };
+  return std::ranges::any_of(found.defects, is_one) ? 1 : 0;
+}
+
+/// The probability that the form is right.
+double form_confidence(const FittedStructure& one, const StructureSigns& signs, const RepairedStructure& found) {
+  using enum DefectKind;
+  // The fit of a template that is cut off says nothing where it does not match: so many are right of all.
+  constexpr double usual = 0.85;
+  if (one.judgement.doubtful && !one.fit->template_cuts.empty()) return usual;
+  double lost = 0;
+  for (const auto& [other, share] : signs.lost_to) lost = std::max(lost, share);
+  // A logistic regression on right and wrong structures of several subjects [docs/measurements/repair.md].
+  const double x = 7.0 - 1.8 * part(one.judgement.doubt_share, most_doubt_share, 3) - 2 * part(one.off_place, 0.25, 2) -
+                   0.6 * part(lost, 0.05, 4) - 3.9 * has(found, {given_to_neighbour}) -
+                   0.6 * has(found, {taken_from_neighbour}) -
+                   2.1 * has(found, {half_missing, doubled, sides_exchanged, other}) -
+                   1.3 * part(signs.lacking, 0.15, 3) - 1.5 * part(signs.tunnels + signs.bars, 0.02, 3);
+  return 1 / (1 + std::exp(-x));
 }
 
 }  // namespace
 
 double structure_confidence(const FittedStructure& one, const StructureSigns& signs, const RepairedStructure& found) {
   if (!one.fit) return 0;
-  double lost = 0;
-  for (const auto& [other, share] : signs.lost_to) lost = std::max(lost, share);
-  const bool any_large = std::ranges::any_of(found.defects, [](const Defect& defect) { return is_large(defect.kind); });
-  const double named = std::clamp(found.p_named, 0.02, 0.98);
-  // A logistic regression on 697 right and wrong structures of four subjects [docs/measurements/repair.md].
-  const double x = 3.95 - 1.76 * part(one.judgement.doubt_share, most_doubt_share, 3) -
-                   3.49 * part(one.off_place, 0.25, 2) - 0.77 * part(lost, 0.05, 2) -
-                   2.01 * part(signs.holes + signs.bridges, 0.1, 2) + 1.4 * std::log(named / (1 - named)) -
-                   (any_large ? 3.06 : 0);
-  return 1 / (1 + std::exp(-x));
+  return std::clamp(found.p_named, 0.0, 1.0) * form_confidence(one, signs, found);
 }
 
 double structure_confidence(const FittedStructure& one) {

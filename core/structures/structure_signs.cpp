@@ -22,7 +22,7 @@ namespace homolog {
 namespace {
 
 /// Distances that count as far, as shares of an organ's size (the cube root of its volume).
-constexpr double far_from_expected = 0.1, deep_in_fit = 0.05, far_from_fit = 0.1;
+constexpr double far_from_expected = 0.1, deep_in_fit = 0.05, far_from_fit = 0.1, cut_off_near = 0.25;
 
 double volume_mm3(const Mesh& mesh) {
   return 1000 * std::abs(enclosed_volume_ml(mesh));
@@ -85,7 +85,9 @@ class Signs {
         const int in_map = here[a] + there_.box.first[a];
         at_border = at_border || in_map == 0 || in_map == map_.dims[a] - 1;
       }
-      signs_.at_border += at_border ? share(1) : 0;
+      // What lies there far from its fit is an island, and does not say that the structure goes on.
+      const bool is_its = parts.part[v] == main || fit_.inside[v] != 0 || fit_.to[v] <= cut_off_near * size_mm_;
+      signs_.at_border += at_border && is_its ? share(1) : 0;
       if (parts.part[v] == main) {
         main_[v] = 1;
         continue;

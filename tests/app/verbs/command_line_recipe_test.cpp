@@ -55,6 +55,9 @@ TEST_CASE("a recipe gives a value a shape and what a shape lacks is null with on
   CHECK(table.find("\nb2,,24\n") != std::string::npos);
   CHECK(run(folder, "measure b2.ply --recipe r.json --template b0.ply --json").json()["cases"][0]["values"]["length"] ==
         48);
+  REQUIRE(write_mesh(icosphere(1, 20), folder.path / "coarse.ply"));
+  CHECK(run(folder, "measure b2.ply --recipe r.json --template coarse.ply")
+            .errors.find("coarse.ply: has other vertices") != std::string::npos);
 }
 
 TEST_CASE("a recipe is measured along the modes of a model with the landmarks of the first shape") {

@@ -78,6 +78,10 @@ TEST_CASE("a table is read with any separator and its errors name the line") {
   CHECK(table.column("group") == 1U);
   CHECK_FALSE(table.column("Case"));
   CHECK(says(read("name,age\nk1,4,5\n"), "line 2 has 3 cells"));
+  CHECK(says(read(std::string("\xFF\xFE"
+                              "n\0a\0",
+                              6)),
+             "UTF-16"));
   CHECK(says(read("name,age\nk1,4\nk1,5\n"), "has the case k1 twice"));
   CHECK(says(read("name,age,age\nk1,4,4\n"), "has the column age twice"));
   CHECK(says(read("name,age\n,4\n"), "names no case"));

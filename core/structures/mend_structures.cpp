@@ -282,7 +282,7 @@ void Mending::find_missing(std::size_t k) {
   if (held[0] < room) return;
   add(k, DefectKind::missing);
   // At the end of a spine the names may as well be a level off.
-  constexpr double sure = 0.75;
+  constexpr double sure = 0.45;
   double p_levels = 1;
   for (const RepairedStructure& one : result_.structures) p_levels = std::min(p_levels, one.p_named);
   const auto level = level_of_name(name(k));

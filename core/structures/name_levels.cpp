@@ -99,19 +99,20 @@ std::array<std::optional<double>, 2> level_evidence_of_shapes(const SetOfTemplat
 struct ChainShift {
   int by = 0;
   double evidence = -std::numeric_limits<double>::infinity();  ///< the logarithm of its odds; that: nothing is known
+  double least = 0;                                            ///< from which evidence on names are moved
 };
 
 ChainShift likeliest_shift(const LevelChain& chain, const std::array<std::optional<double>, 2>& shapes,
                            const std::optional<std::array<double, 2>>& others) {
-  constexpr double rarely = 0.25;  // all names are a level off
+  const double all_of_them = std::log(4.0);  // to rename all of a map that may be right, more has to speak for it
   ChainShift likeliest;
   for (const std::size_t side : {0U, 1U}) {
     const int by = side == 0 ? -1 : 1;
     const double some = chain.share(-by), most = chain.share(0);
     if (most == 0 || (some == 0 && !shapes[side] && !others)) continue;
     const double evidence =
-        std::log(some > 0 ? some / most : rarely) + shapes[side].value_or(0) + (others ? (*others)[side] : 0);
-    if (evidence > likeliest.evidence) likeliest = {by, evidence};
+        (some > 0 ? std::log(some / most) : 0) + shapes[side].value_or(0) + (others ? (*others)[side] : 0);
+    if (evidence > likeliest.evidence) likeliest = {by, evidence, some > 0 ? 0 : all_of_them};
   }
   return likeliest;
 }
@@ -135,16 +136,19 @@ std::vector<LevelFound> find_levels(const SetOfTemplates& set, const SetInMap& s
   for (const LevelChain& chain : chains) shapes.push_back(level_evidence_of_shapes(set, subject, sound, chain));
   std::vector<double> p_as_most(chains.size(), 1);
   std::vector<char> moved(chains.size());
+  std::vector<int> maybe(chains.size());
   // One after the other, that with the most against its names first: two of which one is wrong accuse each other.
   for (;;) {
     std::size_t worst = chains.size();
     ChainShift shift;
+    double most_over = 0;
     for (std::size_t c = 0; c < chains.size(); ++c) {
       if (moved[c] != 0) continue;
       const ChainShift one =
           likeliest_shift(chains[c], shapes[c], level_evidence_of_others(set, fitted, placed, chains, c));
       p_as_most[c] = 1 / (1 + std::exp(one.evidence));
-      if (one.evidence > std::max(0.0, shift.evidence)) shift = one, worst = c;
+      maybe[c] = one.evidence > 0 ? one.by : 0;
+      if (const double over = one.evidence - one.least; over > most_over) shift = one, worst = c, most_over = over;
     }
     if (worst == chains.size()) break;
     moved[worst] = 1;
@@ -157,6 +161,7 @@ std::vector<LevelFound> find_levels(const SetOfTemplates& set, const SetInMap& s
       if (!subject.structures[k].is_there()) continue;
       const auto own = chain.apart.find(k);
       found[k].shift = own != chain.apart.end() ? own->second : shift_of_nearest(set, chain, level);
+      if (moved[c] == 0 && found[k].shift == 0) found[k].maybe = maybe[c];
       const double share = own != chain.apart.end() ? chain.share(own->second) : 1;
       found[k].p_named = moved[c] != 0         ? found[k].shift == 0 ? 1 - p_as_most[c] : p_as_most[c]
                                  : found[k].shift == 0 ? p_as_most[c]

@@ -51,6 +51,10 @@ void find_shifted_levels(const SetOfTemplates& set, const SetInMap& subject, con
   const auto levels = find_levels(set, subject, fitted, placed, sound);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     names[k].p_named = std::min(names[k].p_named, levels[k].p_named);
+    if (levels[k].maybe != 0)
+      names[k].defects.push_back(
+          {DefectKind::level_shifted,
+           name_at_level(names[k].proposed, *level_of_name(names[k].proposed) + levels[k].maybe)});
     if (levels[k].shift == 0) continue;
     // Of the other side, where the sides are exchanged too.
     names[k].proposed = name_at_level(names[k].proposed, *level_of_name(names[k].proposed) + levels[k].shift);
@@ -96,9 +100,10 @@ void doubt_names(const SetOfTemplates& set, const VolumeRead& map, int frame, co
     if (one.p_named >= likely) continue;
     const bool is_known = names[k].proposed != set.set.structures[k].name;
     one.judgement.doubtful = true;
-    one.judgement.warnings.push_back("its name is likely wrong" +
-                                     (is_known ? ": it lies where " + names[k].proposed + " belongs" : std::string()) +
-                                     "; run repair, which renames labels");
+    one.judgement.warnings.push_back(
+        "its name is likely wrong" +
+        (is_known ? ": it lies where " + names[k].proposed + " belongs; run repair, which renames labels"
+                  : "; compare it with its neighbours and rename its label"));
   }
 }
 

@@ -212,14 +212,15 @@ void Mending::find_in(std::size_t k) {
   const double holes = share_left(k, signs.holes, signs.without_holes),
                bridges = share_left(k, signs.bridges, signs.without_bridges);
   const bool is_pierced = share_left(k, signs.tunnels, signs.without_holes) >= some_tunnels,
-             has_bars = share_left(k, signs.bars, signs.without_bridges) >= some_bars;
+             has_bars = share_left(k, signs.bars, signs.without_bars) >= some_bars;
   if ((holes >= holes_from || is_pierced) && holes < no_hole) {
     add(k, DefectKind::hole);
     change(k, signs.without_holes);
   }
   if ((bridges >= bridges_from || has_bars) && bridges < no_bridge) {
     add(k, DefectKind::bridge);
-    change(k, signs.without_bridges);
+    // What is thin is no part of the shape; of what is not, a fit may have left out some that is.
+    change(k, has_bars ? signs.without_bars : signs.without_bridges);
   }
   const bool is_unlike =
       holes >= no_hole || bridges >= no_bridge || result_.fitted.structures[k].judgement.inside_scan.dice < hardly_dice;

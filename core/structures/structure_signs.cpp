@@ -116,16 +116,19 @@ class Signs {
     signs_.holes = share_of_large(hole);
     signs_.bridges = share_of_large(bridge);
     std::vector<std::uint8_t> filled(main_.size());  // where a hole may be filled beyond the fit
-    if (expected_[of_]) find_tunnels_and_bars(hole, bridge, filled);
+    std::vector<std::uint8_t> bar(main_.size());
+    if (expected_[of_]) find_tunnels_and_bars(hole, bar, filled);
+    for (std::size_t v = 0; v < main_.size(); ++v) bridge[v] |= bar[v];
     // The rest of each hole reaches up to the surface, and that of each bridge back to it.
     if (const Body core(std::move(hole), there_.grid); core.voxels > 0)
       for (std::size_t v = 0; v < main_.size(); ++v)
         if (there_.labels[v] == 0 && (fit_.inside[v] != 0 || filled[v] != 0) && core.to[v] <= 1.5 * deep_mm)
           change(v, value_, signs_.without_holes);
-    if (const Body core(std::move(bridge), there_.grid); core.voxels > 0)
-      for (std::size_t v = 0; v < main_.size(); ++v)
-        if (own_.inside[v] != 0 && fit_.inside[v] == 0 && core.to[v] <= 1.5 * far_mm)
-          change(v, 0, signs_.without_bridges);
+    for (const auto& [cores, changes] :
+         {std::pair{&bridge, &signs_.without_bridges}, std::pair{&bar, &signs_.without_bars}})
+      if (const Body core(std::move(*cores), there_.grid); core.voxels > 0)
+        for (std::size_t v = 0; v < main_.size(); ++v)
+          if (own_.inside[v] != 0 && fit_.inside[v] == 0 && core.to[v] <= 1.5 * far_mm) change(v, 0, *changes);
   }
 
   /// Leaves the large parts alone. Gives what share of the structure they are.
@@ -136,8 +139,8 @@ class Signs {
   }
 
   /// A fit follows a narrow tunnel, and leaves thin bars out. A ball that does not enter the one, and has no room in
-  /// the other, tells them from the expected shape's own. Adds them to `hole` and `bridge`.
-  void find_tunnels_and_bars(std::vector<std::uint8_t>& hole, std::vector<std::uint8_t>& bridge,
+  /// the other, tells them from the expected shape's own. Adds the tunnels to `hole`.
+  void find_tunnels_and_bars(std::vector<std::uint8_t>& hole, std::vector<std::uint8_t>& bar,
                              std::vector<std::uint8_t>& filled) {
     constexpr double ball = 0.14, deep_in_closed = 0.08, deep_in_expected = 0.03,
                      off_both = 0.06;  // shares of the size
@@ -156,15 +159,12 @@ class Signs {
     signs_.tunnels = share_of_large(tunnel);
     const Body thick(voxels_where([&](std::size_t v) { return own_.inside[v] != 0 && own_.depth[v] > ball_mm; }),
                      there_.grid);
-    auto bar = voxels_where([&](std::size_t v) {
+    bar = voxels_where([&](std::size_t v) {
       return main_[v] != 0 && thick.to[v] > ball_mm && fit_.inside[v] == 0 && fit_.to[v] > off_mm &&
              expected.inside[v] == 0 && expected.to[v] > off_mm;
     });
     signs_.bars = share_of_large(bar);
-    for (std::size_t v = 0; v < main_.size(); ++v) {
-      hole[v] |= tunnel[v];
-      bridge[v] |= bar[v];
-    }
+    for (std::size_t v = 0; v < main_.size(); ++v) hole[v] |= tunnel[v];
   }
 
   void compare_with_expected() {

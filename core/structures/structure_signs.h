@@ -57,7 +57,7 @@ struct StructureSigns {
   std::map<std::size_t, double> lost_to;  ///< by another structure's place in the set: voxels with its label that are
                                           ///< deeper in this one's expected shape than in its own
   /// How the signs would be mended.
-  std::vector<VoxelChange> without_islands, without_holes, without_bridges;
+  std::vector<VoxelChange> without_islands, without_holes, without_bridges, without_bars;
 };
 
 /// The shape that is expected of each structure: its template where its neighbours say, then moved onto what the map

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/structures/right_names.h"
+#include "core/structures/variants.h"
 #include "core/volume/read_labels.h"
 
 namespace homolog {
@@ -22,6 +24,14 @@ Result<SetFitted> repair_and_fit(SetFitted done, VolumeRead& read, const MapToFi
   done.fitted = std::move(repaired->fitted);
   done.found = std::move(repaired->found);
   done.as_read = std::move(repaired->as_read);
+  return done;
+}
+
+/// The same with a sentence for each variant of the body, as a sixth lumbar level is one.
+Result<SetFitted> with_variants(Result<SetFitted> done) {
+  if (!done) return done;
+  for (const Variant& variant : find_variants(*done->set, done->subject, done->fitted))
+    done->warnings.push_back("The label map " + sentence_of(variant, *done->set) + ".");
   return done;
 }
 
@@ -64,11 +74,12 @@ Result<SetFitted> SetFitter::fit(std::shared_ptr<const SetOfTemplates> set, cons
     }
     wake();
   };
-  if (repair) return repair_and_fit(std::move(done), *read, map, options);
+  if (repair) return with_variants(repair_and_fit(std::move(done), *read, map, options));
   auto fitted = fit_set(*set, done.subject, options);
   if (!fitted) return fail(map.file.filename().string(), fitted.error().what);
   done.fitted = std::move(*fitted);
-  return done;
+  doubt_names(*set, *read, std::min(map.frame, read->volume.frames - 1), done.subject, done.fitted);
+  return with_variants(std::move(done));
 }
 
 void SetFitter::start(std::shared_ptr<const SetOfTemplates> set, MapToFit map, bool repair, std::uint64_t case_number) {

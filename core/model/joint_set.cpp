@@ -20,7 +20,7 @@ struct OneStructure {
 };
 
 Result<OneStructure> read_structure(const std::vector<CaseFiles>& cases, std::size_t structure, const std::string& name,
-                                    bool without_doubtful, Progress* progress) {
+                                    const JointOptions& options, Progress* progress) {
   std::vector<ShapeSource> sources;
   for (const CaseFiles& one : cases)
     if (!one.of_structure[structure].file.empty()) sources.push_back(one.of_structure[structure]);
@@ -29,12 +29,12 @@ Result<OneStructure> read_structure(const std::vector<CaseFiles>& cases, std::si
   TrainingSetBuilder builder(sources.size());
   const auto take = [&](const ReadShape& shape) {
     if (!shape.doubt.empty()) doubtful.push_back({shape.name, shape.doubt});
-    if (without_doubtful && !shape.doubt.empty()) {
+    if (options.without_doubtful && !shape.doubt.empty()) {
       result.doubt[shape.name] = shape.doubt;
       return Result<void>();
     }
     result.column[shape.name] = static_cast<Eigen::Index>(builder.shapes());
-    if (shape.mesh->doubt_mm) result.vertex_doubts[shape.name] = *shape.mesh->doubt_mm;
+    if (options.vertex_doubts && shape.mesh->doubt_mm) result.vertex_doubts[shape.name] = *shape.mesh->doubt_mm;
     builder.add(shape.name, *shape.mesh);
     return Result<void>();
   };
@@ -53,7 +53,7 @@ Result<OneStructure> read_structure(const std::vector<CaseFiles>& cases, std::si
     result.read.warnings.push_back(mirrored +
                                    ": a mirror image of those of the other cases (left and right exchanged); correct "
                                    "the case, or leave it out");
-  if (!without_doubtful) result.read.doubtful = std::move(doubtful);
+  if (!options.without_doubtful) result.read.doubtful = std::move(doubtful);
   return result;
 }
 
@@ -149,7 +149,7 @@ Result<void> settle(std::vector<OneCase> cases, const JointOptions& options, Joi
     const auto shape = static_cast<Eigen::Index>(set.names.size());
     set.names.push_back(one.name);
     set.shapes.col(shape) = one.shape.points;
-    if (options.vertex_doubts && one.doubt_mm.size() > 0) joint.read.vertex_doubts[one.name] = one.doubt_mm;
+    if (one.doubt_mm.size() > 0) joint.read.vertex_doubts[one.name] = one.doubt_mm;
     if (one.lacks.empty()) continue;
     const CompletedShape found = completed_shape(complete, joint.parts, one.shape, options.alignment);
     set.shapes.col(shape) = found.points;
@@ -171,7 +171,7 @@ Result<JointSet> read_joint_set(const std::vector<CaseFiles>& cases, const std::
   for (std::size_t k = 0; k < structures.size(); ++k) {
     const double share = 1.0 / static_cast<double>(structures.size());
     if (progress != nullptr) progress->part(static_cast<double>(k) * share, static_cast<double>(k + 1) * share);
-    auto one = read_structure(cases, k, structures[k], options.without_doubtful, progress);
+    auto one = read_structure(cases, k, structures[k], options, progress);
     if (!one) return fail(one.error());
     auto& to = joint.read;
     to.warnings.insert(to.warnings.end(), one->read.warnings.begin(), one->read.warnings.end());

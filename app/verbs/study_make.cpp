@@ -235,9 +235,11 @@ Result<std::vector<StudyCase>> cases_of_maps(const MakeJob& job, const std::shar
   return cases;
 }
 
-Result<Report> make_cases_and_study(const MakeJob& job, Progress& progress) {
+Result<Report> make_study(const MakeJob& job, Progress& progress) {
   auto the_template = load_template(job.template_source);
   if (!the_template) return fail(the_template.error());
+  const auto folder = ResultFolder::make(job.cases());
+  if (!folder) return fail(folder.error());
   const bool is_table = job.of_table();
   Report report;
   auto cases = is_table ? cases_of_table(job, *the_template, report, progress)
@@ -274,28 +276,6 @@ Result<Report> make_cases_and_study(const MakeJob& job, Progress& progress) {
   if (without_labels > 0)
     report.warnings.push_back(std::to_string(without_labels) +
                               " cases have no label map, so they can be fitted in the window only");
-  return report;
-}
-
-std::set<fs::path> case_files_in(const fs::path& folder) {
-  std::set<fs::path> files;
-  std::error_code error;
-  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
-       entry.increment(error))
-    if (is_case_file(entry->path())) files.insert(entry->path());
-  return files;
-}
-
-/// A study that cannot be made leaves no cases, on which nobody has worked; one that is cancelled goes on from them.
-Result<Report> make_study(const MakeJob& job, Progress& progress) {
-  const auto before = case_files_in(job.cases());
-  const auto folder = ResultFolder::make(job.cases());
-  if (!folder) return fail(folder.error());
-  auto report = make_cases_and_study(job, progress);
-  if (report || progress.cancelled()) return report;
-  std::error_code ignored;
-  for (const fs::path& file : case_files_in(job.cases()))
-    if (!before.contains(file)) fs::remove(file, ignored);
   return report;
 }
 

@@ -152,21 +152,6 @@ TEST_CASE("a run that fails leaves no folder") {
   }
 }
 
-TEST_CASE("a study that the disk cannot hold leaves no case") {
-  const TemporaryFolder folder;
-  REQUIRE(run(folder, "phantom kidney --subject 1 -o .").status == 0);
-  std::string table = "name,labels,notes\n";
-  for (int k = 0; k < 9; ++k)
-    table += "c" + std::to_string(k) + ",kidney-1-labels.nii.gz," + std::string(800, 'n') + "\n";
-  REQUIRE(write_whole_file(folder.path / "t.csv", table));
-  const auto before = names_in(folder.path);
-  const std::string made = "study make t.csv --template built-in:kidney -o s.study.json";
-  check_refused(run_on_full_disk(folder, made, 8192), "s.study.json");
-  CHECK(names_in(folder.path) == before);
-  REQUIRE(run(folder, made).status == 0);
-  CHECK(names_in(folder.path).size() > before.size());
-}
-
 TEST_CASE("copies of one surface at one place do not hang the program") {
   const TemporaryFolder folder;
   const Mesh one = shapes::tetrahedron(10);

@@ -26,7 +26,7 @@ double form_confidence(const FittedStructure& one, const StructureSigns& signs, 
   if (one.judgement.doubtful && !one.fit->template_cuts.empty()) return usual;
   double lost = 0;
   for (const auto& [other, share] : signs.lost_to) lost = std::max(lost, share);
-  // A logistic regression on right and wrong structures of several subjects [docs/measurements/repair.md].
+  // A logistic regression on right and wrong structures of two people [docs/measurements/repair.md].
   const double x = 7.0 - 1.8 * part(one.judgement.doubt_share, most_doubt_share, 3) - 2 * part(one.off_place, 0.25, 2) -
                    0.6 * part(lost, 0.05, 4) - 3.9 * has(found, {given_to_neighbour}) -
                    0.6 * has(found, {taken_from_neighbour}) -

@@ -100,14 +100,14 @@ Result<VolumeRead> read_on_image(const fs::path& in, VolumeReadOptions reading, 
   if (!map) return map;
   if (map->segmentation.segments.empty() && !holds_labels(map->volume))
     return fail(in.string(), "is no label map, so that --like has no effect; leave it out");
-  if (auto same = check_same_space(in, map->volume.frame_of_reference, like, image->volume, " by --like"); !same)
-    return fail(same.error());
+  auto other = check_scan(in, map->volume.frame_of_reference, map->referenced, like, image->volume, " by --like");
+  if (!other) return fail(other.error());
   if (!put_on_grid(*map, image->volume.geometry))
     return fail(in.string(), "does not lie on the voxels of " + like.string() +
                                  "; resample it to that image, or leave out --like to write it as it is");
   map->warnings.insert(map->warnings.begin(), image->warnings.begin(), image->warnings.end());
   map->resampled = image->resampled;
-  if (auto other = other_images(in, map->referenced, like, image->volume)) map->warnings.push_back(std::move(*other));
+  if (*other) map->warnings.push_back(std::move(**other));
   return map;
 }
 

@@ -48,10 +48,9 @@ Result<DrawnOrgan> read_organ(const FitJob& options, const fs::path& scan_path, 
     const auto read = read_curves(path);
     if (!read) return fail(read.error());
     if (scan != nullptr) {
-      if (auto same = check_same_space(path, read->frame_of_reference, scan_path, *scan); !same)
-        return fail(same.error());
-      if (auto other = other_images(path, read->referenced, scan_path, *scan))
-        organ.warnings.push_back(std::move(*other));
+      auto other = check_scan(path, read->frame_of_reference, read->referenced, scan_path, *scan);
+      if (!other) return fail(other.error());
+      if (*other) organ.warnings.push_back(std::move(**other));
     }
     const auto roi = structure_of(path, *read, options.structure);
     if (!roi) return fail(roi.error());

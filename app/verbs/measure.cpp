@@ -52,15 +52,12 @@ Result<NamedShapes> read(const ShapesVerb& options, Progress& progress) {
   const auto take = [&](ReadShape shape) -> Result<void> {
     all.names.push_back(std::move(shape.name));
     all.shapes.push_back(*shape.mesh);
+    all.groups.push_back(shape.of->group);
     return {};
   };
   auto warnings = read_shapes(*sources, {options.all_frames}, take, &progress);
   if (!warnings) return fail(warnings.error());
-  std::map<std::string, std::string> group_of;
-  for (const ShapeSource& source : *sources)
-    if (!source.group.empty()) group_of[source.name(source.frame)] = source.group;
-  if (!group_of.empty())
-    for (const std::string& name : all.names) all.groups.push_back(group_of[name]);
+  if (std::ranges::all_of(all.groups, &std::string::empty)) all.groups.clear();
   all.names = shape_names(all.names);
   all.warnings = std::move(*warnings);
   return all;

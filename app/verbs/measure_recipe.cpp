@@ -11,6 +11,7 @@
 #include "core/base/files.h"
 #include "core/base/listed.h"
 #include "core/catalogue/catalogue.h"
+#include "core/mesh/inside_out.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/model/model_files.h"
@@ -31,6 +32,14 @@ struct MeasuredCase {
   std::vector<MeasuredNumber> values;
 };
 
+/// Which shape is measured.
+struct OfCase {
+  std::string file;                ///< as ReadShape names it
+  std::vector<std::string> stems;  ///< what files of its own may be called
+  std::string group;
+  std::optional<int> frame{};
+};
+
 /// Measures shapes one after the other, as they are read.
 class RecipeWork {
  public:
@@ -44,10 +53,6 @@ class RecipeWork {
     }
     progress.part(0, job_.model.empty() ? 1 : 0.8);
     if (auto read = read_all(progress); !read) return fail(read.error());
-    std::vector<std::string> names;
-    for (const MeasuredCase& one : cases_) names.push_back(one.name);
-    names = shape_names(names);
-    for (std::size_t k = 0; k < cases_.size(); ++k) cases_[k].name = names[k];
     for (const MeasuredCase& one : cases_) note_missing(one.name, one.values);
     if (!job_.model.empty()) {
       progress.part(0.8, 1);
@@ -65,22 +70,27 @@ class RecipeWork {
     std::error_code ignored;
     for (const auto& file : job_.files)
       (!structures.empty() && std::filesystem::is_directory(file, ignored) ? folders : files).push_back(file);
+    if (!folders.empty() && !job_.group.empty())
+      return fail(folders.front().string(), "belongs to no group; only the cases of a study (.study.json) have groups");
+    if (!folders.empty() && job_.all_frames)
+      return fail("--all-frames", "has no effect on a folder of cases; name the case files of cines");
     if (!folders.empty())
       if (auto read = read_folders(folders, structures, progress); !read) return read;
     if (files.empty()) return {};
     const auto sources = shape_sources(files, job_.group);
     if (!sources) return fail(sources.error());
     alone_ = sources->size() == 1 && folders.empty();
-    std::map<std::string, std::string> group_of;
-    for (const ShapeSource& source : *sources)
-      if (!source.group.empty()) group_of[source.name(source.frame)] = source.group;
+    for (const ShapeSource& source : *sources) read_.push_back(source.file);
     const auto take = [&](ReadShape shape) -> Result<void> {
       MeasuredShape measured;
-      if (auto added = add_structure(measured, shape.structure, *shape.mesh); !added)
+      if (auto added = add_structure(measured, shape.name, shape.structure, *shape.mesh); !added)
         return fail(shape.name, added.error().what);
       for (const auto& [name, mesh] : shape.others)
-        if (auto added = add_structure(measured, name, *mesh); !added) return fail(shape.name, added.error().what);
-      return measure_one(shape.name, group_of[shape.name], noted_frame(*shape.mesh), std::move(measured));
+        if (auto added = add_structure(measured, shape.name, name, *mesh); !added)
+          return fail(shape.name, added.error().what);
+      OfCase of{shape.name, {case_name_of(shape.of->file)}, shape.of->group, noted_frame(*shape.mesh)};
+      if (!shape.of->study_case.empty()) of.stems.push_back(shape.of->study_case);
+      return measure_one(of, std::move(measured));
     };
     const auto warnings = read_shapes(*sources, {job_.all_frames}, take, &progress);
     if (!warnings) return fail(warnings.error());
@@ -99,49 +109,62 @@ class RecipeWork {
       MeasuredShape shape;
       for (std::size_t k = 0; k < structures.size(); ++k) {
         const ShapeSource& source = one.of_structure[k];
+        read_.push_back(source.file);
+        if (k == 0) shape.lacks_first = structures[k];
         if (source.file.empty()) continue;
         const auto mesh = read_shape(source);
         if (!mesh) {
           warnings_.push_back(mesh.error().sentence() + " (left out)");
           continue;
         }
-        if (auto added = add_structure(shape, structures[k], **mesh); !added)
+        if (auto added = add_structure(shape, source.file.string(), structures[k], **mesh); !added)
           return fail(source.file.string(), added.error().what);
+        if (k == 0) shape.lacks_first.clear();
       }
       if (shape.structures.empty()) continue;
-      if (auto measured = measure_one(one.name, {}, {}, std::move(shape)); !measured) return measured;
+      if (auto measured = measure_one({one.name, {one.name}, {}}, std::move(shape)); !measured) return measured;
     }
     return {};
   }
 
-  Result<void> add_structure(MeasuredShape& shape, const std::string& name, const MeshFile& mesh) {
+  /// `shape_name`: in warnings.
+  Result<void> add_structure(MeasuredShape& shape, const std::string& shape_name, const std::string& name,
+                             const MeshFile& mesh) {
     auto structure = measured_structure(name, mesh, faces_);
     if (!structure) return fail(structure.error());
+    if (structure->mesh.topology)
+      if (const auto inward = inside_out(structure->mesh)) warnings_.push_back(shape_name + ": " + *inward);
     shape.structures.push_back(std::move(*structure));
     return {};
   }
 
-  Result<void> measure_one(const std::string& name, const std::string& group, std::optional<int> frame,
-                           MeasuredShape shape) {
-    if (auto placed = add_landmarks(name, shape.structures.front()); !placed) return placed;
-    if (auto seen = add_image(name, frame.value_or(0), shape); !seen) return seen;
-    const bool suits = lenders_.lend_to(shape);
-    if (job_.model.empty() || cases_.empty()) template_suits_ = template_suits_ || suits;  // then a shape lends too
-    if (!job_.model.empty() && cases_.empty()) lenders_.add(shape);
-    cases_.push_back({name, group, frame, measure(recipe_, shape)});
+  Result<void> measure_one(const OfCase& of, MeasuredShape shape) {
+    const std::string name = names_.next(of.file);
+    if (shape.lacks_first.empty())
+      if (auto placed = add_landmarks(of, shape.structures.front()); !placed) return placed;
+    if (auto seen = add_image(of, name, shape); !seen) return seen;
+    template_suits_ = lenders_.lend_to(shape) || template_suits_;
+    if (!job_.model.empty() && cases_.empty()) first_ = shape;
+    cases_.push_back({name, of.group, of.frame, measure(recipe_, shape)});
     return job_.profiles.empty() ? Result<void>() : write_profiles(name, shape);
   }
 
   /// The image that is sampled along normals: one for all, or of the shape's name.
-  Result<void> add_image(const std::string& name, int frame, MeasuredShape& shape) {
+  Result<void> add_image(const OfCase& of, const std::string& name, MeasuredShape& shape) {
     if (job_.image.empty()) return {};
+    const int frame = of.frame.value_or(0);
     std::filesystem::path file = job_.image;
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored)) {
       file.clear();
       for (const auto& entry : std::filesystem::directory_iterator(job_.image, ignored))
-        if (case_name_of(entry.path()) == case_name_of(name) && looks_like_volume(entry.path())) file = entry.path();
-      if (file.empty()) return {};
+        if (std::ranges::count(of.stems, case_name_of(entry.path())) > 0 && looks_like_volume(entry.path()))
+          file = std::max(file, entry.path());
+      if (file.empty()) {
+        warnings_.push_back(name + ": has no image in " + job_.image.string() + " (" + listed(of.stems, " or ") +
+                            ".nii.gz); call it so");
+        return {};
+      }
     }
     if (file != image_file_) {
       Progress unseen;
@@ -162,7 +185,7 @@ class RecipeWork {
     if (shape.image == nullptr || structure.mesh.topology == nullptr) return {};
     MeshFile file;
     file.points = structure.mesh.points;
-    file.triangles = structure.mesh.topology->triangles();
+    file.triangles = structure.mesh.topology;
     for (const std::size_t k : recipe_.measurements) {
       const RecipeStep& step = recipe_.steps[k];
       if (step.unit != "image") continue;
@@ -182,18 +205,22 @@ class RecipeWork {
     }
     if (file.values.empty())
       return fail("--profiles", "has no effect here: the recipe has no measurement of the kind image_mean");
+    const std::filesystem::path to = job_.profiles / (name + ".vtp");
+    if (auto safe = check_not_read({to}, read_); !safe) return safe;
     if (auto made = make_folder(job_.profiles); !made) return made;
-    return write_mesh_file(file, job_.profiles / (case_name_of(name) + ".vtp"));
+    return write_mesh_file(file, to);
   }
 
   /// Landmarks that lie in files of their own; they count before those of the mesh.
-  Result<void> add_landmarks(const std::string& name, MeasuredStructure& structure) const {
+  Result<void> add_landmarks(const OfCase& of, MeasuredStructure& structure) const {
     if (job_.landmarks.empty()) return {};
     std::filesystem::path file = job_.landmarks;
     std::error_code ignored;
-    if (std::filesystem::is_directory(file, ignored))
-      file = landmark_file_in(file, case_name_of(name));
-    else if (!alone_)
+    if (std::filesystem::is_directory(file, ignored)) {
+      file.clear();
+      for (const std::string& stem : of.stems)
+        if (file.empty()) file = landmark_file_in(job_.landmarks, stem);
+    } else if (!alone_)
       return fail(file.string(), "is one file for several shapes; give the folder with a file of each shape's name");
     if (file.empty()) return {};
     auto read = read_landmarks(file);
@@ -210,7 +237,9 @@ class RecipeWork {
     const int there = static_cast<int>(model->modes());
     if (job_.modes > there)
       warnings_.push_back(job_.model.string() + ": has " + std::to_string(there) + " modes, so these are measured");
-    auto along = measure_modes(recipe_, *model, std::min(job_.modes, there), lenders_, progress);
+    Lenders lenders = lenders_;
+    if (first_) lenders.add(*first_);  // the model's shapes have no landmarks of their own
+    auto along = measure_modes(recipe_, *model, std::min(job_.modes, there), lenders, progress);
     if (!along) return fail(along.error());
     modes_ = std::move(*along);
     if (!modes_.empty()) note_missing("the model", modes_.front().values);
@@ -313,9 +342,12 @@ class RecipeWork {
   const RecipeJob& job_;
   Recipe recipe_;
   Lenders lenders_;
-  bool template_suits_ = false;            ///< a shape has its vertices and faces
-  std::shared_ptr<const Topology> faces_;  ///< of the mesh before
-  Volume image_;                           ///< of `image_file_`
+  std::optional<MeasuredShape> first_;  ///< where a model is measured too
+  ShapeNames names_;
+  std::vector<std::filesystem::path> read_;  ///< the shapes' files
+  bool template_suits_ = false;              ///< a shape has its vertices and faces
+  std::shared_ptr<const Topology> faces_;    ///< of the mesh before
+  Volume image_;                             ///< of `image_file_`
   std::filesystem::path image_file_;
   bool alone_ = false;  ///< one shape is measured
   std::vector<MeasuredCase> cases_;

@@ -3,6 +3,7 @@
 
 #include "app/verbs/record.h"
 #include "app/verbs/training.h"
+#include "core/base/files.h"
 #include "core/base/listed.h"
 #include "core/groupwise/optimise.h"
 #include "core/mesh/formats/formats.h"
@@ -53,6 +54,32 @@ Json figures_json(const SetFigures& figures) {
   return json;
 }
 
+/// Errors: a mesh that would be written into a folder is one that is read here.
+Result<void> check_written(const ModelOptions& options, const std::vector<std::string>& names, const fs::path& folder) {
+  const TrainingVerb& training = options.training;
+  std::vector<fs::path> read, written;
+  if (training.structures.empty()) {
+    const auto sources = shape_sources(training.files, training.reading.group);
+    if (!sources) return fail(sources.error());
+    for (const ShapeSource& source : *sources) read.push_back(source.file);
+    for (const std::string& name : names) written.push_back(folder / (name + ".ply"));
+    return check_not_read(written, read);
+  }
+  const auto frame = training.world ? ShapeWorksFrame::world : ShapeWorksFrame::local;
+  const auto cases = structure_files(training.files, training.structures, frame);
+  if (!cases) return fail(cases.error());
+  for (const CaseFiles& one : *cases)
+    for (const ShapeSource& source : one.of_structure)
+      if (!source.file.empty()) read.push_back(source.file);
+  for (const std::string& name : names)
+    for (const std::string& structure : training.structures) {
+      written.push_back(folder / name / (structure + ".ply"));
+      for (const char* ending : {"_local.particles", "_world.particles"})
+        written.push_back(folder / (name + "_" + structure + ending));
+    }
+  return check_not_read(written, read);
+}
+
 /// The files of a training set as they were read, in its order; those that were left out of it too are left out.
 Result<std::vector<MeshFile>> files_of(const TrainingVerb& options, const std::vector<std::string>& names,
                                        Progress& progress) {
@@ -72,10 +99,7 @@ Result<std::vector<MeshFile>> files_of(const TrainingVerb& options, const std::v
 Result<Json> optimise(const ModelOptions& options, TrainingSetRead& read, Progress& progress) {
   const auto names = shape_names(read.set.names);
   const fs::path folder = options.optimised_folder();
-  for (std::size_t k = 0; k < names.size(); ++k)
-    if (fs::weakly_canonical(read.set.names[k]) == fs::weakly_canonical(folder / (names[k] + ".ply")))
-      return fail(folder.string(),
-                  "holds " + names[k] + ".ply, which is one of the set; name another folder for the optimised meshes");
+  if (auto safe = check_written(options, names, folder); !safe) return fail(safe.error());
   progress.part(0, 0.1);
   auto files = files_of(options.training, read.set.names, progress);
   if (!files) return fail(files.error());
@@ -99,7 +123,7 @@ Result<Json> optimise(const ModelOptions& options, TrainingSetRead& read, Progre
     file.points = std::move(points);
     file.doubt_mm.reset();  // of places that the vertices have left
     forget_doubt(file);
-    if (file.triangles.rows() == 0) file.triangles = read.set.topology->triangles();
+    if (file.triangles.rows() == 0) file.triangles = read.set.topology;
     shapes.push_back({names[k], std::make_shared<const MeshFile>(std::move(file)), {}, true});
     slides.push_back({{"name", names[k]}, {"largest_slide_mm", optimised->largest_slide_mm[k]}});
   }
@@ -153,6 +177,8 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   if (!training) return fail(training.error());
   const PrincipalComponents& components = training->components;
   const auto names = training->parts.empty() ? shape_names(training->names) : training->names;
+  if (!options.aligned.empty())
+    if (auto safe = check_written(options, names, options.aligned); !safe) return fail(safe.error());
   if (auto done = write_beside(options, *training, names); !done) return fail(done.error());
   const Eigen::Index modes = options.training.leading_modes > 0
                                  ? options.training.leading_modes

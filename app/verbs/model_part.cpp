@@ -25,7 +25,7 @@ Result<MeshFile> mesh_of_model(const std::filesystem::path& path, const std::str
   if (!model) return fail(model.error());
   MeshFile mesh;
   mesh.points = seed ? sampled_shape(*model, *seed) : Points(points_of(model->mean));
-  if (model->topology) mesh.triangles = model->topology->triangles();
+  mesh.triangles = model->topology;
   return mesh;
 }
 

@@ -183,16 +183,17 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
   const SetInMap subject = find_in_map(set.set, map->read, map->frame);
   if (auto known = check_structures(subject, path); !known) return fail(known.error());
   if (auto met = check_meeting(job, path, subject, options.image); !met) return fail(met.error());
-  if (image)
-    if (auto same = check_same_space(path, map->read.volume.frame_of_reference, job.image, image->volume); !same)
-      return fail(same.error());
+  std::optional<std::string> made_on_others;
+  if (image) {
+    auto other = check_scan(path, map->read.volume.frame_of_reference, map->read.referenced, job.image, image->volume);
+    if (!other) return fail(other.error());
+    made_on_others = std::move(*other);
+  }
   const auto repaired = repair_map(set, map->read, map->frame, options);
   if (!repaired) return fail(path.string(), repaired.error().what);
   Report report;
   report.warnings = map->read.warnings;
-  if (image)
-    if (auto other = other_images(path, map->read.referenced, job.image, image->volume))
-      report.warnings.push_back(std::move(*other));
+  if (made_on_others) report.warnings.push_back(std::move(*made_on_others));
   for (const StructureInMap& one : subject.structures)
     if (!one.why_left_out.empty())
       report.warnings.push_back(path.string() + ": " + one.segment.name + " is left as it is: " + one.why_left_out);

@@ -91,7 +91,7 @@ Result<Cut> tunnels_cut(const Mesh& surface, const RepairJob& job, Progress& pro
 MeshFile file_of(const Mesh& mesh, const MeshFile& before, std::vector<std::string>& warnings) {
   MeshFile file;
   file.points = mesh.points;
-  file.triangles = mesh.topology->triangles();
+  file.triangles = mesh.topology;
   file.landmarks = before.landmarks;
   file.comments = before.comments;
   if (before.stiffness || !before.regions.list.empty())

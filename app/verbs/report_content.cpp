@@ -36,8 +36,8 @@ std::string plain_title(const fs::path& file) {
 std::string plain_command(const ReportVerb& verb) {
   std::string command = "homolog report";
   const TrainingVerb& training = verb.training;
-  if (training.files.size() > 3)
-    command += " (" + std::to_string(training.files.size()) + " files)";
+  if (training.files.size() > 3 || verb.without_names)
+    command += " (" + std::to_string(training.files.size()) + (training.files.size() == 1 ? " file)" : " files)");
   else
     for (const fs::path& file : training.files) command += ' ' + file.filename().string();
   if (training.keep_scale) command += " --keep-scale";
@@ -67,7 +67,7 @@ Result<Eigen::Index> shown_modes(const ReportVerb& verb, const Eigen::VectorXd& 
   return std::min<Eigen::Index>(most_modes_by_default, modes_holding(variances, 0.95));
 }
 
-/// Keeps the first modes of a model.
+/// Keeps the first modes of a model, which has at least as many.
 void keep_modes(ShapeModel& model, Eigen::Index count) {
   model.basis.conservativeResize(Eigen::NoChange, count);
   model.variances.conservativeResize(count);
@@ -140,9 +140,9 @@ Result<void> put_doubts(const ReportVerb& verb, const Training& training, PageCo
 }
 
 /// Why a study's case is not in the model.
-std::string why_excluded(const StudyCase& one, const std::string& file, const ReportVerb& verb,
+std::string why_excluded(const StudyCase& one, const std::string& key, const ReportVerb& verb,
                          const std::map<std::string, std::string>& left_out) {
-  if (const auto reason = left_out.find(file); reason != left_out.end()) return reason->second;
+  if (const auto reason = left_out.find(key); reason != left_out.end()) return reason->second;
   const std::string& group = verb.training.reading.group;
   if (!group.empty() && one.group != group) return "is not of the group " + group;
   return one.waits() ? "has no shape yet" : "its file could not be read";
@@ -155,33 +155,40 @@ Result<std::vector<PageCase>> cases_of_set(const ReportVerb& verb, const Trainin
     if (is_study_file(file)) studies.push_back(file);
   const auto known = cases_of_studies(studies);
   if (!known) return fail(known.error());
-  std::map<std::string, std::string> doubtful, left_out;
+  std::map<std::string, std::string> doubtful;
+  std::map<std::string, std::string> left_out;  // by the study's case, or the name where it is of none
   for (const DoubtfulShape& one : training.doubtful) doubtful.emplace(one.name, one.reason);
-  for (const DoubtfulShape& one : training.left_out) left_out.emplace(one.name, one.reason);
+  for (const DoubtfulShape& one : training.left_out) {
+    const bool of_study = std::ranges::any_of(one.study_keys, [&](const auto& key) { return known->contains(key); });
+    if (!of_study) left_out.emplace(one.name, one.reason);
+    for (const std::string& key : one.study_keys) left_out.emplace(key, one.reason);
+  }
   const auto names = training.parts.empty() ? shape_names(training.names) : training.names;
   std::vector<PageCase> cases;
   std::set<std::string> in_model;
   for (std::size_t k = 0; k < names.size(); ++k) {
     PageCase one;
     const std::string& file = training.names[k];
-    const auto of_study = known->find(file);
-    one.name = of_study == known->end() ? names[k] : of_study->second.name;
+    const auto& keys = training.study_keys[k];
+    const auto of_study = keys.empty() ? known->end() : known->find(keys.front());
+    const bool is_one_case = of_study != known->end() && training.parts.empty() && !verb.training.reading.all_frames;
+    one.name = is_one_case ? of_study->second.name : names[k];
     one.flipped = of_study != known->end() && of_study->second.flipped;
     if (!training.groups.empty()) one.group = training.groups[k];
     if (const auto reason = doubtful.find(file); reason != doubtful.end()) one.doubt = reason->second;
     one.size_mm = training.sizes_mm[k];
     one.shape = static_cast<Eigen::Index>(k);
-    in_model.insert(file);
+    in_model.insert(keys.begin(), keys.end());
     cases.push_back(std::move(one));
   }
-  for (const auto& [file, of_study] : *known) {
-    if (in_model.contains(file)) continue;
+  for (const auto& [key, of_study] : *known) {
+    if (in_model.contains(key)) continue;
     PageCase one;
     one.name = of_study.name;
     one.group = of_study.group;
     one.doubt = of_study.doubt;
-    one.excluded = why_excluded(of_study, file, verb, left_out);
-    left_out.erase(file);
+    one.excluded = why_excluded(of_study, key, verb, left_out);
+    left_out.erase(key);
     cases.push_back(std::move(one));
   }
   for (const auto& [file, reason] : left_out) {
@@ -225,8 +232,7 @@ Result<PageContent> content_of_set(const ReportVerb& verb, Progress& progress) {
   std::vector<std::string> names;
   for (const PageCase& one : content.cases)
     if (one.shape >= 0) names.push_back(one.name);
-  content.model = make_model(components, 1, training->topology, names);
-  keep_modes(content.model, *modes);
+  content.model = model_of_modes(components, *modes, training->topology, names);
   content.distance_modes = modes_holding(components.variances(), share_of_distances);
   content.model.left_out_distances = left_out_distances(components, content.distance_modes);
   put_distances(content);
@@ -266,8 +272,10 @@ Result<PageContent> page_content(const ReportVerb& verb, Progress& progress) {
   if (!content) return content;
   if (!verb.recipe.empty() || !verb.the_template.empty())
     if (auto measured = measure_page(verb, *content, progress); !measured) return fail(measured.error());
-  const bool names_a_case = verb.without_names && files.size() > 1;
-  content->title = !verb.title.empty() ? verb.title : names_a_case ? "Shapes" : plain_title(files.front());
+  const bool names_cases = files.size() > 1 || !(is_study_file(files.front()) || is_model_name(files.front()));
+  content->title = !verb.title.empty()                 ? verb.title
+                   : verb.without_names && names_cases ? "Shapes"
+                                                       : plain_title(files.front());
   content->command = plain_command(verb);
   if (verb.without_names)
     for (std::size_t k = 0; k < content->cases.size(); ++k) content->cases[k].name = "case " + std::to_string(k + 1);

@@ -55,7 +55,7 @@ Json described_score(const std::string& name, const ShapeScore& score, const Sha
 Result<void> write_scored(const MeshFile& shape, const ShapeModel& model, const ShapeScore& score, std::string record,
                           const fs::path& to) {
   const MeshFile file{.points = shape.points,
-                      .triangles = model.topology->triangles(),
+                      .triangles = model.topology,
                       .doubt_mm = shape.doubt_mm,
                       .values = {{"z", score.z}, {"z_low", score.z_low}, {"z_high", score.z_high}},
                       .record = std::move(record)};
@@ -92,6 +92,10 @@ Result<Report> score(const ScoreJob& job, Progress& progress) {
   std::vector<std::string> files;
   for (const NewShape& shape : *shapes) files.push_back(shape.name);
   const auto names = shape_names(files);
+  std::vector<fs::path> to_write;
+  for (const std::string& name : names) to_write.push_back(job.out / (name + ".vtp"));
+  if (!job.out.empty())
+    if (auto safe = check_not_read(to_write, {files.begin(), files.end()}); !safe) return fail(safe.error());
   if (!job.out.empty())
     if (auto made = make_folder(job.out); !made) return fail(made.error());
   Json subjects = Json::array();

@@ -61,7 +61,7 @@ Result<NewShape> shape_of_map(const NewShapes& asked, const MapScoring& with, co
   const FitJudgement judgement = judge_fit(*mean, *boundary, options, *fit);
   NewShape shape{path.string(), {}, {}};
   shape.mesh.points = fit->mesh.points;
-  shape.mesh.triangles = fit->mesh.topology->triangles();
+  shape.mesh.triangles = fit->mesh.topology;
   shape.mesh.doubt_mm = fit->doubt_mm;
   if (judgement.doubtful) shape.doubt = "the fit is doubtful; look at it with fit";
   return shape;
@@ -101,7 +101,7 @@ Result<NewShape> shape_of_image(const NewShapes& asked, const ImageScoring& with
   if (!fit) return fail(path.string(), fit.error().what);
   NewShape shape{path.string(), {}, {}};
   shape.mesh.points = std::move(fit->mesh.points);
-  shape.mesh.triangles = with.the_template->topology->triangles();
+  shape.mesh.triangles = with.the_template->topology;
   return shape;
 }
 
@@ -109,7 +109,9 @@ Result<NewShape> shape_of_image(const NewShapes& asked, const ImageScoring& with
 Result<NewShape> joined_shape(const ShapeModel& model, const CaseFiles& files, const std::string& name) {
   NewShape shape{name, {}, {}};
   shape.mesh.points.resize(model.mean.size() / 3, 3);
-  shape.mesh.triangles = model.topology ? model.topology->triangles() : Triangles();
+  shape.mesh.triangles = model.topology;
+  VertexScalars doubt_mm(shape.mesh.points.rows());
+  bool all_doubts = true;
   for (std::size_t k = 0; k < model.parts.size(); ++k) {
     const StructurePart& part = model.parts[k];
     const ShapeSource& source = files.of_structure[k];
@@ -122,7 +124,10 @@ Result<NewShape> joined_shape(const ShapeModel& model, const CaseFiles& files, c
                                        part.name + " " + std::to_string(part.vertices) +
                                        "; give a fit of the model's template");
     shape.mesh.points.middleRows(part.first_vertex, part.vertices) = read->points;
+    all_doubts = all_doubts && read->doubt_mm && read->doubt_mm->size() == part.vertices;
+    if (all_doubts) doubt_mm.segment(part.first_vertex, part.vertices) = *read->doubt_mm;
   }
+  if (all_doubts) shape.mesh.doubt_mm = std::move(doubt_mm);
   return shape;
 }
 
@@ -146,7 +151,7 @@ std::vector<Result<NewShape>> joined_shapes(const ShapeModel& model, const fs::p
 Result<MapScoring> map_scoring(const NewShapes& asked, const ShapeModel& model) {
   MeshFile mean;
   mean.points = points_of(model.mean);
-  mean.triangles = model.topology ? model.topology->triangles() : Triangles();
+  mean.triangles = model.topology;
   auto made = make_template(std::move(mean), "the model's mean");
   if (!made) return fail(asked.model.string(), "has a mean that is no surface, so nothing can be fitted");
   MapScoring with{std::move(*made), nullptr};

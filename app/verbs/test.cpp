@@ -208,12 +208,6 @@ Result<std::vector<TestAgain>> tests_again(const TestJob& job, std::vector<std::
   return again;
 }
 
-std::string listed_of(const std::vector<TestAgain>& again) {
-  std::vector<std::string> names;
-  for (const TestAgain& one : again) names.push_back(one.of);
-  return listed(names, " and ");
-}
-
 /// Adds what the test gives without the vertices in doubt and in other templates, and one line for each term.
 Result<void> add_robustness(const TestJob& job, const LinearTest& test, Report& report, Progress& progress) {
   constexpr double level = 0.05;
@@ -228,13 +222,21 @@ Result<void> add_robustness(const TestJob& job, const LinearTest& test, Report& 
       terms.push_back({{"name", term.name}, {"r2", term.r2}, {"f", term.f}, {"p", term.p}});
     rows.push_back({{"of", one.of}, {"terms", std::move(terms)}});
   }
-  for (std::size_t t = 0; t < test.terms.size(); ++t) {
-    const bool found = test.terms[t].p <= level;
-    std::vector<std::string> against;
-    for (const TestAgain& one : *again)
-      if ((one.test.terms[t].p <= level) != found) against.push_back(one.of);
-    holds.push_back(test.terms[t].name + (found ? ": p <= 0.05" : ": p > 0.05") +
-                    (against.empty() ? ", and so " + listed_of(*again) : ", but not " + listed(against, " and ")));
+  for (const TermTest& term : test.terms) {
+    const bool found = term.p <= level;
+    std::vector<std::string> with, against, without;
+    for (const TestAgain& one : *again) {
+      // Of other cases --paired may have taken another term out.
+      const auto same = std::ranges::find(one.test.terms, term.name, &TermTest::name);
+      (same == one.test.terms.end() ? without : (same->p <= level) == found ? with : against).push_back(one.of);
+    }
+    std::string sentence = term.name + (found ? ": p <= 0.05" : ": p > 0.05");
+    if (!against.empty())
+      sentence += ", but not " + listed(against, " and ");
+    else if (!with.empty())
+      sentence += ", and so " + listed(with, " and ");
+    if (!without.empty()) sentence += "; " + listed(without, " and ") + " cannot test it";
+    holds.push_back(std::move(sentence));
   }
   report.values["again"] = std::move(rows);
   report.values["holds"] = std::move(holds);

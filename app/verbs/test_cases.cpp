@@ -40,13 +40,18 @@ CovariateTable covariates_of(const std::map<std::string, StudyCase>& cases, cons
   CovariateTable table{source, {}, {}, {}};
   if (cases.empty()) return table;
   table.columns = {"group"};
-  for (const auto& [file, one] : cases)
-    for (const auto& [key, value] : known_of(one))
+  const auto all_known_of = [](const StudyCase& one) {
+    auto known = known_of(one);
+    known.emplace("case", one.name);  // pairs the frames of a cine
+    return known;
+  };
+  for (const auto& [study_key, one] : cases)
+    for (const auto& [key, value] : all_known_of(one))
       if (!table.column(key)) table.columns.push_back(key);
-  for (const auto& [file, one] : cases) {
+  for (const auto& [study_key, one] : cases) {
     table.cases.push_back(one.name);
     std::vector<std::string> row{one.group};
-    auto known = known_of(one);
+    auto known = all_known_of(one);
     for (std::size_t k = 1; k < table.columns.size(); ++k) row.push_back(known[table.columns[k]]);
     table.cells.push_back(std::move(row));
   }
@@ -80,11 +85,22 @@ class RowFinder {
     for (std::size_t row = 0; row < table.cases.size(); ++row) rows_[table.cases[row]] = row;
     for (std::size_t row = 0; row < table.cases.size(); ++row) rows_.emplace(file_stem(table.cases[row]), row);
   }
-  std::optional<std::size_t> find(const std::string& file, const std::string& name) const {
-    const auto of_study = studies_.find(file);
-    const auto row = of_study == studies_.end() ? rows_.end() : rows_.find(of_study->second.name);
-    const auto found = row == rows_.end() ? rows_.find(name) : row;
-    return found == rows_.end() ? std::nullopt : std::optional(found->second);
+  /// `study_keys`: of the study's cases that the shape is of.
+  std::optional<std::size_t> find(const std::vector<std::string>& study_keys, const std::string& name) const {
+    for (const std::string& key : study_keys)
+      if (const auto of_study = studies_.find(key); of_study != studies_.end())
+        if (const auto row = rows_.find(of_study->second.name); row != rows_.end()) return row->second;
+    const auto row = rows_.find(name);
+    return row == rows_.end() ? std::nullopt : std::optional(row->second);
+  }
+  bool is_of_study(const std::vector<std::string>& study_keys) const {
+    return std::ranges::any_of(study_keys, [&](const std::string& key) { return studies_.contains(key); });
+  }
+  /// Whether a row is of a study's case that is of another group.
+  bool is_of_other_group(const std::string& row, const std::string& group) const {
+    return !group.empty() && std::ranges::any_of(studies_, [&](const auto& known) {
+      return known.second.name == row && known.second.group != group;
+    });
   }
 
  private:
@@ -146,17 +162,26 @@ Result<void> take_direction_out(const std::vector<fs::path>& two, const Training
 }
 
 /// Shapes with their rows; what has no partner goes into `left_out`. `names`: of the shapes.
-Result<std::vector<Partner>> partners(const TrainingSet& set, const std::vector<std::string>& names,
-                                      const RowFinder& finder, TestCases& cases) {
+Result<std::vector<Partner>> partners(const TrainingSetRead& read, const std::vector<std::string>& names,
+                                      const RowFinder& finder, const TrainingOptions& asked, TestCases& cases) {
+  const TrainingSet& set = read.set;
   std::vector<Partner> found;
   std::map<std::size_t, std::string> taken;
+  std::set<std::size_t> known_to_lack;  // rows of shapes that were left out
+  std::vector<std::string> of_left_out;
+  for (const DoubtfulShape& one : cases.left_out) of_left_out.push_back(one.name);
+  of_left_out = shape_names(of_left_out);
+  for (std::size_t k = 0; k < of_left_out.size(); ++k)
+    if (const auto row = finder.find(cases.left_out[k].study_keys, of_left_out[k])) known_to_lack.insert(*row);
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const auto row = finder.find(set.names[k], names[k]);
+    const auto row = finder.find(read.study_keys[k], names[k]);
     if (!row) {
       cases.left_out.push_back({names[k], "has no row in " + cases.table.source});
       continue;
     }
-    if (const auto [other, is_new] = taken.emplace(*row, set.names[k]); !is_new)
+    const auto [other, is_new] = taken.emplace(*row, set.names[k]);
+    const bool are_frames = asked.all_frames && finder.is_of_study(read.study_keys[k]);
+    if (!is_new && !are_frames)
       return fail(set.names[k], "has the name of " + other->second + ", so one row of the table would count twice");
     found.push_back({static_cast<Eigen::Index>(k), *row});
   }
@@ -164,7 +189,9 @@ Result<std::vector<Partner>> partners(const TrainingSet& set, const std::vector<
     return fail(cases.table.source, "names none of the shapes; it has " + first_words(cases.table.cases) +
                                         " where the shapes are " + first_words(names));
   for (std::size_t row = 0; row < cases.table.cases.size(); ++row)
-    if (!taken.contains(row)) cases.left_out.push_back({cases.table.cases[row], "is a row without a shape"});
+    if (!taken.contains(row) && !known_to_lack.contains(row) &&
+        !finder.is_of_other_group(cases.table.cases[row], asked.group))
+      cases.left_out.push_back({cases.table.cases[row], "is a row without a shape"});
   return found;
 }
 
@@ -192,7 +219,8 @@ void leave_out_incomplete(std::vector<Partner>& partners, const std::vector<std:
   });
 }
 
-Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& read, const std::vector<Partner>& partners,
+Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& read,
+                         const std::vector<std::string>& names, const std::vector<Partner>& partners,
                          TestCases& cases) {
   const TrainingSet& set = read.set;
   const auto count = static_cast<Eigen::Index>(partners.size());
@@ -201,7 +229,9 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& rea
   cases.topology = set.topology;
   for (Eigen::Index i = 0; i < count; ++i) {
     const Partner& one = partners[static_cast<std::size_t>(i)];
-    cases.names.push_back(cases.table.cases[one.row]);
+    // Of several frames of a case each has its own name.
+    const bool is_alone = std::ranges::count(partners, one.row, &Partner::row) == 1;
+    cases.names.push_back(is_alone ? cases.table.cases[one.row] : names[static_cast<std::size_t>(one.shape)]);
     cases.rows.push_back(one.row);
     cases.shapes.col(i) = set.shapes.col(one.shape);
     cases.sizes_mm[i] = centroid_size_mm(points_of(cases.shapes, i));
@@ -234,9 +264,8 @@ Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<fs::
     auto read = read_study(file);
     if (!read) return fail(read.error());
     for (StudyCase& one : read->study.cases) {
-      ShapeSource source{one.file, one.frame};
-      source.structure = one.structure;
-      cases.emplace(source.name(one.frame), std::move(one));
+      const std::string key = ShapeSource{.file = one.file, .study_case = one.name}.study_key();
+      cases.emplace(key, std::move(one));
     }
   }
   return cases;
@@ -262,16 +291,22 @@ Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progres
     cases.table.cases = names;
     cases.table.cells.resize(cases.table.cases.size());
   }
-  auto found = partners(read->set, names, RowFinder(cases.table, *studies), cases);
+  auto found = partners(*read, names, RowFinder(cases.table, *studies), asked.shapes.reading, cases);
   if (!found) return fail(found.error());
   leave_out_incomplete(*found, *columns, asked.paired, cases);
+  std::set<std::size_t> rows;
+  const bool has_frames = std::ranges::any_of(*found, [&](const Partner& one) { return !rows.insert(one.row).second; });
+  if (has_frames && asked.paired.empty())
+    cases.warnings.push_back(cases.table.source +
+                             ": gives several frames of a case, which count as if they were cases; compare them within "
+                             "each by --paired case");
   if (found->size() < 2) {
     std::string why;
     if (!cases.left_out.empty()) why = " (" + cases.left_out.back().name + " " + cases.left_out.back().reason + ")";
     return fail(cases.table.source, "leaves " + std::string(found->empty() ? "no case" : "one case") + " to be tested" +
                                         why + "; complete it, or give more shapes");
   }
-  if (auto taken = take_shapes(asked, *read, *found, cases); !taken) return fail(taken.error());
+  if (auto taken = take_shapes(asked, *read, names, *found, cases); !taken) return fail(taken.error());
   return cases;
 }
 

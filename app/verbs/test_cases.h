@@ -36,7 +36,7 @@ struct TestCases {
   std::vector<std::string> warnings;
 };
 
-/// The cases of the studies among the files, by the name that their shape has in a training set. Errors: read_study's.
+/// The cases of the studies among the files, by their keys [ShapeSource::study_key]. Errors: read_study's.
 Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<std::filesystem::path>& files);
 
 /// Reads table and shapes, brings them together by their names, leaves out what lacks a partner or a value that the

@@ -77,7 +77,9 @@ Result<void> put_weights(TestJob& job) {
     job.cases.warnings.push_back(std::to_string(unknown) + " of the shapes have no doubt and count in full");
   const Permutations none(0, job.design.cases());
   const LinearTest plain = test_terms(job.design, job.cases.shapes, job.root_weights, none);
-  const double left = plain.residual_ss / (static_cast<double>(plain.residual_df) * job.vertices());
+  // Shapes that explain themselves leave nothing: then what counts is how they scatter.
+  const double left = job.modes > 0 ? plain.total_ss / (static_cast<double>(job.design.cases() - 1) * job.vertices())
+                                    : plain.residual_ss / (static_cast<double>(plain.residual_df) * job.vertices());
   for (std::size_t k = 0; k < doubts.size(); ++k)
     if (!std::isnan(doubts[k]))
       job.root_weights[static_cast<Eigen::Index>(k)] = std::sqrt(left / (left + doubts[k] * doubts[k]));
@@ -106,9 +108,29 @@ Result<void> put_permutations(TestJob& job) {
     for (std::size_t k = 0; k < blocks.size(); ++k)
       if (const int other = job.permutations(row, static_cast<Eigen::Index>(k));
           blocks[k] != blocks[static_cast<std::size_t>(other)])
-        return fail(job.options.permutation_file.string(), "line " + std::to_string(row + 1) +
+        return fail(job.options.permutation_file.string(), "permutation " + std::to_string(row + 1) +
                                                                " moves cases from one " + paired +
                                                                " to another; pairs have to stay together");
+  return {};
+}
+
+}  // namespace
+
+namespace {
+
+/// Errors: a function of what it has no value for.
+Result<void> check_functions(const Formula& formula, const CovariateTable& table) {
+  std::vector<Variable> variables{formula.response};
+  for (const FormulaTerm& term : formula.terms) variables.insert(variables.end(), term.begin(), term.end());
+  for (const Variable& one : variables) {
+    if (one.by == Variable::By::itself) continue;
+    if (one.name == "shape")
+      return fail(one.text(), "is of shapes, which are no numbers; write shape, or a function of size");
+    const bool is_size = one.name == "size" && !table.column("size");
+    if (one.by == Variable::By::factor && (is_size || one == formula.response))
+      return fail(one.text(), is_size ? "is of sizes, which name no groups; write size, or log(size)"
+                                      : "is what is tested, and groups are no number; test shape by them instead");
+  }
   return {};
 }
 
@@ -117,6 +139,7 @@ Result<void> put_permutations(TestJob& job) {
 Result<TestJob> test_job(const TestOptions& options, Progress& progress) {
   auto cases = read_test_cases(options.asked, progress);
   if (!cases) return fail(cases.error());
+  if (auto known = check_functions(options.asked.formula, cases->table); !known) return fail(known.error());
   TestJob job{options, std::move(*cases)};
   for (const Eigen::Index vertex : options.at)
     if (vertex >= job.cases.shapes.rows() / 3)

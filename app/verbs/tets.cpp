@@ -1,6 +1,5 @@
 #include <chrono>
 #include <memory>
-#include <set>
 
 #include "app/verbs/plain_report.h"
 #include "app/verbs/verbs.h"
@@ -46,13 +45,10 @@ fs::path tets_file(const TetsJob& job, const VolumeMesh& mesh, const std::string
 /// Errors: a file that would be written is one of those that are read.
 Result<void> check_outputs(const TetsJob& job, const std::vector<ShapeSource>& sources, const VolumeMesh& mesh,
                            const std::vector<std::string>& names) {
-  std::error_code error;
-  std::set<fs::path> read{fs::weakly_canonical(job.tets, error), fs::weakly_canonical(job.the_template, error)};
-  for (const ShapeSource& source : sources) read.insert(fs::weakly_canonical(source.file, error));
-  for (const std::string& name : names)
-    if (const fs::path file = tets_file(job, mesh, name); read.contains(fs::weakly_canonical(file, error)))
-      return fail(file.string(), "is read here and would be written over; give another folder by -o");
-  return {};
+  std::vector<fs::path> read{job.tets, job.the_template}, written;
+  for (const ShapeSource& source : sources) read.push_back(source.file);
+  for (const std::string& name : names) written.push_back(tets_file(job, mesh, name));
+  return check_not_read(written, read);
 }
 
 /// A case's row of the report; what is wrong with it becomes a warning. Writes its file unless elements are inverted.

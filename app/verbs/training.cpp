@@ -47,6 +47,8 @@ Result<Training> of_several(const TrainingVerb& options, Progress& progress, boo
   training.warnings = std::move(joint->read.warnings);
   training.doubtful = std::move(joint->read.doubtful);
   training.left_out = std::move(joint->read.left_out);
+  training.groups = std::move(joint->read.groups);
+  training.study_keys = std::move(joint->read.study_keys);
   ShapeMatrix shapes = std::move(joint->read.set.shapes);
   for (Eigen::Index k = 0; k < shapes.cols(); ++k) training.sizes_mm.push_back(centroid_size_mm(points_of(shapes, k)));
   training.poses = align_structures(shapes, training.parts, options.alignment(), options.together == "each");
@@ -149,6 +151,7 @@ Result<Training> train(TrainingSetRead read, const TrainingVerb& options) {
   training.topology = read.set.topology;
   training.warnings = std::move(read.warnings);
   training.groups = std::move(read.groups);
+  training.study_keys = std::move(read.study_keys);
   if (options.reading.flip_mirrored) training.flipped = read.mirrored.size();
   for (Eigen::Index k = 0; k < read.set.shapes.cols(); ++k)
     training.sizes_mm.push_back(centroid_size_mm(points_of(read.set.shapes, k)));

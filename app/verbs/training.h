@@ -41,6 +41,7 @@ struct Training {
   std::vector<std::string> warnings;
   std::vector<double> sizes_mm;  ///< centroid sizes before they were aligned
   std::vector<std::string> groups;
+  std::vector<std::vector<std::string>> study_keys;  ///< of each shape, as TrainingSetRead has them
   std::vector<DoubtfulShape> doubtful, left_out;
   std::size_t flipped = 0;  ///< mirror images that were flipped, as asked
   // Of several structures.

@@ -161,9 +161,10 @@
       play.setAttribute("aria-label", `Play mode ${m + 1}`);
       play.setAttribute("aria-pressed", "false");
       input.addEventListener("input", () => {
+        const value = Number(input.value);
         stop();
-        leaveCase();
-        setCoefficient(m, Number(input.value));
+        leaveCase();  // which sets all sliders to 0
+        setCoefficient(m, value);
         showShape();
       });
       play.addEventListener("click", () => (state.playing === m ? stop() : start(m)));

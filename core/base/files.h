@@ -57,6 +57,10 @@ class ResultFolder {
   std::vector<std::filesystem::path> made_;  ///< the deepest first
 };
 
+/// Errors: one of the files to write is one that was read, which would be lost. Neither needs to exist.
+Result<void> check_not_read(const std::vector<std::filesystem::path>& to_write,
+                            const std::vector<std::filesystem::path>& read);
+
 /// Makes a folder where there is none, and those above it, so that no power cut takes them with what they hold.
 /// `readers`: who may enter the new ones. Errors: the system refuses.
 Result<void> make_folder(const std::filesystem::path& folder, Readers readers = Readers::as_usual);

@@ -342,6 +342,17 @@ Result<std::uintmax_t> size_of_file(const fs::path& path) {
   return static_cast<std::uintmax_t>(now.st_size);
 }
 
+Result<void> check_not_read(const std::vector<fs::path>& to_write, const std::vector<fs::path>& read) {
+  std::error_code ignored;
+  std::set<fs::path> known;
+  for (const fs::path& file : read)
+    if (!file.empty()) known.insert(fs::weakly_canonical(file, ignored));
+  for (const fs::path& file : to_write)
+    if (known.contains(fs::weakly_canonical(file, ignored)))
+      return fail(file.string(), "is read here and would be written over; name another folder");
+  return {};
+}
+
 Result<ResultFolder> ResultFolder::make(const fs::path& folder) {
   ResultFolder made;
   std::error_code error;

@@ -51,7 +51,7 @@ Result<void> check_finite(const Points& points) {
 Result<void> check(const MeshFile& mesh, bool needs_faces) {
   if (mesh.points.rows() == 0) return fail("", "holds no points; export it again");
   if (needs_faces && mesh.triangles.rows() == 0) return fail("", "holds no faces; export it as a surface of triangles");
-  for (const std::int32_t v : mesh.triangles.reshaped<Eigen::RowMajor>())
+  for (const std::int32_t v : mesh.triangles->reshaped<Eigen::RowMajor>())
     if (v < 0 || v >= mesh.points.rows())
       return fail("", "a face names vertex " + std::to_string(v) + " of " + std::to_string(mesh.points.rows()) +
                           " (counted from 0); copy or export it again");
@@ -78,7 +78,7 @@ Result<void> check_seams(const Mesh& mesh) {
 /// What a mesh says that was put together wrongly: it must not become a file.
 Result<void> check_parts(const MeshFile& mesh) {
   const Eigen::Index vertices = mesh.points.rows();
-  for (const auto& triangle : mesh.triangles.rowwise())
+  for (const auto& triangle : mesh.triangles->rowwise())
     for (const std::int32_t vertex : triangle)
       if (vertex < 0 || vertex >= vertices)
         return fail("", "a face names vertex " + std::to_string(vertex) + " of " + std::to_string(vertices) +
@@ -156,7 +156,7 @@ Result<Mesh> read_mesh(const std::filesystem::path& path) {
 Result<void> write_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   MeshFile file;
   file.points = mesh.points;
-  file.triangles = mesh.topology->triangles();
+  file.triangles = mesh.topology;
   return write_mesh_file(file, path);
 }
 

@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 #include "core/mesh/regions.h"
-#include "core/mesh/topology.h"
+#include "core/mesh/shared_triangles.h"
 
 namespace homolog {
 
@@ -29,7 +29,7 @@ constexpr double default_stiffness_base = 3;
 /// What a mesh file holds. A template is a mesh whose `stiffness` and `landmarks` are filled.
 struct MeshFile {
   Points points;                                   ///< n×3, LPS mm (flipped on reading where the file says SPACE=RAS)
-  Triangles triangles;                             ///< m×3; empty for a `.particles` file
+  SharedTriangles triangles;                       ///< m×3; empty for a `.particles` file
   std::optional<VertexScalars> stiffness;          ///< per-vertex factors, > 0
   double stiffness_base = default_stiffness_base;  ///< `comment homolog.stiffness_base B`; w_i = base × factor_i
   std::optional<VertexScalars> outlier;            ///< of a partial fit, 1: see FitResult::outliers; not by OBJ, STL

@@ -230,7 +230,7 @@ Result<Mesh> parted(const MeshFile& surface, MendedFaults& mended) {
   for (Eigen::Index f = 0; f < surface.triangles.rows(); ++f)
     soup.faces.push_back({surface.triangles(f, 0), surface.triangles(f, 1), surface.triangles(f, 2)});
   std::vector<char> named(index(soup.points.rows()), 0);
-  for (const std::int32_t v : surface.triangles.reshaped()) named[index(v)] = 1;
+  for (const std::int32_t v : surface.triangles->reshaped()) named[index(v)] = 1;
   for (Eigen::Index v = 0; v < soup.points.rows(); ++v)
     mended.unused_vertices += named[index(v)] == 0 && soup.points.row(v).allFinite();
   leave_out_unfinite(soup, mended);

@@ -6,7 +6,10 @@ MeshFile mirrored(const MeshFile& mesh, AnatomicalPlane plane) {
   const Eigen::Index axis = plane == AnatomicalPlane::sagittal ? 0 : plane == AnatomicalPlane::coronal ? 1 : 2;
   MeshFile other = mesh;
   other.points.col(axis) *= -1;
-  if (other.triangles.rows() > 0) other.triangles.col(1).swap(other.triangles.col(2));
+  if (other.triangles.rows() > 0) {
+    Triangles& faces = other.triangles.edit();
+    faces.col(1).swap(faces.col(2));
+  }
   for (Landmark& landmark : other.landmarks) landmark.position[axis] *= -1;
   return other;
 }

@@ -61,8 +61,10 @@ Result<OneStructure> read_structure(const std::vector<CaseFiles>& cases, std::si
 struct OneCase {
   std::string name;
   IncompleteShape shape;
-  std::vector<std::string> lacks;  ///< each with the reason
-  VertexScalars doubt_mm{};        ///< of all vertices; empty where a structure has none
+  std::vector<std::string> lacks;         ///< each with the reason
+  VertexScalars doubt_mm{};               ///< of all vertices; empty where a structure has none
+  std::string group{};                    ///< of a study's case
+  std::vector<std::string> study_keys{};  ///< of the cases of a study that its structures are
 };
 
 std::vector<StructurePart> parts_of(const std::vector<std::string>& names, const std::vector<OneStructure>& of) {
@@ -99,7 +101,9 @@ OneCase joined_case(const CaseFiles& files, const std::vector<StructurePart>& pa
   one.doubt_mm.setZero(vertices);
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const ShapeSource& source = files.of_structure[k];
-    const std::string file = source.file.empty() ? std::string() : source.name({});
+    if (one.group.empty()) one.group = source.group;
+    if (!source.study_case.empty()) one.study_keys.push_back(source.study_key());
+    const std::string file = source.file.empty() ? std::string() : source.name(source.frame);
     const auto found = of[k].column.find(file);
     one.shape.has.push_back(found != of[k].column.end());
     const auto known = of[k].vertex_doubts.find(file);
@@ -143,11 +147,13 @@ Result<void> settle(std::vector<OneCase> cases, const JointOptions& options, Joi
   for (const OneCase& one : cases) {
     const bool has_any = std::find(one.shape.has.begin(), one.shape.has.end(), true) != one.shape.has.end();
     if (!one.lacks.empty() && !(options.complete && has_any)) {
-      joint.read.left_out.push_back({one.name, listed(one.lacks, " and ")});
+      joint.read.left_out.push_back({one.name, listed(one.lacks, " and "), one.study_keys});
       continue;
     }
     const auto shape = static_cast<Eigen::Index>(set.names.size());
     set.names.push_back(one.name);
+    joint.read.groups.push_back(one.group);
+    joint.read.study_keys.push_back(one.study_keys);
     set.shapes.col(shape) = one.shape.points;
     if (one.doubt_mm.size() > 0) joint.read.vertex_doubts[one.name] = one.doubt_mm;
     if (one.lacks.empty()) continue;
@@ -159,6 +165,7 @@ Result<void> settle(std::vector<OneCase> cases, const JointOptions& options, Joi
             {shape, static_cast<Eigen::Index>(k), found.expected_error_mm[k], found.mean_error_mm[k]});
   }
   set.shapes.conservativeResize(Eigen::NoChange, std::ssize(set.names));
+  if (std::ranges::all_of(joint.read.groups, &std::string::empty)) joint.read.groups.clear();
   return {};
 }
 

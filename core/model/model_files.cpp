@@ -68,20 +68,22 @@ std::string score_table(const PrincipalComponents& components, const std::vector
 
 }  // namespace
 
+std::string ShapeNames::next(const std::string& file) {
+  // "heart.homolog structure s2 frame 7" is the shape "heart structure s2 frame 7".
+  std::size_t which = file.rfind(" structure ");
+  if (which == std::string::npos || !is_case_file(file.substr(0, which))) which = file.rfind(" frame ");
+  const bool is_of_case = which != std::string::npos && is_case_file(file.substr(0, which));
+  const std::string stem = is_of_case ? file_stem(file.substr(0, which)) + file.substr(which) : file_stem(file);
+  std::string name = stem;
+  while (used_.contains(name)) name = stem + "-" + std::to_string(++used_[stem]);
+  used_[name] = 1;
+  return name;
+}
+
 std::vector<std::string> shape_names(const std::vector<std::string>& files) {
+  ShapeNames all;
   std::vector<std::string> names;
-  std::map<std::string, int> used;
-  for (const std::string& file : files) {
-    // "heart.homolog structure s2 frame 7" is the shape "heart structure s2 frame 7".
-    std::size_t which = file.rfind(" structure ");
-    if (which == std::string::npos || !is_case_file(file.substr(0, which))) which = file.rfind(" frame ");
-    const bool is_of_case = which != std::string::npos && is_case_file(file.substr(0, which));
-    const std::string stem = is_of_case ? file_stem(file.substr(0, which)) + file.substr(which) : file_stem(file);
-    std::string name = stem;
-    while (used.contains(name)) name = stem + "-" + std::to_string(++used[stem]);
-    used[name] = 1;
-    names.push_back(std::move(name));
-  }
+  for (const std::string& file : files) names.push_back(all.next(file));
   return names;
 }
 
@@ -123,7 +125,7 @@ Result<void> write_aligned_shapes(const PrincipalComponents& components,
   const auto made = ResultFolder::make(folder);
   if (!made) return fail(made.error());
   MeshFile file;
-  if (topology) file.triangles = topology->triangles();
+  file.triangles = topology;
   for (Eigen::Index i = 0; i < components.shapes(); ++i) {
     const Eigen::VectorXd shape = components.mean + components.centred.col(i);
     file.points = points_of(shape);

@@ -13,6 +13,14 @@ namespace homolog {
 /// A name for each file of a training set to write its shape under: the file's name without folders and extension,
 /// with -2, -3, … where several are equal.
 std::vector<std::string> shape_names(const std::vector<std::string>& files);
+/// The same one after the other.
+class ShapeNames {
+ public:
+  std::string next(const std::string& file);
+
+ private:
+  std::map<std::string, int> used_;
+};
 
 /// Writes tables into `folder` (made where absent): `mean.csv` (x, y, z in mm), `variances.csv` (every mode's λ in mm²,
 /// share, cumulative share) and `scores.csv` (a row a training shape, its coefficients of all modes in mm).

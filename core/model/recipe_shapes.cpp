@@ -28,7 +28,7 @@ void Lenders::add(const MeasuredShape& shape) {
     if (one.mesh.topology == nullptr || (one.landmarks.empty() && one.regions.list.empty())) continue;
     MeshFile file;
     file.points = one.mesh.points;
-    file.triangles = one.mesh.topology->triangles();
+    file.triangles = one.mesh.topology;
     file.landmarks = one.landmarks;
     file.regions = one.regions;
     if (auto made = make_template(std::move(file), one.name)) add(std::move(*made));

@@ -97,13 +97,12 @@ Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, con
   // Where nothing varied among the training shapes a thousandth of the usual spread stands for it.
   constexpr double least_share = 1e-6;
   variances = variances.cwiseMax(least_share * variances.mean());
-  const VertexScalars spread = variances.cwiseSqrt();
   if (doubted) variances += doubt_mm.cwiseAbs2();
   score.z = along.cwiseQuotient(variances.cwiseSqrt());
   constexpr double of_95 = 1.96;
   const double shapes = std::max<double>(2, static_cast<double>(model.scores.cols()));
   VertexScalars error = 1 / shapes + score.z.array().square() / (2 * (shapes - 1));
-  if (doubted) error += doubt_mm.cwiseQuotient(spread).cwiseAbs2();
+  if (doubted) error += doubt_mm.cwiseAbs2().cwiseQuotient(variances);
   score.z_low = score.z - of_95 * error.cwiseSqrt();
   score.z_high = score.z + of_95 * error.cwiseSqrt();
   score.all = score_of_rows(score.z, beyond, 0, shape.rows());

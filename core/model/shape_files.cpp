@@ -55,10 +55,10 @@ void add_others(ReadShape& shape, const ShapesOfFile& shapes, const WhichShape& 
   }
 }
 
-FileRead read_file(const OneFile& file, const ShapeReading& reading, std::mutex& one_image) {
+FileRead read_file(const OneFile& file, const ShapeReading& reading, ReadTogether& together) {
   FileRead read;
   const fs::path& path = file.sources.front()->file;
-  const auto shapes = read_shapes_of(path, one_image);
+  const auto shapes = read_shapes_of(path, together);
   if (!shapes) {
     read.shapes.emplace_back(fail(shapes.error()));
     return read;
@@ -71,7 +71,7 @@ FileRead read_file(const OneFile& file, const ShapeReading& reading, std::mutex&
         read.shapes.emplace_back(fail(mesh.error()));
         continue;
       }
-      ReadShape shape{source->name(frame), std::move(*mesh), reading.doubts ? source->doubt : std::string()};
+      ReadShape shape{source->name(frame), source, std::move(*mesh), reading.doubts ? source->doubt : std::string()};
       if (source->flipped) shape.mesh = std::make_shared<const MeshFile>(mirrored(*shape.mesh));
       add_others(shape, *shapes, {source->structure, frame}, source->flipped);
       if (reading.doubts && !source->done && source->doubt.empty()) shape.doubt = doubt_of_shape(*shape.mesh);
@@ -100,7 +100,10 @@ Result<std::shared_ptr<const MeshFile>> ShapesOfFile::shape(const WhichShape& wh
                   " yet; place a template in it first");
 }
 
-ShapesOfFile shapes_of(const Document& document) {
+namespace {
+
+/// `known`: null where no other shapes are read.
+ShapesOfFile shapes_sharing(const Document& document, KnownTriangles* known) {
   ShapesOfFile shapes;
   shapes.shown = document.frame;
   for (const auto& structure : document.structures) {
@@ -114,6 +117,7 @@ ShapesOfFile shapes_of(const Document& document) {
       for (Landmark& landmark : carried_landmarks(*structure->the_template, file.points))
         if (!shape.landmarks.contains(landmark.name)) file.landmarks.push_back(std::move(landmark));
       if (shape.confirmed) file.arrays["confirmed"] = *shape.confirmed;
+      if (known != nullptr) known->share(file.triangles);
       of.frames[frame] = std::make_shared<const MeshFile>(std::move(file));
       if (shape.strokes > 0) of.edited.push_back(frame);
     }
@@ -121,14 +125,15 @@ ShapesOfFile shapes_of(const Document& document) {
   return shapes;
 }
 
-Result<ShapesOfFile> read_shapes_of(const fs::path& file) {
+/// The same of a file. `known`: null where nothing else is read.
+Result<ShapesOfFile> read_sharing(const fs::path& file, KnownTriangles* known) {
   if (auto numbered = check_numbering(file); !numbered) return fail(numbered.error());
   if (is_case_file(file)) {
     ReplayOptions options;
     options.shapes_alone = true;
     auto read = read_case(file, options);
     if (!read) return fail(read.error());
-    ShapesOfFile shapes = shapes_of(read->session.document());
+    ShapesOfFile shapes = shapes_sharing(read->session.document(), known);
     shapes.warnings = std::move(read->warnings);
     return shapes;
   }
@@ -136,14 +141,25 @@ Result<ShapesOfFile> read_shapes_of(const fs::path& file) {
   if (!mesh) return fail(mesh.error());
   ShapesOfFile shapes;
   for (const std::string& warning : mesh->warnings) shapes.warnings.push_back(file.string() + ": " + warning);
+  if (known != nullptr) known->share(mesh->triangles);
   shapes.structures.push_back({{}, {{0, std::make_shared<const MeshFile>(std::move(*mesh))}}, {}});
   return shapes;
 }
 
-Result<ShapesOfFile> read_shapes_of(const fs::path& file, std::mutex& one_image) {
-  std::unique_lock lock(one_image, std::defer_lock);
+}  // namespace
+
+ShapesOfFile shapes_of(const Document& document) {
+  return shapes_sharing(document, nullptr);
+}
+
+Result<ShapesOfFile> read_shapes_of(const fs::path& file) {
+  return read_sharing(file, nullptr);
+}
+
+Result<ShapesOfFile> read_shapes_of(const fs::path& file, ReadTogether& together) {
+  std::unique_lock lock(together.one_image, std::defer_lock);
   if (is_case_file(file) && shapes_need_image(file)) lock.lock();
-  return read_shapes_of(file);
+  return read_sharing(file, &together.triangles);
 }
 
 Result<std::shared_ptr<const MeshFile>> read_shape(const ShapeSource& source) {
@@ -175,8 +191,8 @@ Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& file
     for (const StudyCase& one : read->study.cases) {
       if (one.waits() || !(group.empty() || one.group == group)) continue;
       const bool done = one.state == CaseState::done;
-      sources.push_back(
-          {one.file, one.frame, one.flipped, done ? std::string() : one.doubt, one.group, done, one.structure});
+      sources.push_back({one.file, one.frame, one.flipped, done ? std::string() : one.doubt, one.group, done,
+                         one.structure, one.name});
     }
     if (sources.size() > before) continue;
     if (std::any_of(read->study.cases.begin(), read->study.cases.end(),
@@ -208,13 +224,13 @@ Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sou
   std::vector<std::string> warnings;
   std::optional<Error> unreadable;
   std::size_t taken = 0;
-  std::mutex one_image;
+  ReadTogether together;
   for (std::size_t first = 0; first < files.size(); first += at_a_time) {
     std::vector<FileRead> reads(std::min(at_a_time, files.size() - first));
     std::atomic<std::size_t> done = first;
     for_each_in_parallel(reads.size(), [&](std::size_t k) {
       if (progress != nullptr && progress->cancelled()) return;
-      reads[k] = read_file(files[first + k], reading, one_image);
+      reads[k] = read_file(files[first + k], reading, together);
       if (progress != nullptr) progress->report(static_cast<double>(++done) / static_cast<double>(files.size()));
     });
     if (progress != nullptr && progress->cancelled()) return fail("", "was stopped while the shapes were read");

@@ -49,9 +49,13 @@ ShapesOfFile shapes_of(const Document& document);
 /// Reads a mesh (PLY, VTK, VTP, OBJ), `.particles`, or the meshes of a case file. Errors: read_mesh_file's,
 /// read_case's, an STL file, which keeps no vertices.
 Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file);
-/// The same where several threads read files. `one_image` is held while a case is read with its image, which may be
-/// large: so memory does not depend on the threads.
-Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file, std::mutex& one_image);
+/// What several threads share that read files.
+struct ReadTogether {
+  std::mutex one_image;  ///< held while a case is read with its image, which may be large: so memory does not depend on
+                         ///< the threads
+  KnownTriangles triangles;  ///< of the meshes that were read
+};
+Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file, ReadTogether& together);
 
 /// Where a shape of a training set comes from.
 struct ShapeSource {
@@ -62,7 +66,10 @@ struct ShapeSource {
   std::string group{};       ///< of a study's case; empty: none
   bool done = false;         ///< a study's case that somebody looked at and found done
   std::string structure{};   ///< of a case, by its id; empty: the first
+  std::string study_case{};  ///< of a study's case, its name there; empty: of none
 
+  /// What tells a study's case from all others, whichever of its frames is taken; empty: of none.
+  std::string study_key() const { return study_case.empty() ? std::string() : file.string() + '\n' + study_case; }
   /// "case_3.homolog", with its structure and its frame where one of several is taken.
   std::string name(const std::optional<int>& of_frame) const {
     return file.string() + (structure.empty() ? "" : " structure " + structure) +
@@ -80,7 +87,8 @@ Result<std::shared_ptr<const MeshFile>> read_shape(const ShapeSource& source);
 
 /// A shape that was read.
 struct ReadShape {
-  std::string name;  ///< the file's, with the frame where one of several is taken
+  std::string name;                 ///< the file's, with the frame where one of several is taken
+  const ShapeSource* of = nullptr;  ///< where it comes from; of the sources that were given
   std::shared_ptr<const MeshFile> mesh;
   std::string doubt;  ///< why it is in doubt; empty: it is not, or nobody asked
   /// The other structures of a case at the same frame, by their names (their ids, where they have none).

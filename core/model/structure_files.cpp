@@ -143,7 +143,7 @@ class Finder {
       const std::string name = is_whole || frames[one.file].size() > 1 ? one.name : file_stem(one.file);
       const bool done = one.state == CaseState::done;
       if (auto added = add_case(name, {one.file, one.frame, one.flipped, done ? std::string() : one.doubt, one.group,
-                                       done, one.structure});
+                                       done, one.structure, one.name});
           !added)
         return added;
     }

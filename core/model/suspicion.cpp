@@ -28,7 +28,7 @@ std::vector<double> list_of(const Values& values) {
 struct TableFences {
   std::vector<Fences> of_place, of_shape;
 
-  explicit TableFences(const Eigen::MatrixXd& table) {
+  explicit TableFences(const Eigen::MatrixXf& table) {
     of_place.resize(static_cast<std::size_t>(table.rows()));
     in_parallel(table.rows(), [&](Eigen::Index first, Eigen::Index last) {
       for (Eigen::Index row = first; row < last; ++row)
@@ -43,11 +43,12 @@ struct TableFences {
   }
 };
 
-/// n×M: how far every vertex of every shape lies from where the model of the others puts it.
-Eigen::MatrixXd deviations_mm(const PrincipalComponents& components, Eigen::Index modes) {
+/// n×M: how far every vertex of every shape lies from where the model of the others puts it. Rounded, since it is as
+/// large as a third of the shapes.
+Eigen::MatrixXf deviations_mm(const PrincipalComponents& components, Eigen::Index modes) {
   const Eigen::MatrixXd combinations = left_out_errors(components, modes);
-  Eigen::MatrixXd deviations(components.vertices(), components.shapes());
-  constexpr Eigen::Index block = 256;
+  Eigen::MatrixXf deviations(components.vertices(), components.shapes());
+  constexpr Eigen::Index block = 64;
   in_parallel(
       components.vertices(),
       [&](Eigen::Index first, Eigen::Index last) {
@@ -56,7 +57,8 @@ Eigen::MatrixXd deviations_mm(const PrincipalComponents& components, Eigen::Inde
           const Eigen::Index count = std::min(block, last - v);
           errors.noalias() = components.centred.middleRows(3 * v, 3 * count) * combinations;
           for (Eigen::Index i = 0; i < errors.cols(); ++i)
-            deviations.col(i).segment(v, count) = errors.col(i).reshaped(3, count).colwise().norm();
+            deviations.col(i).segment(v, count) =
+                errors.col(i).reshaped(3, count).colwise().norm().transpose().cast<float>();
         }
       },
       block);
@@ -119,7 +121,7 @@ std::vector<SuspiciousShape> shapes_by_distance(const PrincipalComponents& compo
 
 std::vector<SuspiciousVertex> suspicious_vertices(const PrincipalComponents& components,
                                                   const std::shared_ptr<const Topology>& topology, Eigen::Index modes) {
-  const Eigen::MatrixXd deviations = deviations_mm(components, modes);
+  const Eigen::MatrixXf deviations = deviations_mm(components, modes);
   const TableFences fences(deviations);
   const auto worst_of_its_ring = [&](Eigen::Index v, Eigen::Index i) {
     if (!topology) return true;

@@ -275,20 +275,24 @@ namespace {
 /// Takes shapes off a set again, as left out for this reason.
 void leave_out(const std::vector<std::string>& names, const std::string& reason, TrainingSetRead& read) {
   TrainingSet& set = read.set;
-  Eigen::Index kept = 0;
-  std::vector<std::string> kept_names;
+  std::size_t kept = 0;
   for (std::size_t k = 0; k < set.names.size(); ++k) {
     if (std::find(names.begin(), names.end(), set.names[k]) != names.end()) {
-      read.left_out.push_back({set.names[k], reason});
+      read.left_out.push_back({set.names[k], reason, read.study_keys[k]});
       continue;
     }
-    kept_names.push_back(set.names[k]);
-    if (kept != static_cast<Eigen::Index>(k))
-      set.shapes.col(kept) = set.shapes.col(static_cast<Eigen::Index>(k)).eval();
+    if (kept != k) {
+      set.names[kept] = std::move(set.names[k]);
+      set.shapes.col(static_cast<Eigen::Index>(kept)) = set.shapes.col(static_cast<Eigen::Index>(k)).eval();
+      read.study_keys[kept] = std::move(read.study_keys[k]);
+      if (!read.groups.empty()) read.groups[kept] = std::move(read.groups[k]);
+    }
     ++kept;
   }
-  set.names = std::move(kept_names);
-  set.shapes.conservativeResize(Eigen::NoChange, kept);
+  set.names.resize(kept);
+  set.shapes.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(kept));
+  read.study_keys.resize(kept);
+  if (!read.groups.empty()) read.groups.resize(kept);
 }
 
 }  // namespace
@@ -337,6 +341,8 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
   if (!sources) return fail(sources.error());
   TrainingSetBuilder builder(sources->size());
   std::vector<DoubtfulShape> doubtful;
+  std::vector<std::string> groups;
+  std::vector<std::vector<std::string>> study_keys;
   std::map<std::string, VertexScalars> vertex_doubts;
   std::map<std::string, std::vector<std::string>> first_taken;
   const bool of_study = std::any_of(files.begin(), files.end(), is_study_file);
@@ -345,8 +351,11 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
       first_taken[shape.structure].push_back(shape.name);
     const bool is_left_out = options.without_doubtful && !shape.doubt.empty();
     if (options.vertex_doubts && shape.mesh->doubt_mm) vertex_doubts[shape.name] = *shape.mesh->doubt_mm;
-    if (!shape.doubt.empty()) doubtful.push_back({shape.name, std::move(shape.doubt)});
-    if (!is_left_out) builder.add(std::move(shape.name), *shape.mesh);
+    if (!shape.doubt.empty()) doubtful.push_back({shape.name, std::move(shape.doubt), {shape.of->study_key()}});
+    if (is_left_out) return Result<void>();
+    groups.push_back(shape.of->group);
+    study_keys.push_back({shape.of->study_key()});
+    builder.add(std::move(shape.name), *shape.mesh);
     return Result<void>();
   };
   const auto warnings = read_shapes(*sources, {options.all_frames, true}, take, progress);
@@ -361,6 +370,9 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
   if (!read) return fail(too_small(read.error(), *warnings));
   (options.without_doubtful ? read->left_out : read->doubtful) = std::move(doubtful);
   read->vertex_doubts = std::move(vertex_doubts);
+  const bool any_group = std::ranges::any_of(groups, [](const std::string& group) { return !group.empty(); });
+  if (any_group) read->groups = std::move(groups);
+  read->study_keys = std::move(study_keys);
   for (std::string& sentence : structure_warnings(*sources, first_taken)) read->warnings.push_back(std::move(sentence));
   read->warnings.insert(read->warnings.begin(), warnings->begin(), warnings->end());
   if (options.without_doubtful && !options.flip_mirrored && !read->mirrored.empty()) {
@@ -370,11 +382,6 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
     leave_out(read->mirrored, "a mirror image of the other shapes (left and right exchanged)", *read);
     read->mirrored.clear();
   }
-  std::map<std::string, std::string> group_of;
-  for (const ShapeSource& source : *sources)
-    if (!source.group.empty()) group_of[source.name(source.frame)] = source.group;
-  if (!group_of.empty())
-    for (const std::string& name : read->set.names) read->groups.push_back(group_of[name]);
   for (std::string& sentence : doubt_warnings(read->left_out, true)) read->warnings.push_back(std::move(sentence));
   for (std::string& sentence : doubt_warnings(read->doubtful, false)) read->warnings.push_back(std::move(sentence));
   if (!read->mirrored.empty())

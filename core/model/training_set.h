@@ -33,11 +33,12 @@ struct TrainingOptions {
 
 struct TrainingSetRead {
   TrainingSet set;
-  std::vector<std::string> warnings;    ///< each names its file: what was left out, and what looks wrong (see oddities)
-  std::vector<std::string> mirrored;    ///< names of the shapes that are mirror images of most others
-  std::vector<std::string> groups;      ///< of each shape of the set, of a study's cases; empty: no shape has one
-  std::vector<DoubtfulShape> doubtful;  ///< shapes of the set that a person has to look at
-  std::vector<DoubtfulShape> left_out;  ///< the same, where they were left out as asked
+  std::vector<std::string> warnings;  ///< each names its file: what was left out, and what looks wrong (see oddities)
+  std::vector<std::string> mirrored;  ///< names of the shapes that are mirror images of most others
+  std::vector<std::string> groups;    ///< of each shape of the set, of a study's cases; empty: no shape has one
+  std::vector<std::vector<std::string>> study_keys;      ///< of each: of the study's cases that it is of [ShapeSource]
+  std::vector<DoubtfulShape> doubtful;                   ///< shapes of the set that a person has to look at
+  std::vector<DoubtfulShape> left_out;                   ///< the same, where they were left out as asked
   std::map<std::string, VertexScalars> vertex_doubts{};  ///< mm, by the shape's name, where asked and its file has them
 };
 

@@ -64,7 +64,7 @@ SolidTemplate template_of(Solid solid, const Box& box, int vertices, const std::
 
   SolidTemplate result;
   result.mesh.points = mesh.points;
-  result.mesh.triangles = mesh.topology->triangles();
+  result.mesh.triangles = mesh.topology;
   result.centre_mm = even.points.colwise().mean().transpose();
   for (const auto& [name, near] : places) {
     const Vec3 place = result.mesh.points.row(vertex_nearest(result.mesh.points, near));

@@ -184,7 +184,7 @@ bool bones_touch(const SpineMeshes& spine) {
     Mesh both{nullptr, Points(points + below.points.rows(), 3)};
     both.points << above.points, below.points;
     Triangles triangles(faces + below.triangles.rows(), 3);
-    triangles << above.triangles, below.triangles.array() + static_cast<std::int32_t>(points);
+    triangles << *above.triangles, below.triangles->array() + static_cast<std::int32_t>(points);
     both.topology = Topology::make(both.points.rows(), std::move(triangles)).value();
     if (!self_intersections(both).empty()) return true;
   }

@@ -5,7 +5,6 @@
 #include <set>
 #include <utility>
 
-#include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/structures/built_in_set.h"
 #include "core/structures/voxel_body.h"
@@ -18,8 +17,11 @@ namespace {
 /// Around a label, so that a fit sees that it ends there.
 constexpr int margin_voxels = 3;
 
-bool same_name(const std::string& a, const std::string& b) {
-  return lower_case(a) == lower_case(b);
+/// The likeness of the likest name: what is less alike is another structure's.
+NameLikeness likest_name(const std::vector<Segment>& segments, const std::string& name) {
+  NameLikeness most = NameLikeness::none;
+  for (const Segment& segment : segments) most = std::max(most, name_likeness(segment.name, name));
+  return most;
 }
 
 /// Of the voxels of a structure, the share that another one has too.
@@ -135,12 +137,16 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
   SetInMap found;
   std::set<const Segment*> taken;
   for (const TemplateOfSet& one : set.structures) {
+    const NameLikeness enough = std::min(likest_name(segments, one.name), NameLikeness::any_case);
+    const auto has_name = [&](const Segment& s) {
+      const NameLikeness likeness = name_likeness(s.name, one.name);
+      return likeness != NameLikeness::none && likeness >= enough;
+    };
     std::vector<const Segment*> named;  // that have voxels
     for (const Segment& s : segments)
-      if (same_name(s.name, one.name) && boxes[s.layer].contains(s.value)) named.push_back(&s);
-    auto it = std::ranges::find_if(segments, [&](const Segment& s) {
-      return same_name(s.name, one.name) && (named.empty() || &s == named.front());
-    });
+      if (has_name(s) && boxes[s.layer].contains(s.value)) named.push_back(&s);
+    auto it = std::ranges::find_if(
+        segments, [&](const Segment& s) { return has_name(s) && (named.empty() || &s == named.front()); });
     // A value alone says something only where the map gives it no other name.
     if (it == segments.end())
       it = std::ranges::find_if(
@@ -167,7 +173,7 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
     if (one.is_there()) continue;
     const int value = one.segment.value;
     const bool is_taken = std::ranges::any_of(segments, [&](const Segment& other) {
-      return other.value == value && !same_name(other.name, one.segment.name);
+      return other.value == value && name_likeness(other.name, one.segment.name) == NameLikeness::none;
     });
     if (is_taken) one.segment.value = free_value(map, frame, found);
   }

@@ -56,7 +56,7 @@ std::shared_ptr<const Template> with_landmarks(const Template& the_template, std
 MeshFile to_mesh_file(const Template& the_template) {
   MeshFile file;
   file.points = the_template.points;
-  file.triangles = the_template.topology->triangles();
+  file.triangles = the_template.topology;
   file.stiffness = the_template.stiffness;
   file.stiffness_base = the_template.stiffness_base;
   file.regions = the_template.regions;

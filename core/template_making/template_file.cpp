@@ -7,7 +7,7 @@ using Json = nlohmann::ordered_json;
 MeshFile template_file(const Mesh& mesh, const Json& provenance) {
   MeshFile file;
   file.points = mesh.points;
-  file.triangles = mesh.topology->triangles();
+  file.triangles = mesh.topology;
   file.stiffness = VertexScalars::Ones(mesh.points.rows());
   file.comments.push_back("homolog.units mm");
   file.comments.push_back("homolog.provenance " + provenance.dump());

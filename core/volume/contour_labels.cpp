@@ -178,14 +178,13 @@ std::size_t put_in_layers(const std::vector<std::uint8_t>& inside, int number, L
 
 Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& contours, const fs::path& image_path,
                                       const Volume& image, Progress* progress) {
-  if (auto same = check_same_space(path, contours.frame_of_reference, image_path, image, " by --like"); !same)
-    return fail(same.error());
+  auto other = check_scan(path, contours.frame_of_reference, contours.referenced, image_path, image, " by --like");
+  if (!other) return fail(other.error());
   const VolumeGeometry& grid = image.geometry;
   if (auto enough = check_memory(path, 4 * static_cast<double>(grid.voxels())); !enough) return fail(enough.error());
   VolumeRead result;
   result.warnings = contours.warnings;
-  if (auto other = other_images(path, contours.referenced, image_path, image))
-    result.warnings.push_back(std::move(*other));
+  if (*other) result.warnings.push_back(std::move(**other));
   const bool are_labels = std::all_of(contours.rois.begin(), contours.rois.end(), [](const ContourRoi& roi) {
     return roi.number >= 1 && roi.number <= std::numeric_limits<std::uint16_t>::max();
   });
@@ -194,12 +193,17 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
                               ": numbers a structure beyond what a label can be (1 to 65535), so that labels count its "
                               "structures from 1");
   Layers layers;
+  std::optional<Error> off_slices;
   for (std::size_t r = 0; r < contours.rois.size(); ++r) {
     const ContourRoi& roi = contours.rois[r];
     if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
     if (progress) progress->report(static_cast<double>(r) / static_cast<double>(contours.rois.size()));
     const auto on_slices = sliced(path, roi, image_path, grid);
-    if (!on_slices) return fail(on_slices.error());
+    if (!on_slices) {  // the other structures go on
+      result.warnings.push_back(on_slices.error().sentence() + " (left out)");
+      if (!off_slices) off_slices = on_slices.error();
+      continue;
+    }
     if (on_slices->slices.empty()) {
       if (roi.all_points() > 0)
         result.warnings.push_back(path.string() + ": its " + about_roi(roi) +
@@ -212,6 +216,7 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
     result.segmentation.add(
         {.name = roi.name, .value = label, .layer = put_in_layers(mask.inside, label, layers), .colour = roi.colour});
   }
+  if (layers.empty() && off_slices) return fail(std::move(*off_slices));
   if (layers.empty())
     return fail(path.string(),
                 "has no closed contours, so that no label map can be made of it; `info` lists what it has");

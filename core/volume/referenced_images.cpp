@@ -28,19 +28,16 @@ std::optional<std::string> other_images(const fs::path& path, const ReferencedIm
          " in " + image + "; check that it was made on that image, and that no slice of it is missing";
 }
 
-std::optional<std::string> other_images(const fs::path& path, const ReferencedImages& referenced,
-                                        const fs::path& image_path, const Volume& image) {
-  if (image.modality == "SEG") return {};  // its series is one of its own
+Result<std::optional<std::string>> check_scan(const fs::path& path, const std::string& frame_of_reference,
+                                              const ReferencedImages& referenced, const fs::path& image_path,
+                                              const Volume& image, const std::string& how) {
+  const bool known = !frame_of_reference.empty() && !image.frame_of_reference.empty();
+  if (known && frame_of_reference != image.frame_of_reference)
+    return fail(path.string(), "was drawn on another scan than " + image_path.string() + " (frames of reference " +
+                                   excerpt(frame_of_reference) + " and " + excerpt(image.frame_of_reference) +
+                                   "); give the series that it was drawn on" + how);
+  if (image.modality == "SEG") return std::optional<std::string>();  // its series is one of its own
   return other_images(path, referenced, image_path.string(), image.series_uid, image.instance_uids);
-}
-
-Result<void> check_same_space(const fs::path& path, const std::string& frame_of_reference, const fs::path& image_path,
-                              const Volume& image, const std::string& how) {
-  if (frame_of_reference.empty() || image.frame_of_reference.empty() || frame_of_reference == image.frame_of_reference)
-    return {};
-  return fail(path.string(), "was drawn on another scan than " + image_path.string() + " (frames of reference " +
-                                 excerpt(frame_of_reference) + " and " + excerpt(image.frame_of_reference) +
-                                 "); give the series that it was drawn on" + how);
 }
 
 }  // namespace homolog

@@ -16,13 +16,14 @@ namespace homolog {
 std::optional<std::string> other_images(const std::filesystem::path& path, const ReferencedImages& referenced,
                                         const std::string& image, const std::string& series_uid,
                                         const std::vector<std::string>& instance_uids);
-std::optional<std::string> other_images(const std::filesystem::path& path, const ReferencedImages& referenced,
-                                        const std::filesystem::path& image_path, const Volume& image);
 
-/// Errors: a segmentation or contours (`path`) of another frame of reference than the image that they are used with;
-/// one that says none is taken for the same. `how`: behind "give the series that it was drawn on".
-Result<void> check_same_space(const std::filesystem::path& path, const std::string& frame_of_reference,
-                              const std::filesystem::path& image_path, const Volume& image,
-                              const std::string& how = {});
+/// What must be known before a segmentation or contours (`path`) are used with an image: the warning that they were
+/// made on other images of the same space, as `other_images` says it; nothing where all is well.
+/// Errors: they are of another frame of reference than the image; one that says none is taken for the same. `how`:
+/// behind "give the series that it was drawn on".
+Result<std::optional<std::string>> check_scan(const std::filesystem::path& path, const std::string& frame_of_reference,
+                                              const ReferencedImages& referenced,
+                                              const std::filesystem::path& image_path, const Volume& image,
+                                              const std::string& how = {});
 
 }  // namespace homolog

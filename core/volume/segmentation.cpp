@@ -28,14 +28,32 @@ std::optional<int> label_value(std::string_view text) {
   return value && *value > 0 ? value : std::nullopt;
 }
 
-/// All of that name in the same case, or where there are none in any case.
-std::vector<Segment> segments_named(const std::string& name, const Segmentation& known) {
-  std::vector<Segment> same, alike;
-  for (const Segment& segment : known.segments) {
-    if (segment.name == name) same.push_back(segment);
-    if (lower_case(segment.name) == lower_case(name)) alike.push_back(segment);
+/// In lower case and sorted.
+std::vector<std::string> words_of(const std::string& name) {
+  std::vector<std::string> words;
+  bool within = false;
+  for (const char c : lower_case(name)) {
+    const bool parts = std::string_view(" _-.").find(c) != std::string_view::npos;
+    if (!parts && !within) words.emplace_back();
+    if (!parts) words.back() += c;
+    within = !parts;
   }
-  return same.empty() ? alike : same;
+  std::ranges::sort(words);
+  return words;
+}
+
+/// All whose names are likest to that one.
+std::vector<Segment> segments_named(const std::string& name, const Segmentation& known) {
+  std::vector<Segment> found;
+  NameLikeness most = NameLikeness::none;
+  for (const Segment& segment : known.segments) {
+    const NameLikeness likeness = name_likeness(segment.name, name);
+    if (likeness == NameLikeness::none || likeness < most) continue;
+    if (likeness > most) found.clear();
+    most = likeness;
+    found.push_back(segment);
+  }
+  return found;
 }
 
 /// "label 1 in layers 0 and 1"
@@ -103,6 +121,13 @@ bool Segmentation::add(Segment segment) {
   const auto at = std::lower_bound(segments.begin(), segments.end(), std::pair(segment.layer, segment.value), before);
   segments.insert(at, std::move(segment));
   return true;
+}
+
+NameLikeness name_likeness(const std::string& a, const std::string& b) {
+  if (a == b) return NameLikeness::same;
+  if (lower_case(a) == lower_case(b)) return NameLikeness::any_case;
+  const auto words = words_of(a);
+  return !words.empty() && words == words_of(b) ? NameLikeness::words : NameLikeness::none;
 }
 
 std::string label_words(const Segment& segment) {

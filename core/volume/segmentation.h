@@ -43,9 +43,19 @@ std::string label_words(const Segment& segment);
 /// Text from another program as a name: what is no UTF-8 is taken for Latin-1, and control characters become '?'.
 std::string segment_name(std::string_view text);
 
-/// What `--label` and the columns of tables hold: a value above 0, a name in any case, or several of both, separated by
-/// commas. A value of which nothing is said is a segment without a name. Errors: a name that the map lacks (the nearest
-/// ones are named) or gives to several; a value that stands in several layers.
+/// How alike a segment's name and another are.
+enum class NameLikeness {
+  none,
+  words,  ///< the same words in any order, with blanks, '_', '-' or '.' between them: "Left kidney" and "kidney_left"
+  any_case,
+  same
+};
+NameLikeness name_likeness(const std::string& a, const std::string& b);
+
+/// What `--label` and the columns of tables hold: a value above 0, a name, or several of both, separated by commas. Of
+/// a name those count that are likest [NameLikeness]. A value of which nothing is said is a segment without a name.
+/// Errors: a name that the map lacks (the nearest ones are named) or gives to several; a value that stands in several
+/// layers.
 Result<std::vector<Segment>> asked_segments(const std::string& asked, const Segmentation& known);
 
 /// Whether text is made of numbers, so that it is no name, and not of values above 0 with commas between them.

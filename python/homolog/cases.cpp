@@ -185,8 +185,9 @@ py::dict fit_into(HeldCase& self, const py::object& given, const std::string& la
   const std::string name = labels->source.empty() ? "labels" : labels->source,
                     image_name = kept->scan.source.empty() ? "the image of the case" : kept->scan.source;
   if (image != nullptr) {
-    value_of(check_same_space(name, labels->read->volume.frame_of_reference, image_name, *image));
-    if (auto other = other_images(name, labels->read->referenced, image_name, *image)) warn({*other});
+    if (const auto other = value_of(
+            check_scan(name, labels->read->volume.frame_of_reference, labels->read->referenced, image_name, *image)))
+      warn({*other});
   }
   auto edit = computed<FitEdit>(self, progress, [&](Progress& own) -> Result<FitEdit> {
     auto mask = chosen_mask(*labels->read, name, label, {frame, {}, {}});

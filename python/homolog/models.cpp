@@ -28,7 +28,7 @@ Eigen::VectorXd deviations_of(const ShapeModel& model, Eigen::Index count) {
 std::shared_ptr<HeldMesh> mesh_of(const HeldModel& self, Points points) {
   MeshFile file;
   file.points = std::move(points);
-  if (self.model->topology) file.triangles = self.model->topology->triangles();
+  file.triangles = self.model->topology;
   return std::make_shared<HeldMesh>(HeldMesh{std::make_shared<const MeshFile>(std::move(file))});
 }
 

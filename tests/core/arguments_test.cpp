@@ -63,11 +63,11 @@ TEST_CASE("a mesh that was put together wrongly becomes no file") {
     file.doubt_mm = VertexScalars::Ones(3);
     CHECK_FALSE(write_mesh_file(file, folder.path / name));
     file.doubt_mm.reset();
-    file.triangles(0, 0) = 42;
+    file.triangles.edit()(0, 0) = 42;
     const auto refused = write_mesh_file(file, folder.path / name);
     REQUIRE_FALSE(refused);
     CHECK(refused.error().what.starts_with("a face names vertex 42 of 42"));
-    file.triangles(0, 0) = -1;
+    file.triangles.edit()(0, 0) = -1;
     CHECK_FALSE(write_mesh_file(file, folder.path / name));
     CHECK(read_mesh_file(folder.path / name));  // the one before is still there
   }

@@ -18,6 +18,15 @@
 
 namespace homolog {
 
+namespace {
+
+void begin_imgui_frame() {
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::GetIO().Fonts->ClearTexData();  // the texture has it by now: 10 MB
+}
+
+}  // namespace
+
 Result<void> Drawing::start(float scale) {
   auto pictures = ViewPictures::make();
   if (!pictures) return fail(pictures.error());
@@ -133,7 +142,7 @@ void Drawing::draw_pictures(int width_px, int height_px) {
   }
   if (state_.models.shown) gallery_.copy(models, height_px);
 
-  ImGui_ImplOpenGL3_NewFrame();
+  begin_imgui_frame();
 }
 
 Result<Picture> Drawing::picture(const PictureOptions& options) {
@@ -212,7 +221,7 @@ void Drawing::write_on_picture(const PictureOptions& options, float scale, const
   const float on_screen = scale_, wanted = written_scale(scale);
   const bool other = std::abs(wanted - on_screen) > 0.01f;
   if (other) set_scale(wanted);
-  ImGui_ImplOpenGL3_NewFrame();
+  begin_imgui_frame();
   ImGui::GetIO().DisplaySize = {static_cast<float>(options.width), static_cast<float>(options.height)};
   ImGui::NewFrame();
   use_palette(options.light, options.light);  // of the picture's ground, whatever the window's theme is
@@ -252,7 +261,7 @@ Result<Picture> Drawing::plots(const PictureOptions& options) {
   if (!framebuffer) return fail(framebuffer.error());
   (*framebuffer)->bind();
   glViewport(0, 0, options.width, options.height);
-  ImGui_ImplOpenGL3_NewFrame();
+  begin_imgui_frame();
   ImGui::GetIO().DisplaySize = {static_cast<float>(options.width), static_cast<float>(options.height)};
   ImGui::NewFrame();
   use_palette(options.light);

@@ -54,7 +54,7 @@ Result<StepValue> line_of_part(Measuring& measuring, const RecipeStep& step) {
 
 Result<StepValue> normal_of_plane(Measuring& measuring, const RecipeStep& step) {
   const auto& plane = measuring.as<FittedPlane>(step, "of");
-  return pointed(measuring, step, {plane.at, plane.normal, false});
+  return pointed(measuring, step, {plane.at, plane.normal, false, plane.rms_mm});
 }
 
 Result<StepValue> plane_of_points(Measuring& measuring, const RecipeStep& step) {

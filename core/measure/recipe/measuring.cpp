@@ -67,10 +67,11 @@ double Measuring::number(const RecipeStep& step, const char* key, double otherwi
 }
 
 Result<std::size_t> Measuring::structure(const RecipeStep& step) const {
-  if (step.structure.empty()) return 0;
+  if (step.structure.empty() && shape_.lacks_first.empty()) return 0;
+  const std::string& wanted = step.structure.empty() ? shape_.lacks_first : step.structure;
   for (std::size_t k = 0; k < shape_.structures.size(); ++k)
-    if (lower_case(shape_.structures[k].name) == lower_case(step.structure)) return k;
-  return lacks("has no structure \"" + excerpt(step.structure) + '"');
+    if (lower_case(shape_.structures[k].name) == lower_case(wanted)) return k;
+  return lacks("has no structure \"" + excerpt(wanted) + '"');
 }
 
 Result<void> Measuring::check_faces(std::size_t structure) const {

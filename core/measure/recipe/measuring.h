@@ -30,6 +30,7 @@ struct MeasuredShape {
   std::vector<MeasuredStructure> structures;  ///< at least one
   const Volume* image = nullptr;              ///< what is sampled along normals; null: there is none
   int frame = 0;                              ///< of the image
+  std::string lacks_first{};                  ///< the first structure's name, where it is not among them; empty: it is
 };
 
 /// A number that was measured, or why there is none.

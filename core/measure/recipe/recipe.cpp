@@ -327,10 +327,11 @@ class RecipeReader {
 }  // namespace
 
 std::vector<std::string> Recipe::structures() const {
-  std::set<std::string> names;
+  std::vector<std::string> names;
   for (const RecipeStep& step : steps)
-    if (!step.structure.empty()) names.insert(step.structure);
-  return {names.begin(), names.end()};
+    if (!step.structure.empty() && std::ranges::find(names, step.structure) == names.end())
+      names.push_back(step.structure);
+  return names;
 }
 
 std::string kind_word(const RecipeStep& step) {

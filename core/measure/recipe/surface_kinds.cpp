@@ -125,12 +125,24 @@ std::string statistic_asked(const Measuring& measuring, const RecipeStep& step) 
 }
 
 /// Where the ray from a vertex leaves the solid that it goes through; none: it meets no surface, or enters one.
-std::optional<double> wall_mm(const SurfaceSearch& search, const Vec3& from, const Vec3& direction, double skip_mm,
-                              bool any_side) {
+std::optional<double> own_wall_mm(const SurfaceSearch& search, const Vec3& from, const Vec3& direction,
+                                  double skip_mm) {
   const auto hit = search.first_hit(from + skip_mm * direction, direction);
-  if (!hit) return std::nullopt;
-  if (!any_side && area_normal(search.mesh(), hit->at.face).dot(direction) <= 0) return std::nullopt;
+  if (!hit || area_normal(search.mesh(), hit->at.face).dot(direction) <= 0) return std::nullopt;
   return (hit->position - from).norm();
+}
+
+/// Where the ray first meets one of these faces, whatever lies before; none: it meets none.
+std::optional<double> other_wall_mm(const SurfaceSearch& search, const std::vector<char>& faces, const Vec3& from,
+                                    const Vec3& direction, double skip_mm) {
+  Vec3 at = from;
+  for (std::size_t passed = 0; passed <= faces.size(); ++passed) {
+    const auto hit = search.first_hit(at + skip_mm * direction, direction);
+    if (!hit) return std::nullopt;
+    if (faces[static_cast<std::size_t>(hit->at.face)] != 0) return (hit->position - from).norm();
+    at = hit->position;
+  }
+  return std::nullopt;
 }
 
 Result<StepValue> thickness(Measuring& measuring, const RecipeStep& step) {
@@ -139,6 +151,13 @@ Result<StepValue> thickness(Measuring& measuring, const RecipeStep& step) {
   const bool to_other = measuring.has(step, "to");
   const std::size_t other = to_other ? measuring.as<PartValue>(step, "to").structure : part->structure;
   if (auto sound = measuring.check_faces(other); !sound) return fail(sound.error());
+  std::vector<char> to_faces;
+  if (to_other) {
+    const Mesh& mesh = measuring.surface(other).mesh();
+    to_faces.resize(static_cast<std::size_t>(mesh.topology->triangles().rows()));
+    for (const Eigen::Index f : faces_of_part(measuring.as<PartValue>(step, "to"), mesh))
+      to_faces[static_cast<std::size_t>(f)] = 1;
+  }
   MeasuredSurface& surface = measuring.surface(part->structure);
   const bool outward =
       measuring.has(step, "direction") && measuring.given(step, "direction").texts.front() == "outward";
@@ -151,8 +170,10 @@ Result<StepValue> thickness(Measuring& measuring, const RecipeStep& step) {
     const Vec3 direction = (outward ? 1 : -1) * surface.normals().row(v).transpose();
     const double weight = surface.areas()[v];
     all += weight;
-    const auto mm =
-        wall_mm(measuring.surface(other).search(), surface.mesh().points.row(v), direction, skip_mm, to_other);
+    const SurfaceSearch& search = measuring.surface(other).search();
+    const Vec3 from = surface.mesh().points.row(v);
+    const auto mm = to_other ? other_wall_mm(search, to_faces, from, direction, skip_mm)
+                             : own_wall_mm(search, from, direction, skip_mm);
     if (mm && *mm <= most_mm)
       values.emplace_back(*mm, weight);
     else
@@ -166,7 +187,7 @@ Result<StepValue> image_along_normals(Measuring& measuring, const RecipeStep& st
   const auto part = part_with_faces(measuring, step);
   if (!part) return fail(part.error());
   const MeasuredShape& shape = measuring.shape();
-  if (shape.image == nullptr) return lacks("has no image; give --image");
+  if (shape.image == nullptr) return lacks("has no image");
   MeasuredSurface& surface = measuring.surface(part->structure);
   const double from_mm = measuring.number(step, "from_mm", 0), to_mm = measuring.number(step, "to_mm", 0);
   constexpr double step_mm = 0.25;

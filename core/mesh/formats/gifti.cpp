@@ -258,7 +258,7 @@ void write_gifti(const MeshFile& mesh, std::ostream& out) {
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
     for (int k = 0; k < 3; ++k)
       store(static_cast<float>(k < 2 ? -mesh.points(i, k) : mesh.points(i, k)), std::endian::little, points);
-  for (const std::int32_t v : mesh.triangles.reshaped<Eigen::RowMajor>()) store(v, std::endian::little, corners);
+  for (const std::int32_t v : mesh.triangles->reshaped<Eigen::RowMajor>()) store(v, std::endian::little, corners);
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
          "<!DOCTYPE GIFTI SYSTEM \"http://www.nitrc.org/frs/download.php/115/gifti.dtd\">\n"
          "<GIFTI Version=\"1.0\" NumberOfDataArrays=\"2\">\n<MetaData></MetaData>\n<LabelTable></LabelTable>\n";

@@ -109,7 +109,7 @@ Result<MeshFile> read_vtp(std::string_view bytes) {
 void write_vtp(const MeshFile& mesh, std::ostream& out) {
   VtkXmlData data;
   const std::string points = data.append(mesh.points.data(), mesh.points.size());
-  const std::string corners = data.append(mesh.triangles.data(), mesh.triangles.size());
+  const std::string corners = data.append(mesh.triangles->data(), mesh.triangles.size());
   std::vector<std::int32_t> ends;
   for (std::int32_t f = 1; f <= mesh.triangles.rows(); ++f) ends.push_back(3 * f);
   const std::string offsets = data.append(ends.data(), std::ssize(ends));

@@ -166,7 +166,7 @@ Result<MeshFile> read_vtu(std::string_view bytes) {
 void write_vtu(const MeshFile& mesh, std::ostream& out) {
   VtkXmlData data;
   const std::string points = data.append(mesh.points.data(), mesh.points.size());
-  const std::string corners = data.append(mesh.triangles.data(), mesh.triangles.size());
+  const std::string corners = data.append(mesh.triangles->data(), mesh.triangles.size());
   std::vector<std::int32_t> ends;
   for (std::int32_t f = 1; f <= mesh.triangles.rows(); ++f) ends.push_back(3 * f);
   const std::vector<std::uint8_t> kinds(ends.size(), vtk_triangle);

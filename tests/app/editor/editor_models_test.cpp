@@ -225,7 +225,7 @@ TEST_CASE("a study's template gives shapes of points alone their faces") {
   ModelsState points;
   for (const char* name : {"a1", "a2", "b1"}) {
     MeshFile mesh = test::must(read_mesh_file(balls.folder.path / (std::string(name) + ".ply")));
-    mesh.triangles.resize(0, 3);
+    mesh.triangles.edit().resize(0, 3);
     const fs::path path = balls.folder.path / (std::string(name) + ".particles");
     test::must(write_mesh_file(mesh, path).map([] { return 0; }));
     add_cases(points, {path});

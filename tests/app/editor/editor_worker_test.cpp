@@ -290,6 +290,67 @@ TEST_CASE("a segmentation that leaves empty slices out lies on the slices of the
   CHECK(opened(chosen, image).labels.front().volume->geometry == image->geometry);
 }
 
+TEST_CASE("labels that were drawn on another scan are refused beside the image and warned of where images differ") {
+  const TemporaryFolder folder;
+  /// A series of another name, in another space.
+  const auto series = [&](const std::string& name, const std::string& uid, const std::string& space) {
+    Slice slice;
+    slice.series = uid;
+    slice.put(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2");
+    slice.put(0x0020000d, "UI", "1.2.1");
+    slice.put(0x00200052, "UI", space);
+    fs::create_directory(folder.path / name);
+    for (int k = 0; k < 4; ++k) {
+      slice.z = 2.5 * k;
+      slice.put(0x00080018, "UI", uid + "." + std::to_string(k));
+      write_bytes(folder.path / name / (std::to_string(k) + ".dcm"), slice.bytes());
+    }
+    return folder.path / name;
+  };
+  const fs::path ct = series("ct", "1.2.3", "1.2.9"), same_space = series("same", "1.2.4", "1.2.9"),
+                 elsewhere = series("elsewhere", "1.2.5", "1.2.10");
+  VolumeRead map;
+  map.volume.geometry = test::must(read_volume(ct)).volume.geometry;
+  std::vector<std::uint8_t> labels(map.volume.geometry.voxels());
+  labels[8] = 1;
+  map.volume.data = labels;
+  map.volume.range_max = 1;
+  const fs::path seg = folder.path / "seg.dcm";
+  REQUIRE(write_dicom_segmentation(map, seg, ct));
+  Opener opener([] {});
+  const auto warnings_of = [](const Result<Opened>& opened) -> Result<std::vector<std::string>> {
+    if (!opened) return fail(opened.error());
+    return opened->warnings;
+  };
+  const auto beside = [&](const fs::path& image) {
+    opener.start(test::must(sort_files({image, seg})));
+    opener.finish();
+    auto pair = warnings_of(opener.take().value());
+    const auto on_screen = std::make_shared<const Volume>(test::must(read_volume(image)).volume);
+    OpenRequest chosen;
+    chosen.labels = seg;
+    opener.start(chosen, on_screen);
+    opener.finish();
+    return std::pair{std::move(pair), warnings_of(opener.take().value())};
+  };
+  const auto warns = [](const std::vector<std::string>& warnings) {
+    return std::ranges::any_of(warnings, [](const std::string& text) {
+      return text.find("refers to the series 1.2.3, and ") != std::string::npos;
+    });
+  };
+  const auto [own, own_chosen] = beside(ct);
+  CHECK_FALSE(warns(test::must(own)));
+  CHECK_FALSE(warns(test::must(own_chosen)));
+  const auto [same, same_chosen] = beside(same_space);
+  CHECK(warns(test::must(same)));
+  CHECK(warns(test::must(same_chosen)));
+  const auto [other, other_chosen] = beside(elsewhere);
+  for (const auto* refused : {&other, &other_chosen}) {
+    REQUIRE_FALSE(*refused);
+    CHECK((*refused).error().sentence().starts_with(seg.string() + ": was drawn on another scan than "));
+  }
+}
+
 TEST_CASE("files are sorted and named where the working folder is gone") {
   const fs::path before = fs::current_path();
   {

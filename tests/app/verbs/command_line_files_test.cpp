@@ -158,8 +158,9 @@ TEST_CASE("copies of one surface at one place do not hang the program") {
   MeshFile copies;
   constexpr int times = 5000;
   copies.points = one.points.replicate(times, 1);
-  copies.triangles.resize(4 * times, 3);
-  for (int k = 0; k < times; ++k) copies.triangles.middleRows(4 * k, 4) = one.topology->triangles().array() + 4 * k;
+  Triangles& faces = copies.triangles.edit();
+  faces.resize(4 * times, 3);
+  for (int k = 0; k < times; ++k) faces.middleRows(4 * k, 4) = one.topology->triangles().array() + 4 * k;
   REQUIRE(write_mesh_file(copies, folder.path / "v.vtp"));
   const std::string in = (folder.path / "v.vtp").string(), out = (folder.path / "o.ply").string();
   for (const auto& arguments :

@@ -97,6 +97,38 @@ TEST_CASE("the structures of a case are measured together") {
   CHECK(ran.json()["cases"][0]["values"]["low volume"].get<double>() > 0);
 }
 
+TEST_CASE("a measurement of the first structure is empty where a case lacks it") {
+  const TemporaryFolder folder;
+  for (const int k : {0, 1}) {
+    const fs::path there = folder.path / "fits" / ("c" + std::to_string(k));
+    fs::create_directories(there);
+    const JointCase one{0, 1, 1, 1};
+    if (k == 0) REQUIRE(write_mesh(upper_ellipsoid(one), there / "zygoma.ply"));
+    REQUIRE(write_mesh(lower_ellipsoid(one), there / "atlas.ply"));
+  }
+  put_recipe(folder, "r.json", R"({"homolog_recipe": 1, "measurements": [{"name": "first", "kind": "volume"},
+    {"name": "zygoma", "kind": "volume", "structure": "zygoma"},
+    {"name": "atlas", "kind": "volume", "structure": "atlas"}]})");
+  const Ran ran = run(folder, "measure fits --recipe r.json --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json cases = ran.json()["cases"];
+  CHECK(cases[0]["values"]["first"] == cases[0]["values"]["zygoma"]);
+  CHECK(cases[1]["values"]["first"].is_null());
+  CHECK(cases[1]["values"]["atlas"].get<double>() > 0);
+  check_refused(run(folder, "measure fits --recipe r.json --group ill"), "fits");
+  check_refused(run(folder, "measure fits --recipe r.json --all-frames"), "--all-frames");
+}
+
+TEST_CASE("the first shape lends its landmarks to the shapes of the model and to no other case") {
+  const TemporaryFolder folder;
+  put_marked_balls(folder);
+  REQUIRE(run(folder, "model b0.ply b1.ply b2.ply b3.ply --keep-scale -o m.h5").status == 0);
+  const Ran ran = run(folder, "measure b0.ply b2.ply --recipe r.json --model m.h5 --modes 1 --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["cases"][1]["values"]["length"].is_null());
+  CHECK(ran.json()["modes"][2]["values"]["length"].get<double>() == doctest::Approx(46).epsilon(1e-5));
+}
+
 TEST_CASE("a built-in template brings its recipe along and a recipe with a fault is refused") {
   const TemporaryFolder folder;
   put_marked_balls(folder);
@@ -131,6 +163,23 @@ TEST_CASE("an image is measured along the normals") {
   const MeshFile profiles = read_mesh_file(folder.path / "p/kidney-1-truth.vtp").value();
   CHECK(profiles.arrays.contains("inside"));
   CHECK(profiles.arrays.contains("inside at -4.00 mm"));
+
+  // Two shapes of one name keep a file each, a folder of images is searched by the files' names, and nothing that was
+  // read is written over.
+  for (const char* one : {"a", "b", "images"}) fs::create_directory(folder.path / one);
+  for (const char* one : {"a", "b"}) fs::copy(folder.path / "kidney-1-truth.ply", folder.path / one / "k.ply");
+  fs::copy(folder.path / "kidney-1-image.nii.gz", folder.path / "images/k.nii.gz");
+  fs::copy(folder.path / "kidney-1-truth.ply", folder.path / "stray.ply");
+  const Ran several =
+      run(folder, "measure a/k.ply b/k.ply stray.ply --recipe r.json --image images --profiles both --json");
+  REQUIRE_MESSAGE(several.status == 0, several.errors);
+  CHECK(several.json()["cases"][1]["values"] == values);
+  CHECK(several.json()["cases"][2]["values"]["inside"].is_null());
+  CHECK(several.errors.find("stray: has no image in images (stray.nii.gz)") != std::string::npos);
+  CHECK(fs::exists(folder.path / "both/k.vtp"));
+  CHECK(fs::exists(folder.path / "both/k-2.vtp"));
+  check_refused(run(folder, "measure both/k.vtp --recipe r.json --image images --profiles both"), "both/k.vtp");
+  CHECK(read_mesh_file(folder.path / "both/k.vtp").value().arrays.contains("inside"));
 }
 
 }  // namespace homolog

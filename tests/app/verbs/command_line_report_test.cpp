@@ -132,6 +132,11 @@ TEST_CASE("a report without names numbers its cases") {
     if (entry.path().extension() == ".ply") shapes += " " + entry.path().filename().string();
   REQUIRE(run(folder, "report" + shapes + " --without-names -o several.html").status == 0);
   CHECK(page_in(folder, "several.html").find("<h1>Shapes</h1>") != std::string::npos);
+  // Nor of so few that the command would name them.
+  fs::copy(folder.path / "e0.ply", folder.path / "Mueller.ply");
+  REQUIRE(run(folder, "report Mueller.ply e1.ply e2.ply --without-names -o few.html").status == 0);
+  CHECK(page_in(folder, "few.html").find("Mueller") == std::string::npos);
+  CHECK(page_in(folder, "few.html").find("homolog report (3 files) --without-names") != std::string::npos);
 }
 
 TEST_CASE("a report of a model has its modes and the places of its training shapes") {

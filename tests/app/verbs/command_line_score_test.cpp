@@ -59,6 +59,10 @@ TEST_CASE("a subject is scored against a model, alone as among others") {
   CHECK((scored.arrays.at("z_high") - z).minCoeff() > 0);
   CHECK(lines(read_whole_file(folder.path / "scores/scores.csv").value()) == 3);
   CHECK(read_whole_file(folder.path / "m.h5").value() == model);
+  // What was read is not written over.
+  const std::string written = read_whole_file(folder.path / "scores/c6.vtp").value();
+  check_refused(run(folder, "score scores/c6.vtp --model m.h5 -o scores"), "scores/c6.vtp");
+  CHECK(read_whole_file(folder.path / "scores/c6.vtp").value() == written);
 }
 
 TEST_CASE("a mirror image, another unit and another numbering are named") {
@@ -135,6 +139,15 @@ TEST_CASE("a case of several structures is scored in all and in each") {
   const Json parts = ran.json()["subjects"][0]["structures"];
   CHECK(parts[1]["name"] == "high");
   CHECK(parts[1]["z_rms"].get<double>() > 1.5);
+  // Where both structures are in doubt they say less, as one alone does.
+  for (const char* part : {"low", "high"}) {
+    const fs::path file = folder.path / "new/c6" / (part + std::string(".ply"));
+    MeshFile mesh = read_mesh_file(file).value();
+    mesh.doubt_mm = VertexScalars::Constant(mesh.points.rows(), 5);
+    REQUIRE(write_mesh_file(mesh, file));
+  }
+  const Json doubted = run(folder, "score new/c6 --model m.h5 --json").json()["subjects"][0]["structures"];
+  CHECK(doubted[1]["z_rms"].get<double>() < 0.7 * parts[1]["z_rms"].get<double>());
 }
 
 TEST_CASE("a case that its study flips is scored flipped") {

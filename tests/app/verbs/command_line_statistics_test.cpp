@@ -2,6 +2,7 @@
 
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
+#include "core/model/doubtful_shapes.h"
 #include "core/phantom/noise.h"
 #include "tests/command_line.h"
 
@@ -120,6 +121,13 @@ TEST_CASE("cases without a partner or a value are left out with the reason") {
   CHECK(paired["shapes"] == 10);
   CHECK(paired["terms"].size() == 1);
   CHECK(paired["left_out"][2]["reason"] == "is the only case of subject s2");
+  // One that is left out for its doubt is no row without a shape.
+  MeshFile doubtful = read_mesh_file(folder.path / "shapes/c4.ply").value();
+  doubtful.comments.push_back(doubt_comment("lies 3 mm off"));
+  REQUIRE(write_mesh_file(doubtful, folder.path / "shapes/c4.ply"));
+  const Json sure = run(folder, by("size ~ group + age") + "--without-doubtful").json();
+  CHECK(sure["shapes"] == 9);
+  CHECK(sure["left_out"].size() == 4);
 }
 
 TEST_CASE("an answer that rests on vertices in doubt or on one template is told apart from one that does not") {
@@ -174,12 +182,55 @@ TEST_CASE("an answer that rests on vertices in doubt or on one template is told 
   check_refused(run(folder, by("shape ~ group") + "--templates absent"), "absent");
 }
 
+TEST_CASE("terms of other shapes are compared by their names, since pairs may leave one out there") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  // The arm varies within the first subject alone, which the other shapes lack.
+  std::string table = "name,visit,arm,subject\n";
+  for (int k = 0; k < 12; ++k)
+    table += "c" + std::to_string(k) + (k % 2 == 1 ? ",late," : ",early,") +
+             (k == 0 || k / 2 % 2 == 1 ? "drug," : "none,") + "s" + std::to_string(k / 2) + "\n";
+  REQUIRE(write_whole_file(folder.path / "t.csv", table));
+  fs::copy(folder.path / "shapes", folder.path / "fewer");
+  for (const char* name : {"c0.ply", "c1.ply"}) fs::remove(folder.path / "fewer" / name);
+  const Ran ran = run(folder, by("shape ~ visit*arm") + "--paired subject --no-align --templates fewer");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  REQUIRE(ran.json()["terms"].size() == 3);
+  REQUIRE(ran.json()["again"][0]["terms"].size() == 2);
+  CHECK(ran.json()["holds"][1].get<std::string>().ends_with("; fewer cannot test it"));
+  const std::string interaction = ran.json()["holds"][2];
+  const bool same = (ran.json()["terms"][2]["p"].get<double>() <= 0.05) ==
+                    (ran.json()["again"][0]["terms"][1]["p"].get<double>() <= 0.05);
+  CHECK(interaction.ends_with(same ? ", and so fewer" : ", but not fewer"));
+}
+
+TEST_CASE("doubts weigh by how shapes scatter where the shapes themselves explain") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  for (int k = 0; k < 12; ++k) {
+    const fs::path file = folder.path / "shapes" / ("c" + std::to_string(k) + ".ply");
+    MeshFile mesh = read_mesh_file(file).value();
+    mesh.doubt_mm = VertexScalars::Constant(mesh.points.rows(), 0.2);
+    REQUIRE(write_mesh_file(mesh, file));
+  }
+  const auto mean_weight = [&](const std::string& options) {
+    const Ran ran = run(folder, by("age ~ shape") + "--by-doubt --modes " + options);
+    REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+    return ran.json()["weights"]["mean"].get<double>();
+  };
+  CHECK(mean_weight("1") == doctest::Approx(mean_weight("6")).epsilon(1e-9));
+}
+
 TEST_CASE("what a test cannot answer is refused in a sentence") {
   const TemporaryFolder folder;
   put_balls(folder.path, 0);
   check_refused(run(folder, by("shape ~ grop")), "Did you mean group?");
   check_refused(run(folder, by("shape ~ log(group)")), "where group should be a number");
   check_refused(run(folder, by("group ~ age")), "where group should be a number");
+  check_refused(run(folder, by("log(shape) ~ group")), "log(shape): is of shapes");
+  check_refused(run(folder, by("age ~ factor(shape)")), "factor(shape): is of shapes");
+  check_refused(run(folder, by("shape ~ factor(size)")), "factor(size): is of sizes, which name no groups");
+  check_refused(run(folder, by("factor(age) ~ group")), "factor(age): is what is tested");
   check_refused(run(folder, by("shape ~ group*age*factor(subject)")), "parameters");
   check_refused(run(folder, by("shape ~ factor(subject)") + "--paired subject"), "determined");
   check_refused(run(folder, by("shape ~ group") + "--by-doubt"), "none of the shapes has a doubt");

@@ -1,5 +1,8 @@
 // The command-line contract of docs/commands.md: models of several structures.
+#include "core/case/actions/structures.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_io.h"
+#include "core/session/case_file.h"
 #include "tests/command_line.h"
 #include "tests/joint_cases.h"
 
@@ -45,6 +48,10 @@ TEST_CASE("structures of cases become one model whose file and reports know them
     CHECK(high["offset_sd_mm"].get<double>() == doctest::Approx(1.41 / 2).epsilon(0.05));
   }
   CHECK(lines(read_whole_file(folder.path / "tables/poses.csv").value()) == 13);
+  // What was read is not written over.
+  const std::string before = read_whole_file(folder.path / "fits/c0/low.ply").value();
+  check_refused(run(folder, "model" + set + " --aligned fits -o m.h5"), "fits/c0/low.ply");
+  CHECK(read_whole_file(folder.path / "fits/c0/low.ply").value() == before);
 
   // What was written as ShapeWorks has it is read again, in the scan and as it was aligned.
   const Ran again = run(folder, "model sw --structures low,high --keep-scale -o again.h5 --json");
@@ -58,6 +65,40 @@ TEST_CASE("structures of cases become one model whose file and reports know them
   CHECK(world.json()["variances"][0].get<double>() ==
         doctest::Approx(each.json()["variances"][0].get<double>()).epsilon(1e-6));
   CHECK(world.json()["structures"][1]["turn_sd_deg"].get<double>() < 1e-3);
+}
+
+TEST_CASE("a study whose cases name their frames keeps them and their groups in joint sets and reports") {
+  const TemporaryFolder folder;
+  put_cases(folder);
+  Json cases = Json::array();
+  for (int k = 0; k < 6; ++k) {
+    const std::string name = "c" + std::to_string(k);
+    const fs::path meshes = folder.path / "fits" / name;
+    const auto low = load_template((meshes / "low.ply").string());
+    EditSession session =
+        create_case(new_document("", nullptr, low.value()), folder.path / (name + ".homolog")).value();
+    REQUIRE(session.apply(SetStructure{.id = "s1", .name = "low"}));
+    REQUIRE(session.apply(SetStructure{.id = "s2", .name = "high", .source = (meshes / "high.ply").string()}));
+    cases.push_back({{"name", "case " + std::to_string(k)},
+                     {"file", name + ".homolog"},
+                     {"frame", 0},
+                     {"group", k < 3 ? "flat" : "tall"},
+                     {"state", "done"}});
+  }
+  REQUIRE(write_whole_file(folder.path / "j.study.json", Json{{"homolog_study", 1}, {"cases", cases}}.dump()));
+  const Ran model = run(folder, "model j.study.json --structures low,high --csv tables -o m.h5 --json");
+  REQUIRE_MESSAGE(model.status == 0, model.errors);
+  CHECK(model.json()["shapes"] == 6);
+  CHECK(read_whole_file(folder.path / "tables/scores.csv").value().find(",flat\n") != std::string::npos);
+  const Ran report = run(folder, "report j.study.json --structures low,high -o page.html --json");
+  REQUIRE_MESSAGE(report.status == 0, report.errors);
+  CHECK(report.json()["cases"] == 6);
+  CHECK(report.json()["left_out"] == 0);
+  CHECK(report.json()["groups"] == Json::array({"flat", "tall"}));
+  const Ran test = run(folder, "test j.study.json --structures low,high --formula \"shape ~ group\" --json");
+  REQUIRE_MESSAGE(test.status == 0, test.errors);
+  CHECK(test.json()["shapes"] == 6);
+  CHECK(test.json()["left_out"].empty());
 }
 
 TEST_CASE("measures are of all structures or of one") {

@@ -16,9 +16,9 @@ TEST_CASE("repair-mesh mends a broken surface and says what it did") {
   broken.points.conservativeResize(ball.points.rows() + 1, 3);
   broken.points.bottomRows(1) =
       0.55 * (ball.points.row(broken.triangles(0, 0)) + ball.points.row(broken.triangles(0, 1)));
-  broken.triangles.conservativeResize(broken.triangles.rows() + 1, 3);
-  broken.triangles.bottomRows(1) << broken.triangles(0, 0), broken.triangles(0, 1),
-      static_cast<std::int32_t>(ball.points.rows());
+  Triangles& faces = broken.triangles.edit();
+  faces.conservativeResize(faces.rows() + 1, 3);
+  faces.bottomRows(1) << faces(0, 0), faces(0, 1), static_cast<std::int32_t>(ball.points.rows());
   broken.points(77, 0) = std::numeric_limits<double>::quiet_NaN();
   REQUIRE(write_mesh_file(broken, folder.path / "broken.ply"));
   check_refused(run(folder, "convert broken.ply out.ply"), "mend it with repair-mesh");
@@ -83,7 +83,7 @@ TEST_CASE("repair-mesh cuts the tunnels of each part and keeps the others") {
 
   // An open ring: what --holes keep leaves open cannot stay open where the surface is made anew.
   MeshFile open{ring.points, ring.topology->triangles()};
-  open.triangles.conservativeResize(open.triangles.rows() - 1, 3);
+  open.triangles.edit().conservativeResize(open.triangles.rows() - 1, 3);
   REQUIRE(write_mesh_file(open, folder.path / "open.ply"));
   const Ran closed = run(folder, "repair-mesh open.ply -o closed.ply --genus 0 --holes keep --vertices 800 --json");
   CHECK(closed.json()["genus"] == 0);

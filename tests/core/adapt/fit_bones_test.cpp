@@ -103,9 +103,10 @@ TEST_CASE("a femur of the other side is said to be mirrored, and its doubt cover
         .any();
   };
   Eigen::Index kept = 0;
+  Triangles& faces = upper.triangles.edit();
   for (Eigen::Index face = 0; face < there.triangles.rows(); ++face)
-    if (!below(face)) upper.triangles.row(kept++) = there.triangles.row(face);
-  upper.triangles.conservativeResize(kept, 3);
+    if (!below(face)) faces.row(kept++) = there.triangles.row(face);
+  faces.conservativeResize(kept, 3);
   for (const bool partial : {false, true}) {
     CAPTURE(partial);
     FitOptions options;

@@ -58,13 +58,14 @@ struct CutKidney {
     MeshFile left;
     left.points = truth;
     const Triangles& all = kidney()->topology->triangles();
-    left.triangles.resize(all.rows(), 3);
+    Triangles& faces = left.triangles.edit();
+    faces.resize(all.rows(), 3);
     Eigen::Index count = 0;
     for (Eigen::Index f = 0; f < all.rows(); ++f)
       if (std::none_of(all.row(f).begin(), all.row(f).end(),
                        [&](std::int32_t v) { return missing[static_cast<std::size_t>(v)] != 0; }))
-        left.triangles.row(count++) = all.row(f);
-    left.triangles.conservativeResize(count, 3);
+        faces.row(count++) = all.row(f);
+    faces.conservativeResize(count, 3);
     return surface_boundary(left, kidney()->points.rows(), nullptr, all_parts).value();
   }
 

@@ -185,9 +185,10 @@ TEST_CASE("of a target a hole is closed and its rim stays whatever else is wrong
                        number[static_cast<std::size_t>(t[2])]});
   MeshFile holed;
   holed.points = target.points(vertices, Eigen::all);
-  holed.triangles.resize(std::ssize(faces), 3);
+  Triangles& left = holed.triangles.edit();
+  left.resize(std::ssize(faces), 3);
   for (std::size_t f = 0; f < faces.size(); ++f)
-    holed.triangles.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
+    left.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
   REQUIRE(long_rims({Topology::make(holed.points.rows(), holed.triangles).value(), holed.points}).size() == 2);
   const Boundary closed = boundary_of(holed);
   CHECK(long_rims(closed.surface).size() == 1);
@@ -201,9 +202,10 @@ TEST_CASE("of a target a hole is closed and its rim stays whatever else is wrong
   const Eigen::Index first = specked.points.rows();
   specked.points.conservativeResize(first + 4, Eigen::NoChange);
   specked.points.bottomRows(4) << 500, 0, 0, 501, 0, 0, 500, 1, 0, 500, 0, 1;
-  specked.triangles.conservativeResize(specked.triangles.rows() + 4, Eigen::NoChange);
+  Triangles& own = specked.triangles.edit();
+  own.conservativeResize(own.rows() + 4, Eigen::NoChange);
   const auto at = static_cast<std::int32_t>(first);
-  specked.triangles.bottomRows(4) << at, at + 2, at + 1, at, at + 1, at + 3, at, at + 3, at + 2, at + 1, at + 2, at + 3;
+  own.bottomRows(4) << at, at + 2, at + 1, at, at + 1, at + 3, at, at + 3, at + 2, at + 1, at + 2, at + 3;
   CHECK(long_rims(boundary_of(specked).surface).size() == 1);
   MeshFile longer = file_of(target);
   longer.points.col(2) *= 3;

@@ -160,6 +160,27 @@ TEST_CASE("the cap of a ball has the volume of a cap and a hollow ball the thick
   CHECK(one_number("", R"({"name":"v","kind":"thickness"})", hollow) == doctest::Approx(5).epsilon(0.02));
 }
 
+TEST_CASE("a thickness to a sheet passes over what lies between and is empty where the sheet does not lie that way") {
+  const Eigen::Index n = icosphere(3, 1).points.rows(), m = icosphere(3, 1).topology->triangles().rows();
+  Points points(3 * n, 3);
+  Triangles triangles(3 * m, 3);
+  for (int k = 0; k < 3; ++k) {
+    const Mesh ball = icosphere(3, 20 - 5 * k);
+    points.middleRows(k * n, n) = ball.points;
+    triangles.middleRows(k * m, m) = ball.topology->triangles().array() + static_cast<std::int32_t>(k * n);
+  }
+  const Mesh nested{test::must(Topology::make(3 * n, triangles)), points};
+  const auto thickness = [&](int of, int to) {
+    const std::string part = R"({"name":"v","kind":"thickness","of":{"kind":"sheet","sheet":)" + std::to_string(of) +
+                             R"(},"to":{"kind":"sheet","sheet":)" + std::to_string(to) + "}}";
+    return recipe_gives("", part, nested).front().value;
+  };
+  CHECK(thickness(1, 2).value_or(0) == doctest::Approx(5).epsilon(0.02));
+  CHECK(thickness(1, 3).value_or(0) == doctest::Approx(10).epsilon(0.02));
+  CHECK_FALSE(thickness(3, 1).value_or(30) == doctest::Approx(20).epsilon(0.02));  // the own far wall
+  CHECK(thickness(3, 1).value_or(0) == doctest::Approx(30).epsilon(0.02));
+}
+
 TEST_CASE("measurements stay the same in another pose and lengths grow with the shape") {
   const Mesh organ = shapes::shaft_with_ridge(0.4, 4);
   const std::vector<Landmark> marks{{"a", Vec3(organ.points.row(3))}, {"b", Vec3(organ.points.row(500))}};

@@ -93,8 +93,9 @@ void check_square(const Result<MeshFile>& mesh) {
   MeshFile square;
   square.points.resize(4, 3);
   square.points << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0.5;
-  square.triangles.resize(2, 3);
-  square.triangles << 0, 1, 2, 0, 2, 3;
+  Triangles& faces = square.triangles.edit();
+  faces.resize(2, 3);
+  faces << 0, 1, 2, 0, 2, 3;
   CHECK(same_shape(*mesh, square));
 }
 
@@ -574,7 +575,7 @@ TEST_CASE("a stiffness beyond single precision is neither read nor written") {
 
 TEST_CASE("points without faces are mirrored too") {
   MeshFile file = sphere_file();
-  file.triangles.resize(0, 3);
+  file.triangles.edit().resize(0, 3);
   CHECK(mirrored(file).points.col(0) == -file.points.col(0));
 }
 

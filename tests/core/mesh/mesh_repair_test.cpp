@@ -28,8 +28,9 @@ MeshFile both(const MeshFile& a, const MeshFile& b) {
   MeshFile file;
   file.points.resize(a.points.rows() + b.points.rows(), 3);
   file.points << a.points, b.points;
-  file.triangles.resize(a.triangles.rows() + b.triangles.rows(), 3);
-  file.triangles << a.triangles, (b.triangles.array() + static_cast<std::int32_t>(a.points.rows())).matrix();
+  Triangles& faces = file.triangles.edit();
+  faces.resize(a.triangles.rows() + b.triangles.rows(), 3);
+  faces << *a.triangles, (b.triangles->array() + static_cast<std::int32_t>(a.points.rows())).matrix();
   return file;
 }
 
@@ -42,13 +43,14 @@ MeshFile merged(MeshFile file) {
   Points points(std::ssize(first), 3);
   for (const auto& [place, v] : first) points.row(v) << place[0], place[1], place[2];
   file.points = std::move(points);
-  for (std::int32_t& v : file.triangles.reshaped()) v = number[static_cast<std::size_t>(v)];
+  for (std::int32_t& v : file.triangles.edit().reshaped()) v = number[static_cast<std::size_t>(v)];
   return file;
 }
 
 MeshFile with_face(MeshFile file, std::int32_t a, std::int32_t b, std::int32_t c) {
-  file.triangles.conservativeResize(file.triangles.rows() + 1, 3);
-  file.triangles.row(file.triangles.rows() - 1) << a, b, c;
+  Triangles& faces = file.triangles.edit();
+  faces.conservativeResize(faces.rows() + 1, 3);
+  faces.bottomRows(1) << a, b, c;
   return file;
 }
 
@@ -79,11 +81,12 @@ TEST_CASE("duplicate vertices and faces and faces without area are left out") {
   MeshFile soup;
   const Triangles& faces = ball.topology->triangles();
   soup.points.resize(3 * faces.rows(), 3);
-  soup.triangles.resize(faces.rows(), 3);
+  Triangles& own = soup.triangles.edit();
+  own.resize(faces.rows(), 3);
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
       soup.points.row(3 * f + k) = ball.points.row(faces(f, k));
-      soup.triangles(f, k) = static_cast<std::int32_t>(3 * f + k);
+      own(f, k) = static_cast<std::int32_t>(3 * f + k);
     }
   soup = with_face(with_face(soup, 2, 0, 1), 3, 3, 4);
   soup.points.conservativeResize(soup.points.rows() + 1, 3);
@@ -106,12 +109,13 @@ TEST_CASE("triangles whose corners nearly meet are one surface") {
     MeshFile soup;
     const Triangles& faces = ball.topology->triangles();
     soup.points.resize(3 * faces.rows(), 3);
-    soup.triangles.resize(faces.rows(), 3);
+    Triangles& own = soup.triangles.edit();
+    own.resize(faces.rows(), 3);
     for (Eigen::Index f = 0; f < faces.rows(); ++f)
       for (int c = 0; c < 3; ++c) {
         const Vec3 off(jitter(random), jitter(random), jitter(random));
         soup.points.row(3 * f + c) = ball.points.row(faces(f, c)) + off.transpose();
-        soup.triangles(f, c) = static_cast<std::int32_t>(3 * f + c);
+        own(f, c) = static_cast<std::int32_t>(3 * f + c);
       }
     const MeshRepair repair = mended_if_broken(soup).value();
     CHECK(repair.mesh.topology->closed());
@@ -175,13 +179,14 @@ TEST_CASE("faces that look against each other are turned outward") {
   const Mesh ball = icosphere(2, 10);
   MeshFile file = as_file(ball);
   std::mt19937 random(2);
-  for (Eigen::Index f = 0; f < file.triangles.rows(); ++f)
-    if (random() % 3 == 0) std::swap(file.triangles(f, 1), file.triangles(f, 2));
+  Triangles& faces = file.triangles.edit();
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    if (random() % 3 == 0) std::swap(faces(f, 1), faces(f, 2));
   const MeshRepair repair = repaired(file).value();
   CHECK(repair.mended.turned_faces > 50);
   CHECK(enclosed_volume_ml(repair.mesh) == doctest::Approx(enclosed_volume_ml(ball)));
   MeshFile inward = as_file(ball);
-  inward.triangles.col(1).swap(inward.triangles.col(2));
+  inward.triangles = (*inward.triangles)(Eigen::all, std::array{0, 2, 1});
   CHECK(enclosed_volume_ml(repaired(inward).value().mesh) > 0);
   CHECK(repaired(inward).value().mended.turned_faces == static_cast<std::size_t>(inward.triangles.rows()));
 }
@@ -190,7 +195,8 @@ TEST_CASE("a band with one side only is cut") {
   MeshFile band;
   const int steps = 24;
   band.points.resize(2 * steps, 3);
-  band.triangles.resize(2 * steps, 3);
+  Triangles& faces = band.triangles.edit();
+  faces.resize(2 * steps, 3);
   for (int s = 0; s < steps; ++s) {
     const double u = 2 * std::numbers::pi * s / steps;
     for (int side = 0; side < 2; ++side) {
@@ -198,8 +204,8 @@ TEST_CASE("a band with one side only is cut") {
       band.points.row(2 * s + side) << w * std::cos(u), w * std::sin(u), (side == 0 ? 1 : -1) * std::sin(u / 2);
     }
     const auto next = [&](int side) { return s + 1 < steps ? 2 * (s + 1) + side : 1 - side; };
-    band.triangles.row(2 * s) << 2 * s, next(0), 2 * s + 1;
-    band.triangles.row(2 * s + 1) << 2 * s + 1, next(0), next(1);
+    faces.row(2 * s) << 2 * s, next(0), 2 * s + 1;
+    faces.row(2 * s + 1) << 2 * s + 1, next(0), next(1);
   }
   CHECK_FALSE(Topology::make(band.points.rows(), band.triangles));
   const MeshRepair repair = repaired(band, {-1}).value();
@@ -210,7 +216,7 @@ TEST_CASE("crumbs and cavities go and parts of some size stay") {
   const MeshFile ball = as_file(icosphere(3, 10)), crumb = as_file(icosphere(1, 0.5, Vec3(20, 0, 0))),
                  other = as_file(icosphere(2, 4, Vec3(0, 20, 0)));
   MeshFile cavity = as_file(icosphere(2, 4, Vec3(1, 0, 0)));
-  cavity.triangles.col(1).swap(cavity.triangles.col(2));
+  cavity.triangles = (*cavity.triangles)(Eigen::all, std::array{0, 2, 1});
   const MeshRepair repair = repaired(both(both(ball, crumb), both(other, cavity))).value();
   CHECK(repair.mended.crumbs == 1);
   CHECK(repair.mended.cavities == 1);
@@ -226,8 +232,9 @@ TEST_CASE("small holes are closed and an open base is not") {
   CHECK(repaired(tube, {small_rim_share}).value().mended.holes == 0);
   CHECK(repaired(tube).value().mended.holes == 2);
   MeshFile pierced = tube;
-  pierced.triangles = tube.triangles.topRows(tube.triangles.rows() / 2 + 1);
-  pierced.triangles.row(pierced.triangles.rows() / 2) = pierced.triangles.row(0);
+  Triangles& faces = pierced.triangles.edit();
+  faces.conservativeResize(faces.rows() / 2 + 1, 3);
+  faces.row(faces.rows() / 2) = faces.row(0);
   const MeshRepair repair = repaired(pierced, {small_rim_share}).value();
   CHECK(repair.mended.holes == 1);
   CHECK(repair.mended.duplicate_faces == 1);
@@ -240,7 +247,7 @@ TEST_CASE("a face without area has its longest edge flipped") {
   MeshFile file = as_file(box);
   file.points.conservativeResize(9, 3);
   file.points.row(8) << 0.5, 0, 0;
-  file.triangles.row(4) << 0, 8, 4;  // was 0 1 4
+  file.triangles.edit().row(4) << 0, 8, 4;  // was 0 1 4
   file = with_face(with_face(file, 8, 1, 4), 0, 1, 8);
   const MeshRepair repair = repaired(file).value();
   CHECK(repair.mended.degenerate_faces == 1);
@@ -265,7 +272,7 @@ TEST_CASE("two flips that would make one edge do not keep others from being made
 
 TEST_CASE("of two parts those inside out are turned and counted once whichever is the larger") {
   const auto inside_out = [](MeshFile file) {
-    file.triangles.col(1).swap(file.triangles.col(2));
+    file.triangles = (*file.triangles)(Eigen::all, std::array{0, 2, 1});
     return file;
   };
   Mesh other = icosphere(2, 8);
@@ -296,8 +303,9 @@ TEST_CASE("random faces over few vertices become a manifold whatever they are") 
     const auto vertices = static_cast<std::int32_t>(4 + random() % 12);
     file.points.resize(vertices, 3);
     for (double& x : file.points.reshaped()) x = static_cast<double>(random() % 1000);
-    file.triangles.resize(static_cast<Eigen::Index>(4 + random() % 80), 3);
-    for (std::int32_t& v : file.triangles.reshaped()) v = static_cast<std::int32_t>(random() % vertices);
+    Triangles& faces = file.triangles.edit();
+    faces.resize(static_cast<Eigen::Index>(4 + random() % 80), 3);
+    for (std::int32_t& v : faces.reshaped()) v = static_cast<std::int32_t>(random() % vertices);
     const auto repair = repaired(file, {-1});
     if (!repair) continue;
     // Topology::make has checked it; again it is sound as it is.
@@ -313,7 +321,8 @@ TEST_CASE("a surface without extent is refused") {
 
 TEST_CASE("a surface without a face is refused") {
   MeshFile file = as_file(shapes::tetrahedron());
-  file.triangles.col(0) = file.triangles.col(1);
+  Triangles& faces = file.triangles.edit();
+  faces.col(0) = faces.col(1);
   CHECK(says(repaired(file), "has no face left"));
 }
 
@@ -322,9 +331,10 @@ TEST_CASE("many copies of one surface at one place are welded in little time") {
   constexpr int times = 60000;
   MeshFile copies;
   copies.points = one.points.replicate(times, 1);
-  copies.triangles.resize(4 * times + 2, 3);
-  for (int k = 0; k < times; ++k) copies.triangles.middleRows(4 * k, 4) = one.topology->triangles().array() + 4 * k;
-  copies.triangles.bottomRows(2) = copies.triangles.topRows(1).replicate(2, 1);  // so that the surface is not sound
+  Triangles& faces = copies.triangles.edit();
+  faces.resize(4 * times + 2, 3);
+  for (int k = 0; k < times; ++k) faces.middleRows(4 * k, 4) = one.topology->triangles().array() + 4 * k;
+  faces.bottomRows(2) = faces.topRows(1).replicate(2, 1);  // so that the surface is not sound
   Result<MeshRepair> repair = fail("", "");
   // Seven thousand million pairs of vertices lie at one place.
   CHECK(test::cpu_seconds_of([&] { repair = repaired(copies); }) < 4);

@@ -149,6 +149,35 @@ TEST_CASE("the shapes of a cine's case need no voxel of its image") {
   }
 }
 
+TEST_CASE("all frames of a study's cines keep the groups of their cases") {
+  const ShapeFolder files;
+  const fs::path image = files.path / "cine.nii", reference = files.write(lopsided_organ(0), "template.ply");
+  REQUIRE(write_volume(*empty_cine(), image));
+  Study study;
+  for (const int k : {0, 1}) {
+    const std::string name = "heart" + std::to_string(k);
+    const fs::path file = files.path / (name + ".homolog");
+    auto whole = std::make_shared<const Volume>(std::move(read_volume(image)->volume));
+    EditSession session =
+        create_case(new_document(image.string(), whole, load_template(reference.string()).value()), file).value();
+    for (const int frame : {1, 3}) {
+      REQUIRE(session.apply(SetFrame{frame}));
+      REQUIRE(session.apply(
+          SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(1 + 2 * k + frame).points)}));
+    }
+    study.cases.push_back({name, file, {}, k == 0 ? "healthy" : "ill"});
+  }
+  const fs::path path = files.path / "s.study.json";
+  REQUIRE(write_study(study, path));
+  TrainingOptions all;
+  all.all_frames = true;
+  const TrainingSetRead read = test::must(read_training_set({path}, all));
+  CHECK(read.groups == std::vector<std::string>{"healthy", "healthy", "ill", "ill"});
+  REQUIRE(read.study_keys.size() == 4);
+  CHECK(read.study_keys[0] == read.study_keys[1]);
+  CHECK(read.study_keys[1] != read.study_keys[2]);
+}
+
 TEST_CASE("a study stands for its cases and a group for those that belong to it") {
   const ShapeFolder files;
   Study study;
@@ -193,7 +222,7 @@ TEST_CASE("a mirrored shape is named and flipped where that is asked for") {
 TEST_CASE("faces turned inside out are said and taken as those of most others") {
   const ShapeFolder files;
   MeshFile inside_out = lopsided_organ(0);
-  inside_out.triangles.col(1).swap(inside_out.triangles.col(2));
+  inside_out.triangles = (*inside_out.triangles)(Eigen::all, std::array{0, 2, 1});
   const TrainingSetRead read =
       read_training_set({files.write(inside_out, "inside.ply"), files.write(lopsided_organ(1), "one.ply"),
                          files.write(lopsided_organ(2), "two.ply")})
@@ -256,7 +285,7 @@ TEST_CASE("a case's name that leads out of the folder is refused for a repair an
 TEST_CASE("points alone are not repaired without faces and a second repair takes another name") {
   const ShapeFolder files;
   MeshFile points = lopsided_organ(1);
-  points.triangles.resize(0, 3);
+  points.triangles.edit().resize(0, 3);
   const auto refused = make_case_of_shape(points, nullptr, "s1", files.path / "repaired");
   REQUIRE(!refused);
   CHECK(refused.error().sentence().find("template") != std::string::npos);

@@ -43,7 +43,7 @@ TEST_CASE("volume and area and distances of a box are those of its sides") {
   CHECK(spread.sd == doctest::Approx(std::sqrt(18)));
 
   MeshFile points = box;
-  points.triangles.resize(0, 3);
+  points.triangles.edit().resize(0, 3);
   CHECK_FALSE(test::must(sizes_of(points, faces)).volume_ml);
 }
 

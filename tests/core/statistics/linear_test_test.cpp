@@ -90,6 +90,18 @@ TEST_CASE("p is 1 where every order is the one found and never 0") {
     CHECK(one.p >= 0.1);
 }
 
+TEST_CASE("p is 1 at vertices that no case moves, whatever rounding leaves of them") {
+  constexpr Eigen::Index fixed = 60, moved = 20;
+  Eigen::MatrixXd shapes = noise_shapes(7, fixed + moved);
+  shapes.topRows(3 * fixed).colwise() = Eigen::VectorXd(17.3 * shapes.topRows(3 * fixed).col(0));
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const LandmarkTest test =
+        test_landmarks(design_of("shape ~ g + x"), 0, shapes, even, random_permutations(together, 199, seed));
+    CHECK(test.p.head(fixed) == Eigen::VectorXd::Ones(fixed));
+    CHECK(test.p.tail(moved).maxCoeff() < 1);
+  }
+}
+
 TEST_CASE("one vertex alone is tested as the whole shape is") {
   const Eigen::MatrixXd shapes = noise_shapes(5, 70);
   const Permutations orders = random_permutations(together, 300, 2);

@@ -159,6 +159,23 @@ TEST_CASE("a value counts only where the map gives it no other name") {
   CHECK(subject.structures[2].segment.value == 1);
 }
 
+TEST_CASE("a structure is found by the words of its name, unless another label has the name itself") {
+  SetOfTemplates set = eggs();
+  set.set.structures[0].name = "kidney_left";
+  set.set.structures[1].name = "kidney_right";
+  VolumeRead map = map_of_eggs();
+  map.segmentation.segments[0].name = "Right kidney";
+  map.segmentation.segments[1].name = "Left kidney";
+  map.segmentation.segments[2].name = "kidney left";
+  SetInMap subject = find_in_map(set.set, map);
+  CHECK(subject.structures[1].segment.value == 1);
+  CHECK(subject.structures[0].why_left_out.find("both have its name") != std::string::npos);
+  map.segmentation.segments[2].name = "KIDNEY_LEFT";
+  subject = find_in_map(set.set, map);
+  CHECK(subject.structures[0].segment.value == 3);
+  CHECK(subject.without_template == std::vector<std::string>{"Left kidney"});
+}
+
 TEST_CASE("neighbours of different layers are kept apart, but for one that lies within another") {
   SetOfTemplates set = eggs();
   set.set.structures.push_back({.name = "spot", .value = 4});

@@ -76,9 +76,10 @@ MeshFile voxel_faces(const std::vector<std::uint8_t>& set, const std::array<int,
   for (std::size_t v = 0; v < places.size(); ++v)
     for (std::size_t axis = 0; axis < 3; ++axis)
       file.points(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(axis)) = voxel_mm * places[v][axis];
-  file.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  Triangles& triangles = file.triangles.edit();
+  triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
   for (std::size_t f = 0; f < faces.size(); ++f)
-    file.triangles.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
+    triangles.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
   return file;
 }
 
@@ -241,13 +242,14 @@ TEST_CASE("a template from an existing mesh keeps its frame and takes what is br
   MeshFile soup;  // every face with corners of its own, as STL has them, and one face without area
   const Triangles& triangles = ball.topology->triangles();
   soup.points.resize(3 * triangles.rows(), 3);
-  soup.triangles.resize(triangles.rows() + 1, 3);
+  Triangles& faces = soup.triangles.edit();
+  faces.resize(triangles.rows() + 1, 3);
   for (Eigen::Index f = 0; f < triangles.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
       soup.points.row(3 * f + k) = ball.points.row(triangles(f, k)) + Eigen::RowVector3d(100, -50, 7);
-      soup.triangles(f, k) = static_cast<std::int32_t>(3 * f + k);
+      faces(f, k) = static_cast<std::int32_t>(3 * f + k);
     }
-  soup.triangles.row(triangles.rows()) << 0, 0, 1;
+  faces.row(triangles.rows()) << 0, 0, 1;
   const auto made = make_mesh_template(soup, with_vertices(900));
   REQUIRE(made);
   CHECK(made->mesh.points.rows() == 900);

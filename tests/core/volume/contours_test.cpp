@@ -8,6 +8,7 @@
 #include "core/volume/contour_labels.h"
 #include "core/volume/volume_io.h"
 #include "tests/core/volume/structure_set_file.h"
+#include "tests/must.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"
 
@@ -146,6 +147,17 @@ TEST_CASE("contours of another scan or between its slices or of no structure are
   auto contours = read_rt(file);
   if (!contours) FAIL(contours.error().sentence());
   CHECK(says(labels_of_contours("rt.dcm", *contours, "image", image), "on planes that are no slices of image"));
+  // One that is drawn on slices is written all the same.
+  RtFile two = file;
+  two.names = {"between", "on"};
+  two.drawn.push_back({2, "CLOSED_PLANAR", in_mm(image, square(0.5, 2.5, 2))});
+  const auto both = test::must(labels_of_contours("rt.dcm", test::must(read_rt(two)), "image", image));
+  REQUIRE(both.segmentation.segments.size() == 1);
+  CHECK(both.segmentation.segments.front().name == "on");
+  CHECK(both.volume.at(1, 1, 2) == 2);
+  CHECK(warned(both.warnings,
+               "draws its structure 1 (between) on planes that are no slices of image; give the series "
+               "that it was drawn on by --like (left out)"));
   image.frame_of_reference = "1.2.10";
   CHECK(says(labels_of_contours("rt.dcm", *contours, "image", image), "was drawn on another scan than image"));
   file.drawn.front().roi = 4;

@@ -323,6 +323,36 @@ TEST_CASE("frames and their descriptions and their pixels are equally many") {
   seg_refused(file, "says that it has 2 frames, and has the pixels of 3");
 }
 
+TEST_CASE("a segmentation that does not fit the image it is read with lies on its own series beside it") {
+  const TemporaryFolder folder;
+  Slice slice;
+  slice.put(0x00200052, "UI", "1.2.9");
+  slice.columns = 5;
+  for (int k = 0; k < 7; ++k) {
+    slice.x = 1, slice.y = 2, slice.z = 2.5 * k - 2.5;
+    slice.put(0x00080018, "UI", "1.2.3." + std::to_string(k));
+    slice.put(0x00280010, "US", little_endian(3, 2));
+    slice.pixels.assign(15, 7);
+    write_bytes(folder.path / (std::to_string(k) + ".bin"), slice.bytes());
+  }
+  SegFile file;
+  file.references = references_to("1.2.3", {});
+  write_bytes(folder.path / "seg.bin", file.bytes());
+  const auto read = [&](const std::optional<ImageGrid>& image) {
+    VolumeReadOptions options;
+    options.image = image;
+    const auto map = read_volume(folder.path / "seg.bin", options);
+    if (!map) FAIL(map.error().sentence());
+    return map->volume.geometry;
+  };
+  const VolumeGeometry on_series = read(std::nullopt);
+  CHECK(on_series.dims == std::array{5, 3, 7});
+  VolumeGeometry other = on_series;
+  other.origin_mm.z() += 1;  // between its slices
+  CHECK(read(ImageGrid{other, "1.2.9"}) == on_series);
+  CHECK(read(ImageGrid{on_series, "1.2.10"}) == on_series);  // elsewhere
+}
+
 TEST_CASE("a segmentation of other images than those beside it says so") {
   const auto warnings = [](const SegFile& file) {
     const TemporaryFolder folder;

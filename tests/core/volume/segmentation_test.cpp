@@ -53,6 +53,13 @@ TEST_CASE("segments are asked for by value or by name in any case") {
   CHECK(values_asked(" SPLEEN ") == std::vector{1});
   CHECK(values_asked("kidney_left") == std::vector{3});  // in the same case there is one
   CHECK(values_asked("Kidney_Left, 1,spleen") == std::vector{4, 1, 1});
+  Segmentation of_slicer;
+  for (const char* name : {"Left kidney", "Right kidney", "kidney-left.cyst"})
+    of_slicer.add({.name = name, .value = static_cast<int>(of_slicer.segments.size()) + 1});
+  CHECK(asked_segments("kidney_left", of_slicer)->front().value == 1);
+  CHECK(asked_segments("kidney right", of_slicer)->front().value == 2);
+  CHECK(asked_segments("Cyst kidney left", of_slicer)->front().value == 3);
+  CHECK(says(asked_segments("kidneyleft", of_slicer), "has no label named"));
   const Segmentation known = three_segments();
   CHECK(says(asked_segments("KIDNEY_LEFT", known), "to several segments (label 3 (kidney_left) and label 4"));
   CHECK(says(asked_segments("spleem", known), "has no label named \"spleem\"; the nearest names in it are \"spleen\""));

@@ -40,14 +40,14 @@ ReadFile open_file(const StudyModelRequest& request) {
   return open;
 }
 
-/// What a file holds, read where that is not known. Errors: it cannot be read. `one_image`: see read_shapes_of.
-Result<ReadFile> read_file(const fs::path& file, const StudyModelRequest& request, std::mutex& one_image) {
+/// What a file holds, read where that is not known. Errors: it cannot be read.
+Result<ReadFile> read_file(const fs::path& file, const StudyModelRequest& request, ReadTogether& together) {
   if (request.open_document && file == request.open_file) return open_file(request);
   std::error_code ignored;
   const auto written = fs::last_write_time(file, ignored);
   const auto known = request.known.find(file);
   if (known != request.known.end() && known->second.written == written) return known->second;
-  auto read = read_shapes_of(file, one_image);
+  auto read = read_shapes_of(file, together);
   if (!read) return fail(read.error());
   return ReadFile{written, std::move(*read)};
 }
@@ -61,12 +61,12 @@ std::map<fs::path, Result<ReadFile>> read_files(const StudyModelRequest& request
     if (!files.contains(one.file) && fs::exists(one.file, ignored)) files.emplace(one.file, fail("", "was not read"));
   std::vector<std::pair<const fs::path, Result<ReadFile>>*> places;
   for (auto& place : files) places.push_back(&place);
-  std::mutex one_image;
+  ReadTogether together;
   std::atomic<std::size_t> done = 0;
   for_each_in_parallel(places.size(), [&](std::size_t k) {
     if (progress.cancelled()) return;
     auto& [path, read] = *places[k];
-    read = read_file(path, request, one_image);
+    read = read_file(path, request, together);
     progress.report(static_cast<double>(++done) / static_cast<double>(places.size()));
   });
   return files;

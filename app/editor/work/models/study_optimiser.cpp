@@ -26,7 +26,7 @@ void take_shapes(const StudyToOptimise& study, const ShapeMatrix& slid, Optimise
   for (std::size_t k = 0; k < model.names.size(); ++k) {
     MeshFile shape = *study.fitted.shapes.at(model.names[k]);
     shape.points = points_of(slid, static_cast<Eigen::Index>(k));
-    if (shape.triangles.rows() == 0) shape.triangles = model.topology->triangles();
+    if (shape.triangles.rows() == 0) shape.triangles = model.topology;
     if (auto sizes = sizes_of(shape, faces)) optimised.shapes.sizes[model.names[k]] = std::move(*sizes);
     optimised.shapes.shapes[model.names[k]] = std::make_shared<const MeshFile>(std::move(shape));
   }

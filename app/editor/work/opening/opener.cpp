@@ -115,10 +115,9 @@ std::optional<ImageGrid> grid_beside(const Volume* image) {
 Result<void> check_labels(Opened& opened, const fs::path& file, const VolumeRead& labels, const Volume* image,
                           const std::string& image_name) {
   if (image == nullptr) return {};
-  if (auto same = check_same_space(file, labels.volume.frame_of_reference, image_name, *image); !same)
-    return fail(same.error());
-  if (auto other = other_images(file, labels.referenced, fs::path(image_name), *image))
-    opened.warnings.push_back(std::move(*other));
+  auto other = check_scan(file, labels.volume.frame_of_reference, labels.referenced, image_name, *image);
+  if (!other) return fail(other.error());
+  if (*other) opened.warnings.push_back(std::move(**other));
   return {};
 }
 
@@ -147,6 +146,13 @@ Result<void> take_pair(Opened& opened, VolumeRead first, Progress& progress) {
   const bool says_first = first.volume.modality == "SEG", says_other = other->volume.modality == "SEG";
   if (of_first == of_other && (of_first == LabelLikeness::none || says_first == says_other)) {
     const std::string name = fs::path(request.volume_source).filename().string();
+    if (says_other)  // of another scan it has other voxels too
+      if (auto checked = check_labels(opened, request.other_source, *other, &first.volume, name); !checked)
+        return checked;
+    if (says_first)
+      if (auto checked = check_labels(opened, request.volume_source, first, &other->volume, request.other_source);
+          !checked)
+        return checked;
     return fail(second_image(request.other_source,
                              of_first != LabelLikeness::none
                                  ? ", and the program cannot tell whether it or " + name + " is the label map"

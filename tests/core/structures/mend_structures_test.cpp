@@ -1,0 +1,157 @@
+#include "core/structures/mend_structures.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/must.h"
+#include "tests/stones.h"
+
+// What is done about the signs of a map, with signs that are put in by hand: how little is too little to touch it.
+
+namespace homolog {
+
+namespace {
+
+/// A sound map, its fits, and signs that say nothing yet.
+struct Signed {
+  VolumeRead map;
+  RepairedMap found;
+
+  explicit Signed(VolumeRead read = stone_map()) : map(std::move(read)) {
+    found.subject = find_in_map(set().set, map, 0);
+    found.fitted = test::must(fit_set(set(), found.subject, {}));
+    found.expected = expected_shapes(set(), found.subject, found.fitted);
+    found.signs.resize(stones);
+    found.structures.resize(stones);
+  }
+  static const SetOfTemplates& set() {
+    static const SetOfTemplates stones = stone_set();
+    return stones;
+  }
+  bool has(std::size_t k, DefectKind kind) const {
+    return std::ranges::any_of(found.structures[k].defects, [&](const Defect& one) { return one.kind == kind; });
+  }
+  Signed& mend() {
+    mend_structures(set(), map, 0, {}, found);
+    return *this;
+  }
+  template <class Change>
+  static Signed with(const Change& change) {
+    Signed made;
+    change(made.found);
+    return std::move(made.mend());
+  }
+};
+
+/// Where the voxels of a label lie.
+std::vector<std::size_t> voxels_of_label(const VolumeRead& map, int label) {
+  std::vector<std::size_t> found;
+  std::visit(
+      [&](const auto& voxels) {
+        for (std::size_t v = 0; v < voxels.size(); ++v)
+          if (rounded_label(voxels[v]) == label) found.push_back(v);
+      },
+      map.volume.data);
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("a part comes back only from a neighbour that shows too much") {
+  const auto lost_to_sound = [](RepairedMap& found) { found.signs[2].lost_to[3] = 0.1; };
+  const Signed sound = Signed::with(lost_to_sound);
+  CHECK_FALSE(sound.has(2, DefectKind::given_to_neighbour));
+  CHECK_FALSE(sound.has(3, DefectKind::taken_from_neighbour));
+  CHECK(sound.map.volume.data == stone_map().volume.data);
+  for (const auto& too_much : std::vector<void (*)(StructureSigns&)>{
+           [](StructureSigns& signs) { signs.bridges = 0.01; }, [](StructureSigns& signs) { signs.bars = 0.01; },
+           [](StructureSigns& signs) { signs.islands = 0.04; }, [](StructureSigns& signs) { signs.volume = 0.12; }}) {
+    const Signed swollen = Signed::with([&](RepairedMap& found) {
+      lost_to_sound(found);
+      too_much(found.signs[3]);
+    });
+    CHECK(swollen.has(2, DefectKind::given_to_neighbour));
+    CHECK(swollen.has(3, DefectKind::taken_from_neighbour));
+  }
+  CHECK(Signed::with([&](RepairedMap& found) {
+          lost_to_sound(found);
+          found.fitted.structures[3].judgement.doubtful = true;
+        }).has(2, DefectKind::given_to_neighbour));
+}
+
+TEST_CASE("half is missing where much lacks and the volume is small or where very much lacks") {
+  const auto half_is_missing = [](double lacking, double volume) {
+    return Signed::with([&](RepairedMap& found) {
+             found.signs[2].lacking = lacking;
+             found.signs[2].volume = volume;
+           })
+        .has(2, DefectKind::half_missing);
+  };
+  CHECK_FALSE(half_is_missing(0.17, 0));
+  CHECK(half_is_missing(0.17, -0.3));
+  CHECK(half_is_missing(0.22, 0));  // what is left was swollen by something else
+  CHECK_FALSE(half_is_missing(0.1, -0.3));
+}
+
+TEST_CASE("of a bridge with a thin part only the thin part goes") {
+  const std::vector<std::size_t> voxels = voxels_of_label(stone_map(), 3);
+  const VoxelChange thick{voxels.front(), 3, 0}, thin{voxels.back(), 3, 0};
+  const auto left = [&](double bars) {
+    const Signed mended = Signed::with([&](RepairedMap& found) {
+      StructureSigns& signs = found.signs[2];
+      signs.bridges = 0.05;
+      signs.bars = bars;
+      signs.without_bridges = {thick, thin};
+      if (bars > 0) signs.without_bars = {thin};
+    });
+    CHECK(mended.has(2, DefectKind::bridge));
+    return voxels.size() - voxels_of_label(mended.map, 3).size();
+  };
+  CHECK(left(0.01) == 1);
+  CHECK(left(0) == 2);
+}
+
+TEST_CASE("a structure in two bodies has doubled what a small part of it fills") {
+  // A tenth of where the third one is missing has the fourth one's label.
+  VolumeRead map = stone_map();
+  const std::vector<std::size_t> voxels = voxels_of_label(map, 3);
+  std::visit(
+      [&](auto& all) {
+        using Voxel = typename std::decay_t<decltype(all)>::value_type;
+        for (std::size_t v = 0; v < voxels.size(); ++v) all[voxels[v]] = Voxel(v < voxels.size() / 10 ? 4 : 0);
+      },
+      map.volume.data);
+  for (const double islands : {0.02, 0.35}) {
+    CAPTURE(islands);
+    Signed made(map);
+    made.found.signs[3].islands = islands;
+    made.found.fitted.structures[3].judgement.doubtful = true;
+    made.mend();
+    CHECK(made.has(2, DefectKind::missing));
+    CHECK(made.has(3, DefectKind::doubled) == (islands > 0.3));
+  }
+}
+
+TEST_CASE("an island at the border of the scan does not say that its structure is cut off") {
+  const auto at_border = [](int height) {
+    VolumeRead map = stone_map();
+    std::visit(
+        [&](auto& all) {
+          using Voxel = typename std::decay_t<decltype(all)>::value_type;
+          const auto& dims = map.volume.geometry.dims;
+          for (int z = 0; z < height; ++z)
+            for (int y = 20; y < 40; ++y)
+              for (int x = 30; x < 50; ++x) all[static_cast<std::size_t>(x + dims[0] * (y + dims[1] * z))] = Voxel{3};
+        },
+        map.volume.data);
+    const Signed made(map);
+    return structure_signs(Signed::set(), made.map, 0, made.found.subject, made.found.fitted, made.found.expected)[2];
+  };
+  const StructureSigns signs = at_border(4);
+  CHECK(signs.islands > 0.03);
+  CHECK(signs.at_border == 0);
+}
+
+}  // namespace homolog

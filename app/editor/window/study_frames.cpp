@@ -92,6 +92,7 @@ Result<StudyCost> study_cost(const std::filesystem::path& study) {
   app.start_session(EditSession(new_document({}, nullptr, nullptr)));
   BenchHand hand(app, framebuffer->get());
   hand.rest();
+  give_back_freed_memory();  // what making the study took
   forget_peak_memory();
   auto cost = opened(app, hand, **framebuffer, study);
   if (!cost) return cost;

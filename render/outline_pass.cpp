@@ -89,10 +89,9 @@ void OutlinePass::draw(const MeshLayer& mesh, const SliceView& view, const Targe
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.name());
   make_layer(target.width, target.height);
   glViewport(0, 0, target.width, target.height);
-  glScissor(0, 0, target.width, target.height);
+  glScissor(reach.min().x(), reach.min().y(), reach.sizes().x(), reach.sizes().y());
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT);
-  glScissor(reach.min().x(), reach.min().y(), reach.sizes().x(), reach.sizes().y());
   glBlendEquation(GL_MAX);
   lines.draw(outline, projection_of(view, target));
   glBlendEquation(GL_FUNC_ADD);

@@ -158,6 +158,7 @@ Result<Json> editor_figures() {
   Json rows = Json::array();
   for (const FrameCost& cost : *costs) {
     rows.push_back({{"tool", cost.tool},
+                    {"structures", cost.structures},
                     {"events_a_frame", events_a_frame},
                     {"frame_ms", cost.frame_ms},
                     {"slowest_frame_ms", cost.slowest_frame_ms}});

@@ -21,9 +21,9 @@ Result<StudyCase> write_case_of_fit(const FittedCase& fitted, const fs::path& fo
   if (!fitted.labels.empty()) one.labels = absolute_path(fitted.labels);
   one.doubt = fitted.doubt;
   std::error_code ignored;
-  if (fs::exists(one.file, ignored) && goes_on_after_fit(one.file)) {
+  if (fs::exists(one.file, ignored) && was_worked_on(one.file)) {
     warnings.push_back(one.file.string() +
-                       ": was worked on since its fit, so it stays as it is; move it away to begin "
+                       ": was worked on, so it stays as it is; move it away to begin "
                        "anew");
     return one;
   }

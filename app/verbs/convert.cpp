@@ -160,12 +160,19 @@ void add_convert(CLI::App& app, CommandLine& asked) {
   add_resample_option(*verb, options->resample);
   auto* sample =
       verb->add_option("--sample", options->sample, "Of a model the random shape of this seed, not the mean");
-  const auto convert = [options, structure, sample](Progress& progress) -> Result<Report> {
+  const auto convert = [options, structure, sample, verb](Progress& progress) -> Result<Report> {
     const auto record = record_of(options->command, progress);
     if (!record) return fail(record.error());
-    if (is_model_name(options->in))
-      return convert_model(options->in, options->out, options->structure, options->sample, *record);
-    if (holds_contours(options->in) && sample->count() == 0)
+    const bool is_model = is_model_name(options->in);
+    const bool is_drawn = !is_model && sample->count() == 0 && holds_contours(options->in);
+    for (const char* name : {"--times", "--from-ras", "--spacing", "--series"})
+      if ((is_model || is_drawn) && verb->count(name) > 0)
+        return fail(options->in.string(), std::string(is_model ? "is a model" : "holds contours") + ", so that " +
+                                              name + " has no effect; leave it out");
+    if (is_model && (!options->like.empty() || options->resample))
+      return fail(options->in.string(), "is a model, so that --like and --resample have no effect; leave them out");
+    if (is_model) return convert_model(options->in, options->out, options->structure, options->sample, *record);
+    if (is_drawn)
       return convert_contours(options->in, options->out, options->like, options->structure, options->resample, progress,
                               *record);
     if (structure->count() + sample->count() > 0)

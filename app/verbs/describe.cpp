@@ -92,6 +92,13 @@ Meeting meeting_of(const std::filesystem::path& path, const Points& points) {
   return {path.string(), bounds_of(points).diagonal().norm()};
 }
 
+Result<void> check_folder_of(const std::filesystem::path& to_write) {
+  std::error_code ignored;
+  const std::filesystem::path folder = to_write.parent_path();
+  if (folder.empty() || std::filesystem::is_directory(folder, ignored)) return {};
+  return fail(to_write.string(), "cannot be written, because its folder is not there; make it, or name another");
+}
+
 Json json_of(const Vec3& p) {
   return Json::array({p[0], p[1], p[2]});
 }

@@ -131,6 +131,9 @@ Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progr
   }
   const auto outputs = outputs_of(options);
   if (!outputs) return fail(outputs.error());
+  std::vector<fs::path> read = options.cases();
+  read.insert(read.end(), {fs::path(options.template_source), options.model});
+  if (auto safe = check_not_read(*outputs, read); !safe) return fail(safe.error());
   const auto folder = ResultFolder::make(options.out);
   if (!folder) return fail(folder.error());
   const auto& paths = options.cases();
@@ -246,11 +249,13 @@ void check_effect(const FitJob& options, const CLI::App& verb) {
     refuse_without_effect(verb, "--partial", "label maps and surfaces");
     refuse_without_effect(verb, "--orientation", "label maps and surfaces");
     if (!options.placement.empty()) refuse_without_effect(verb, "--landmarks", "a fit without --placement");
+    refuse_without_effect(verb, "--by-others", "several cases");
     return;
   }
   for (const char* name : {"--reach-mm", "--strength", "--polarity", "--done"})
     refuse_without_effect(verb, name, "an --image");
   if (options.to_meshes()) refuse_without_effect(verb, "--frame", "images and label maps");
+  if (options.cases().size() < 2 && !options.of_folder) refuse_without_effect(verb, "--by-others", "several cases");
   if (!options.placement.empty() && !options.partial)
     refuse_without_effect(verb, "--orientation", "a fit without --placement");
 }

@@ -11,6 +11,7 @@
 #include "core/case/action_json.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/curve_io.h"
+#include "core/mesh/mesh_frame.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/placement/similarity_fit.h"
 #include "core/volume/referenced_images.h"
@@ -185,6 +186,8 @@ Result<Report> fit_contours(const FitJob& options, const FitShared& shared, Prog
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   MeshFile file = fitted_file(*shared.the_template, *fit, false);
   file.landmarks = carried_landmarks(*shared.the_template, fit->mesh.points);
+  if (mask && mask->volume.frames > 1) note_frame(file, mask->frame);
+  if (image && image->volume.frames > 1) note_frame(file, options.snap.frame);
   auto record = record_of(options.command, progress);
   if (!record) return fail(record.error());
   file.record = std::move(*record);

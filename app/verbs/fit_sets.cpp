@@ -195,8 +195,12 @@ Result<Report> fit_sets(const FitJob& options, Progress& progress) {
   const auto set = load_set_of_templates(options.template_source);
   if (!set) return fail(set.error());
   CasesOfSet made;
+  const auto maps = maps_of(options.masks, set->set);
+  std::vector<fs::path> to_write;
+  for (const fs::path& map : maps) to_write.push_back(options.out / (case_name_of(map) + ".seg.nrrd"));
+  if (auto safe = check_not_read(to_write, maps); !safe) return fail(safe.error());
   auto report = run_set_cases(
-      *set, maps_of(options.masks, set->set), options.out, "fitted",
+      *set, maps, options.out, "fitted",
       [&](const fs::path& path, Progress& own) { return fit_subject(options, *set, path, made, own); }, progress);
   if (!report) return report;
   const fs::path study = study_in(options.out);

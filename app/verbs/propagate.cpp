@@ -4,12 +4,14 @@
 #include "app/verbs/read_image.h"
 #include "app/verbs/record.h"
 #include "app/verbs/snap_arguments.h"
+#include "app/verbs/study_make.h"
 #include "core/adapt/propagate.h"
 #include "core/assist/assist.h"
 #include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/rims.h"
+#include "core/model/shape_folder.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"
 #include "core/template/template_warnings.h"
@@ -59,6 +61,8 @@ Result<EditSession> case_of(const PropagateVerb& verb, const Document& initial, 
     if (auto done = apply(Note{"frame " + std::to_string(f) + " " + frame.doubt}); !done) return fail(done.error());
   }
   if (auto done = apply(SetFrame{verb.frame}); !done) return fail(done.error());
+  // The case says itself that nobody worked on it since [was_worked_on].
+  if (auto noted = apply(Note{"fit", {}, {}}); !noted) return fail(noted.error());
   return session;
 }
 
@@ -95,8 +99,15 @@ std::string volume_table(const Propagation& propagation, double frame_seconds) {
   return table;
 }
 
+/// Errors: a mesh that would be written is the one that is carried.
+Result<void> check_written(const PropagateVerb& verb, int frames) {
+  std::vector<fs::path> written;
+  for (int f = 0; f < frames; ++f) written.push_back(verb.out / (frame_name(static_cast<std::size_t>(f)) + ".ply"));
+  return check_not_read(written, {fs::path(verb.mesh)});
+}
+
 Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propagation& propagation,
-                       Progress& progress) {
+                       std::vector<std::string>& warnings, Progress& progress) {
   const auto made = ResultFolder::make(verb.out);
   if (!made) return fail(made.error());
   auto session = case_of(verb, initial, propagation);
@@ -118,8 +129,15 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
   if (auto written = write_whole_file(verb.out / "volumes.csv", table); !written) return written;
   const fs::path file_of_case = case_path_of(verb), study = verb.out / "cine.study.json";
   session->set_record(record_of_made(*record, verb.out, file_of_case));
-  if (auto saved = save_case_as(*session, file_of_case); !saved) return fail(saved.error());
-  return write_study(study_of(verb, propagation, file_of_case), study, record_of_made(*record, verb.out, study));
+  std::error_code ignored;
+  if (fs::exists(file_of_case, ignored) && was_worked_on(file_of_case))
+    warnings.push_back(file_of_case.string() +
+                       ": was worked on, so it stays as it is; move it away, or name another folder");
+  else if (auto saved = save_case_as(*session, file_of_case); !saved)
+    return fail(saved.error());
+  const auto added = write_cases_into(study, verb.mesh, study_of(verb, propagation, file_of_case).cases,
+                                      record_of_made(*record, verb.out, study));
+  return added ? Result<void>() : fail(added.error());
 }
 
 Report report_of(const PropagateVerb& verb, const Topology& topology, const Propagation& propagation,
@@ -165,6 +183,7 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   if (!the_template) return fail(the_template.error());
   auto image = read_image(verb.image, verb.frame, progress);
   if (!image) return fail(image.error());
+  if (auto safe = check_written(verb, image->volume.frames); !safe) return fail(safe.error());
   PropagateOptions options = verb.options;
   options.progress = &progress;
   options.missing_share = (*the_template)->missing_share;
@@ -175,8 +194,10 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Document initial =
       new_document(verb.image.string(), std::make_shared<const Volume>(std::move(image->volume)), *the_template);
-  if (auto written = write_all(verb, initial, *propagation, progress); !written) return fail(written.error());
+  std::vector<std::string> kept;
+  if (auto written = write_all(verb, initial, *propagation, kept, progress); !written) return fail(written.error());
   Report report = report_of(verb, *(*the_template)->topology, *propagation, options.missing_share);
+  report.warnings.insert(report.warnings.end(), kept.begin(), kept.end());
   report.values["seconds"] = seconds;
   report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
   const auto of_template = template_warnings(**the_template);

@@ -23,6 +23,7 @@ struct RefineVerb {
 };
 
 Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
+  if (auto there = check_folder_of(verb.out); !there) return fail(there.error());
   auto read = open_case(verb.file, &progress);
   if (!read) return fail(read.error());
   EditSession& session = read->session;

@@ -1,3 +1,4 @@
+#include <optional>
 #include <sstream>
 
 #include "app/verbs/read_image.h"
@@ -96,8 +97,12 @@ Result<Report> score(const ScoreJob& job, Progress& progress) {
   for (const std::string& name : names) to_write.push_back(job.out / (name + ".vtp"));
   if (!job.out.empty())
     if (auto safe = check_not_read(to_write, {files.begin(), files.end()}); !safe) return fail(safe.error());
-  if (!job.out.empty())
-    if (auto made = make_folder(job.out); !made) return fail(made.error());
+  std::optional<ResultFolder> folder;
+  if (!job.out.empty()) {
+    auto made = ResultFolder::make(job.out);
+    if (!made) return fail(made.error());
+    folder.emplace(std::move(*made));
+  }
   Json subjects = Json::array();
   std::vector<std::string> of_files(asked.files.size());  // records, each of what one file gives
   for (std::size_t k = 0; k < shapes->size(); ++k) {

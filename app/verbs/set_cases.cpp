@@ -113,13 +113,12 @@ Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const fs::path& p
   one.state = CaseState::in_work;
   one.labels = absolute_path(path);
   one.doubt = doubt_of(set, fitted);
-  if (map.read.volume.frames > 1) one.frame = map.frame;
   std::error_code ignored;
-  if (fs::exists(one.file, ignored) && goes_on_after_fit(one.file)) {
-    warnings.push_back(one.file.string() +
-                       ": was worked on since its fit, so it stays as it is; move it away to begin anew");
+  if (fs::exists(one.file, ignored) && was_worked_on(one.file)) {
+    warnings.push_back(one.file.string() + ": was worked on, so it stays as it is; move it away to begin anew");
     return one;
   }
+  if (map.read.volume.frames > 1) one.frame = map.frame;
   const auto first = std::ranges::find_if(fitted.structures,
                                           [](const FittedStructure& structure) { return structure.fit.has_value(); });
   if (first == fitted.structures.end()) return fail(path.string(), "has no structure that could be fitted");

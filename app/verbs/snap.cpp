@@ -7,6 +7,7 @@
 #include "app/verbs/snap_arguments.h"
 #include "core/assist/assist.h"
 #include "core/catalogue/catalogue.h"
+#include "core/mesh/mesh_frame.h"
 #include "core/session/case_file.h"
 #include "core/template/template_warnings.h"
 
@@ -23,6 +24,7 @@ struct SnapVerb {
   fs::path source, image, out;
   std::vector<double> at;
   double sigma_mm = 10;
+  bool frame_given = false;
   GivenCommand command;
 
   bool of_case() const { return is_case_file(source); }
@@ -32,11 +34,14 @@ struct SnapVerb {
 Result<EditSession> session_of(const SnapVerb& verb, Progress& progress) {
   auto mesh = load_template(verb.source.string());
   if (!mesh) return fail(mesh.error());
-  auto image = read_image(verb.image, verb.snap.frame, progress);
+  const auto file = read_mesh_file(verb.source);
+  if (!file) return fail(file.error());
+  const int frame = verb.frame_given ? verb.snap.frame : noted_frame(*file).value_or(0);
+  auto image = read_image(verb.image, frame, progress);
   if (!image) return fail(image.error());
   EditSession session(
       new_document(verb.image.string(), std::make_shared<const Volume>(std::move(image->volume)), *mesh));
-  for (const Action& action : {Action(SetFrame{verb.snap.frame}), Action(SetPlacement{Similarity{}})})
+  for (const Action& action : {Action(SetFrame{frame}), Action(SetPlacement{Similarity{}})})
     if (auto done = session.apply(action); !done) return fail(done.error());
   return session;
 }
@@ -60,6 +65,7 @@ std::vector<std::string> meeting_warnings(const SnapVerb& verb, const Scan& scan
 }
 
 Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
+  if (auto there = check_folder_of(verb.out); !there) return fail(there.error());
   auto session = opened(verb, progress);
   if (!session) return fail(session.error());
   const Scan& scan = session->document().scan;
@@ -106,7 +112,7 @@ void check(const SnapVerb& verb) {
   if (!verb.of_case() && verb.out.empty()) throw CLI::RequiredError("--output");
   if (verb.of_case() && !verb.image.empty())
     throw CLI::ValidationError("--image", "is for a mesh; a case has its own image");
-  if (verb.of_case() && verb.snap.frame != 0)
+  if (verb.of_case() && verb.frame_given)
     throw CLI::ValidationError("--frame", "is for a mesh; a case is snapped in the frame that it shows");
 }
 
@@ -129,6 +135,7 @@ void add_snap(CLI::App& app, CommandLine& asked) {
       ->capture_default_str();
   add_snap_arguments(*verb, options->snap);
   verb->callback([options, verb, &asked] {
+    options->frame_given = verb->count("--frame") > 0;
     check(*options);
     options->command = given_command(*verb);
     asked.run = [options](Progress& progress) { return run_snap(*options, progress); };

@@ -2,6 +2,7 @@
 
 #include "app/verbs/read_image.h"
 #include "core/deform/fold_guard.h"
+#include "core/mesh/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
 
@@ -35,12 +36,15 @@ Result<SnapOptions> snap_options(const SnapArguments& arguments, Eigen::Index ve
   for (const auto& [mesh_path, image_path] : arguments.done) {
     const auto mesh = read_mesh(mesh_path);
     if (!mesh) return fail(mesh.error());
+    const auto file = read_mesh_file(mesh_path);
+    if (!file) return fail(file.error());
+    const int frame = noted_frame(*file).value_or(0);
     if (mesh->points.rows() != vertices)
       return fail(mesh_path, "has " + std::to_string(mesh->points.rows()) + " vertices where the template has " +
                                  std::to_string(vertices) + "; learn from meshes of the same template");
-    const auto image = read_image(image_path, 0, progress);
+    const auto image = read_image(image_path, frame, progress);
     if (!image) return fail(image.error());
-    if (auto learned = appearance->learn(image->volume, 0, *mesh); !learned)
+    if (auto learned = appearance->learn(image->volume, frame, *mesh); !learned)
       return fail(mesh_path, learned.error().what);
   }
   options.edges.appearance = std::move(appearance);

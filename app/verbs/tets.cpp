@@ -107,7 +107,8 @@ Result<Report> fill_shapes(const TetsJob& job, Progress& progress) {
   for (const ReadShape& shape : shapes) files.push_back(shape.name);
   const auto names = shape_names(files);
   if (auto checked = check_outputs(job, *sources, *mesh, names); !checked) return fail(checked.error());
-  if (auto made = make_folder(job.out); !made) return fail(made.error());
+  const auto folder = ResultFolder::make(job.out);
+  if (!folder) return fail(folder.error());
   Json cases = Json::array();
   std::size_t refused_cases = 0;
   progress.part(0.1, 1);

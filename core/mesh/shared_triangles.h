@@ -14,6 +14,9 @@ namespace homolog {
 class SharedTriangles {
  public:
   SharedTriangles() = default;
+  SharedTriangles(const SharedTriangles&) = default;  // moved too: what is left behind is still a list
+  SharedTriangles& operator=(const SharedTriangles&) = default;
+  ~SharedTriangles() = default;
   SharedTriangles(Triangles triangles) : triangles_(std::make_shared<const Triangles>(std::move(triangles))) {}
   template <class Derived>
   SharedTriangles(const Eigen::DenseBase<Derived>& triangles) : SharedTriangles(Triangles(triangles)) {}

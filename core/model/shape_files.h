@@ -49,10 +49,10 @@ ShapesOfFile shapes_of(const Document& document);
 /// Reads a mesh (PLY, VTK, VTP, OBJ), `.particles`, or the meshes of a case file. Errors: read_mesh_file's,
 /// read_case's, an STL file, which keeps no vertices.
 Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file);
-/// What several threads share that read files.
+
+/// What threads share that read many files.
 struct ReadTogether {
-  std::mutex one_image;  ///< held while a case is read with its image, which may be large: so memory does not depend on
-                         ///< the threads
+  std::mutex one_image;      ///< held while a case is read with its image: images of several would take much memory
   KnownTriangles triangles;  ///< of the meshes that were read
 };
 Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file, ReadTogether& together);

@@ -28,22 +28,43 @@ void take_local_particles(std::map<std::string, fs::path>& meshes) {
   });
 }
 
-}  // namespace
+/// What the lines of a case file say of it.
+struct WhatLinesSay {
+  bool fitted = false;   ///< there is a note of a fit
+  bool further = false;  ///< lines after the last such note
+  bool edits = false;    ///< lines that are no notes and do not only say where it begins
+};
 
-bool goes_on_after_fit(const fs::path& case_file) {
+WhatLinesSay what_lines_say(const fs::path& case_file) {
+  WhatLinesSay lines;
   const auto text = read_whole_file(case_file);
-  if (!text) return false;
-  bool fitted = false, further = false;
+  if (!text) return lines;
   for (std::size_t at = 0; at < text->size();) {
     const std::size_t end = std::min(text->find('\n', at), text->size());
     const std::string_view line = std::string_view(*text).substr(at, end - at);
+    const bool is_header = at == 0;
     at = end + 1;
-    if (line.find("\"note\"") != std::string_view::npos && line.find("\"fit\"") != std::string_view::npos)
-      fitted = true, further = false;
+    const bool is_note = line.find("\"note\"") != std::string_view::npos;
+    if (is_note && line.find("\"fit\"") != std::string_view::npos)
+      lines.fitted = true, lines.further = false;
     else if (!line.empty())
-      further = true;
+      lines.further = true;
+    const bool begins = is_header || line.starts_with("{\"frame\"") || line.starts_with("{\"mirror\"");
+    if (!line.empty() && !is_note && !begins) lines.edits = true;
   }
-  return fitted && further;
+  return lines;
+}
+
+}  // namespace
+
+bool goes_on_after_fit(const fs::path& case_file) {
+  const WhatLinesSay lines = what_lines_say(case_file);
+  return lines.fitted && lines.further;
+}
+
+bool was_worked_on(const fs::path& case_file) {
+  const WhatLinesSay lines = what_lines_say(case_file);
+  return lines.fitted ? lines.further : lines.edits;
 }
 
 Result<std::vector<fs::path>> shapes_in_folder(const fs::path& folder) {

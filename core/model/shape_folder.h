@@ -16,4 +16,8 @@ Result<std::vector<std::filesystem::path>> shapes_in_folder(const std::filesyste
 /// Whether a case file goes on after the note of its fit. False where it has none.
 bool goes_on_after_fit(const std::filesystem::path& case_file);
 
+/// Whether somebody worked on a case that may not be made anew: it goes on after the note of its fit, or has edits and
+/// no such note.
+bool was_worked_on(const std::filesystem::path& case_file);
+
 }  // namespace homolog

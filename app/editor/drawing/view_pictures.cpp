@@ -1,6 +1,7 @@
 #include "app/editor/drawing/view_pictures.h"
 
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -93,13 +94,19 @@ void ViewPictures::forget() {
 
 const Framebuffer* ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target) {
   DrawnSlice& drawn = slices_[index_of(kind)];
-  if (!fit(drawn.image, target, 1) || !fit(drawn.whole, target, 1)) return nullptr;
-  Scene image, over = scene;
-  image.image = std::exchange(over.image, {});
-  image.labels = std::exchange(over.labels, {});
-  image.background = std::exchange(over.background, std::nullopt);
-  if (draw_slice(drawn.image, image, view, target, nullptr)) drawn.whole.content_scale = 0;
-  draw_slice(drawn.whole, over, view, target, drawn.image.framebuffer.get());
+  if (!fit(drawn.below, target, 1) || !fit(drawn.whole, target, 1)) return nullptr;
+  // What stays while a mesh is dragged lies below: the image, and all meshes but the last, which is the active one.
+  Scene below, over = scene;
+  below.image = std::exchange(over.image, {});
+  below.labels = std::exchange(over.labels, {});
+  below.background = std::exchange(over.background, std::nullopt);
+  if (over.meshes.size() > 1) {
+    const auto active = over.meshes.end() - 1;
+    below.meshes.assign(std::make_move_iterator(over.meshes.begin()), std::make_move_iterator(active));
+    over.meshes.erase(over.meshes.begin(), active);
+  }
+  if (draw_slice(drawn.below, below, view, target, nullptr)) drawn.whole.content_scale = 0;
+  draw_slice(drawn.whole, over, view, target, drawn.below.framebuffer.get());
   return drawn.whole.framebuffer.get();
 }
 

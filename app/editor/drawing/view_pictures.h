@@ -40,7 +40,7 @@ class ViewPictures {
     float content_scale = 0;
   };
   struct DrawnSlice {
-    Drawn image, whole;
+    Drawn below, whole;  ///< below: what stays while a mesh is dragged
   };
   explicit ViewPictures(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
   /// False where the framebuffer could not be made.

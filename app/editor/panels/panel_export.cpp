@@ -42,7 +42,7 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
     if (ui.state.look.playing) out.send(PlayFrames{false});
     out.send(ShowFileDialog{purpose, file});
   };
-  const Structure* structure = ui.snapshot().document->structure();
+  const Structure* structure = active_structure(ui.state, *ui.snapshot().document);
   const std::size_t meshes = structure != nullptr ? structure->shapes.size() : 0;
   const bool of_all = meshes > 1 && ui.state.saving.export_all_frames;
   const std::string no_mesh = of_all ? "" : ui.needs_shape();

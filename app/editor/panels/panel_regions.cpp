@@ -102,8 +102,9 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
 
 /// The factor that the case holds: the shown document may be a preview of the very change that is compared with it.
 double committed_factor(const UiContext& ui, const Region& region) {
-  for (const Region& kept : ui.snapshot().document->structure()->paint.regions->list)
-    if (kept.name == region.name) return kept.factor;
+  if (const Structure* structure = active_structure(ui.state, *ui.snapshot().document))
+    for (const Region& kept : structure->paint.regions->list)
+      if (kept.name == region.name) return kept.factor;
   return region.factor;
 }
 

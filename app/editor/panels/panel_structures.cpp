@@ -194,7 +194,11 @@ void draw_repair(const UiContext& ui, Outbox& out) {
   if (button(theme, "Take back",
              missing ? "The label map has no such structure, and it goes again. One step to undo"
                      : "Takes the proposal back: the structure is as the label map has it. One step to undo",
-             changed ? "" : "The repair did not change this structure.", half))
+             !changed ? "The repair did not change this structure."
+             : ui.document().frame != looks.as_read_frame
+                 ? format("Another frame was repaired: %d.", looks.as_read_frame)
+                 : std::string(),
+             half))
     out.send(TakeBackRepair{});
 }
 

@@ -162,19 +162,6 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.outline = mesh.surface = true;
     mesh.wireframe = show.wireframe || making_->points.rows() < wireframe_below;
     scene.meshes.push_back(std::move(mesh));
-  } else if (points_ && active_is_shown(state, *input.document)) {
-    MeshLayer mesh;
-    mesh.topology = template_->topology;
-    mesh.points = points_;
-    mesh.points_revision = points_revision_;
-    mesh.outlines = input.outlines;
-    mesh.colours = kind == ViewKind::space ? colours_ : outline_colours_;
-    mesh.colours_revision = colours_revision_;
-    mesh.outline = show.outline;
-    mesh.surface = show.surface;
-    mesh.wireframe = show.wireframe;
-    mesh.saturated_outline = false;
-    scene.meshes.push_back(std::move(mesh));
   }
   for (const auto& [id, other] : others_) {
     if (making_) break;
@@ -189,6 +176,20 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.saturated_outline = false;
     mesh.surface = show.surface;
     mesh.surface_opacity = static_cast<float>(state.look.structures.others_opacity);
+    scene.meshes.push_back(std::move(mesh));
+  }
+  if (!making_ && points_ && active_is_shown(state, *input.document)) {
+    MeshLayer mesh;
+    mesh.topology = template_->topology;
+    mesh.points = points_;
+    mesh.points_revision = points_revision_;
+    mesh.outlines = input.outlines;
+    mesh.colours = kind == ViewKind::space ? colours_ : outline_colours_;
+    mesh.colours_revision = colours_revision_;
+    mesh.outline = show.outline;
+    mesh.surface = show.surface;
+    mesh.wireframe = show.wireframe;
+    mesh.saturated_outline = false;
     scene.meshes.push_back(std::move(mesh));
   }
   if (label_surface_ && kind == ViewKind::space && !making_) {

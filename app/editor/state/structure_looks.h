@@ -22,6 +22,7 @@ struct StructureLooks {
   double others_opacity = 0.45;  ///< 0…1, in 3D, of structures that are not worked on
   /// What a repair changed: the shapes as the label map had them, n×3, LPS mm; null for one that was missing there.
   std::map<std::string, std::shared_ptr<const Points>> as_read;
+  int as_read_frame = 0;      ///< of the case, which was repaired
   bool as_read_shown = true;  ///< beside what the repair proposes
 
   bool shows(const std::string& id) const { return !hidden.contains(id); }

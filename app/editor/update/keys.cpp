@@ -120,18 +120,20 @@ std::vector<KeyRow> rows_of_case() {
        {{'E'}, {'W'}},
        [](const KeyMoment& now) -> Given {
          return NextStructure{now.code == 'W', false};
-       }},
+       },
+       false},
       {"K",
        "next doubtful structure",
        {{'K'}},
        [](const KeyMoment&) -> Given {
          return NextStructure{false, true};
-       }},
+       },
+       false},
       {"H",
        "shapes before a repair",
        {{'H'}},
        [](const KeyMoment& now) -> Given { return ShowAsRead{!now.state.look.structures.as_read_shown}; }},
-      {"N", "snap here", {{'N'}}, snap_here},
+      {"N", "snap here", {{'N'}}, snap_here, false},
       {"Shift+N",
        "snap while dragging",
        {{'N', false, true}},
@@ -146,7 +148,8 @@ std::vector<KeyRow> rows_of_case() {
        [](const KeyMoment& now) -> Given {
          const auto& volume = now.context.document.scan.image;
          return volume && volume->frames > 1 ? Given(PlayFrames{!now.state.look.playing}) : std::nullopt;
-       }},
+       },
+       false},
       {"F", "everything in view", {{'F'}}, [](const KeyMoment&) -> Given { return ShowAll{}; }},
       {"O", "outlines", {{'O'}}, toggle_part<&ShownParts::outline>},
       {"X", "cross-hair", {{'X'}}, toggle_part<&ShownParts::crosshair>},
@@ -160,7 +163,8 @@ std::vector<KeyRow> rows_of_case() {
       {"Enter",
        "done, next of the study",
        {{key::enter}, {key::keypad_enter}},
-       [](const KeyMoment&) -> Given { return OpenNextCase{}; }},
+       [](const KeyMoment&) -> Given { return OpenNextCase{}; },
+       false},
       // Ctrl is down while a contour is drawn.
       {"Escape",
        "cancels a drag, stops a fit",
@@ -172,21 +176,24 @@ std::vector<KeyRow> rows_of_case() {
        [](const KeyMoment& now) -> Given {
          if (now.context.fits) return CancelFits{};
          return now.context.can_undo ? Given(ApplyEdit{Undo{}}) : std::nullopt;
-       }},
+       },
+       false},
       {"Ctrl+Shift+Z, Ctrl+Y",
        "redo",
        {{'Z', true, true}, {'Y', true}},
-       [](const KeyMoment& now) -> Given { return now.context.can_redo ? Given(ApplyEdit{Redo{}}) : std::nullopt; }},
+       [](const KeyMoment& now) -> Given { return now.context.can_redo ? Given(ApplyEdit{Redo{}}) : std::nullopt; },
+       false},
       {"Ctrl+O",
        "open",
        {{'O', true}},
        [](const KeyMoment&) -> Given {
          return ShowFileDialog{FilePurpose::open, {}};
-       }},
+       },
+       false},
       {"Ctrl+S", "save", {{'S', true}}, [](const KeyMoment&) -> Given { return SaveCase{}; }},
       {"Ctrl+Shift+S", "save as", {{'S', true, true}}, [](const KeyMoment&) -> Given { return SaveCase{true}; }},
       {"Ctrl+Q", "quit", {{'Q', true}}, [](const KeyMoment&) -> Given { return Quit{}; }},
-      {"Tab", "the models of a study", {{key::tab}}, [](const KeyMoment&) -> Given { return ShowModels{true}; }},
+      {"Tab", "the models of a study", {{key::tab}}, [](const KeyMoment&) -> Given { return ShowModels{true}; }, false},
       {"F1", "this list", {{key::f1}}, [](const KeyMoment&) -> Given { return ShowKeys{}; }},
   };
 }
@@ -264,7 +271,8 @@ void press_key(const EditorState& state, const InputEvent& event, int key, const
     command = dialog_command(*state.dialog, key, event.shift);
   else if (dismisses)
     command = DismissNotice{state.notices.size() - 1};
-  else if (const KeyRow* row = row_of(key_rows(state.models.shown), {key, event.ctrl, event.shift}))
+  else if (const KeyRow* row = row_of(key_rows(state.models.shown), {key, event.ctrl, event.shift});
+           row != nullptr && (row->in_drag || !state.pointer.drag))
     command = row->command({state, context, key});
   if (command) out.send(std::move(*command));
 }

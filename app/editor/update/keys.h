@@ -31,6 +31,7 @@ struct KeyRow {
   std::vector<KeyChord> chords;
   /// None where the key does nothing at the moment.
   std::optional<Command> (*command)(const KeyMoment& now);
+  bool in_drag = true;  ///< else it does nothing while the mouse drags: the drag would go on with something else
 };
 
 /// Of the case's views, or of the Models mode.

@@ -36,6 +36,8 @@ class Models {
   bool busy() const;
   /// The study's file or a case's that is being read or written.
   std::optional<RunningJob> files_running() const { return files_.running(); }
+  /// The export of shapes that goes on.
+  std::optional<RunningJob> exports_running() const { return exporter_.running(); }
   /// Gives up reading a study, or making a case of `subject`, where that runs. What is written is written whole.
   void cancel_file(const std::string& subject) { files_.cancel_running(subject); }
   /// Says what became of the work on files, and does what it leaves to do; true where there was some.

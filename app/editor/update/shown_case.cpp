@@ -4,6 +4,7 @@
 
 #include "app/editor/work/opening/recovery.h"
 #include "core/base/text.h"
+#include "core/mesh/mirror.h"
 #include "core/session/unsaved_cases.h"
 
 namespace homolog {
@@ -92,8 +93,7 @@ void ShownCase::show_labels(ShownLabels labels) {
 bool ShownCase::template_is_mirrored() const {
   const Structure* now = snapshot_->document->structure();
   if (now == nullptr || !loaded_template_) return false;
-  const Topology &topology = *now->the_template->topology, &loaded = *loaded_template_->topology;
-  return &topology != &loaded && topology.triangles() != loaded.triangles();
+  return turned_faces(now->the_template->topology->triangles(), loaded_template_->topology->triangles());
 }
 
 void ShownCase::keep_window(const EditorState& state) {
@@ -132,12 +132,14 @@ bool ShownCase::update_snapshot(EditorState& state) {
   displayed_ = at_frame(snapshot_->shown, frame);
   // A structure that was taken away is worked on no more.
   const Structure* worked_on = active_structure(state, *before);
-  if (worked_on != nullptr && displayed_->structure(worked_on->id) == nullptr) {
+  const bool is_gone = worked_on != nullptr && displayed_->structure(worked_on->id) == nullptr;
+  if (is_gone) {
     state.look.structure.clear();
     begin_on_structure(state, *displayed_);
   }
   if (before->structures.size() != displayed_->structures.size()) follow_structures(state, *displayed_);
   follow_contours(state, *displayed_);
+  if (is_gone) return true;
   const auto view_before = active_shape(state, *before), view_now = active_shape(state, *displayed_);
   if (!view_before || !view_now) return view_before.has_value() != view_now.has_value();
   const Shape &was = view_before->shape, &now = view_now->shape;

@@ -14,6 +14,8 @@
 #include "app/editor/work/opening/demo.h"
 #include "core/base/process.h"
 #include "core/base/statistics.h"
+#include "core/case/actions/structures.h"
+#include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
 #include "render/offscreen.h"
 
@@ -75,13 +77,63 @@ Result<EditSession> demo_session(const fs::path& file) {
   return create_case(*document, file);
 }
 
-/// Every tool's frames, in the order of `tools`.
-std::vector<std::vector<double>> all_drags(EditorApp& app, Framebuffer* framebuffer, int frames) {
+/// The demo kidney with small ones around it, so that the case has so many structures.
+Result<EditSession> crowded_session(const fs::path& file, int structures) {
+  auto session = demo_session(file);
+  if (!session) return session;
+  const Points& first = *session->document().view()->shape.points;
+  const Vec3 middle = bounds_of(first).center();
+  constexpr double growth = 0.3, apart_mm = 40;
+  constexpr int across = 4;
+  for (int k = 1; k < structures; ++k) {
+    const Vec3 place =
+        middle + apart_mm * Vec3(k % across - 1.5, k / across % across - 1.5, k / (across * across) - 1.5);
+    SetStructure one{.id = "s" + std::to_string(k + 1), .name = "structure " + std::to_string(k + 1)};
+    one.source = built_in_source(Organ::kidney);
+    one.placement = Similarity{Eigen::Quaterniond::Identity(), growth, place - growth * middle};
+    if (auto added = session->apply(std::move(one)); !added) return fail(added.error());
+  }
+  return session;
+}
+
+/// The frames of the first tools, in the order of `tools`.
+std::vector<std::vector<double>> drags(EditorApp& app, Framebuffer* framebuffer, int frames, std::size_t count) {
   BenchHand hand(app, framebuffer);
   hand.rest();
   std::vector<std::vector<double>> times;
-  for (const Tool& tool : tools) times.push_back(drag_ms(app, hand, tool.key, frames));
+  for (std::size_t k = 0; k < count; ++k) times.push_back(drag_ms(app, hand, tools[k].key, frames));
   return times;
+}
+
+/// Puts the cost of the first tools behind the others, without OpenGL and with it where it is to be had.
+template <class Session>
+Result<void> add_costs(const Session& session, int structures, std::size_t count, std::vector<FrameCost>& costs) {
+  const std::size_t begin = costs.size();
+  {
+    auto plain = session("plain");
+    if (!plain) return fail(plain.error());
+    const ImGuiAlone imgui;
+    EditorApp app([] {});
+    app.start_without_pictures(1);
+    app.start_session(std::move(*plain));
+    constexpr int frames = 40;
+    const auto times = drags(app, nullptr, frames, count);
+    for (std::size_t k = 0; k < count; ++k)
+      costs.push_back({tools[k].name, structures, median_of(times[k]), std::ranges::max(times[k]), {}});
+  }
+  const auto gl = OffscreenContext::make();
+  if (!gl) return {};
+  auto drawn = session("drawn");
+  if (!drawn) return fail(drawn.error());
+  const ImGuiOnOpenGl imgui;
+  EditorApp app([] {});
+  const auto framebuffer = Framebuffer::make(BenchHand::width_px, BenchHand::height_px, 1);
+  if (!framebuffer || !app.start_drawing(1)) return {};
+  app.start_session(std::move(*drawn));
+  constexpr int frames = 8;
+  const auto times = drags(app, framebuffer->get(), frames, count);
+  for (std::size_t k = 0; k < count; ++k) costs[begin + k].drawn_frame_ms = median_of(times[k]);
+  return {};
 }
 
 }  // namespace
@@ -89,30 +141,13 @@ std::vector<std::vector<double>> all_drags(EditorApp& app, Framebuffer* framebuf
 Result<std::vector<FrameCost>> frame_costs() {
   const ScratchFolder folder("homolog-bench-editor");
   std::vector<FrameCost> costs;
-  {
-    auto session = demo_session(folder.path / "plain.homolog");
-    if (!session) return fail(session.error());
-    const ImGuiAlone imgui;
-    EditorApp app([] {});
-    app.start_without_pictures(1);
-    app.start_session(std::move(*session));
-    constexpr int frames = 40;
-    const auto times = all_drags(app, nullptr, frames);
-    for (std::size_t k = 0; k < tools.size(); ++k)
-      costs.push_back({tools[k].name, median_of(times[k]), *std::max_element(times[k].begin(), times[k].end()), {}});
-  }
-  const auto gl = OffscreenContext::make();
-  if (!gl) return costs;
-  auto session = demo_session(folder.path / "drawn.homolog");
-  if (!session) return fail(session.error());
-  const ImGuiOnOpenGl imgui;
-  EditorApp app([] {});
-  const auto framebuffer = Framebuffer::make(BenchHand::width_px, BenchHand::height_px, 1);
-  if (!framebuffer || !app.start_drawing(1)) return costs;
-  app.start_session(std::move(*session));
-  constexpr int frames = 8;
-  const auto times = all_drags(app, framebuffer->get(), frames);
-  for (std::size_t k = 0; k < tools.size(); ++k) costs[k].drawn_frame_ms = median_of(times[k]);
+  const auto alone = [&](const std::string& name) { return demo_session(folder.path / (name + ".homolog")); };
+  if (auto added = add_costs(alone, 1, tools.size(), costs); !added) return fail(added.error());
+  constexpr int many = 60;
+  const auto crowded = [&](const std::string& name) {
+    return crowded_session(folder.path / (name + "-crowded.homolog"), many);
+  };
+  if (auto added = add_costs(crowded, many, 1, costs); !added) return fail(added.error());
   return costs;
 }
 

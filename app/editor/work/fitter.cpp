@@ -13,6 +13,7 @@
 #include "core/assist/assist.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/mirror.h"
 #include "core/model/model_prior.h"
 
 namespace homolog {
@@ -25,6 +26,17 @@ std::string as_sentence(std::string text) {
   return text.ends_with('.') || text.ends_with('?') ? text : text + '.';
 }
 
+/// The model mirrored left for right. A template of the other side has its faces turned too.
+ShapeModel of_other_side(ShapeModel model, const Topology& of_template) {
+  for (Eigen::Index row = 0; row < model.mean.size(); row += 3) {
+    model.mean[row] *= -1;
+    model.basis.row(row) *= -1;
+  }
+  if (model.topology && turned_faces(model.topology->triangles(), of_template.triangles()))
+    if (auto turned = Topology::make(of_template.vertices(), of_template.triangles())) model.topology = *turned;
+  return model;
+}
+
 /// The shapes that a fit of this template keeps to at first; null where it keeps to none.
 Result<std::shared_ptr<const AllowedShapes>> allowed_shapes(const Template& the_template, const ModelOfFit& of_fit,
                                                             double beyond) {
@@ -32,6 +44,7 @@ Result<std::shared_ptr<const AllowedShapes>> allowed_shapes(const Template& the_
   auto model = of_fit.model ? Result<ShapeModel>(*of_fit.model)
                             : model_without(*of_fit.study, of_fit.study->index_of(of_fit.left_out));
   if (!model) return fail(model.error());
+  if (!of_fit.model && of_fit.flipped) *model = of_other_side(std::move(*model), *the_template.topology);
   auto allowed = allowed_by(*model, the_template);
   if (!allowed) return fail("The model", allowed.error().what);
   allowed->beyond = beyond;

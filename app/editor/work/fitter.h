@@ -29,6 +29,7 @@ int label_at_mesh(const Volume& labels, int frame, const Points& points);
 struct ModelOfFit {
   std::shared_ptr<const StudyModel> study;  ///< its shapes without the one of the case that is fitted
   std::string left_out;                     ///< that case's name; empty where it is none of the study's
+  bool flipped = false;                     ///< that case has the other side, and the study holds it flipped
   std::shared_ptr<const ShapeModel> model;  ///< one that was read from a file, which goes before
 };
 

@@ -39,6 +39,8 @@ class ShapeMonitor {
     of_ = std::move(of);
     if (has_mesh) next_ = std::move(document);
   }
+  /// The structure that was posted last; empty: the first.
+  const std::string& of() const { return of_; }
   /// Takes in what was measured, and measures the mesh posted last when it has rested. True where the figures changed.
   bool update() {
     const bool changed = take();

@@ -120,7 +120,7 @@ TEST_CASE("the model completes what strokes leave open and leaves alone what is 
   ModelHelp help([] {});
   const auto study = balls_model();
   CHECK_FALSE(help.completion(1));
-  help.ask(study, "ball26");
+  help.ask(study, "ball26", false);
   help.finish();
   CHECK_FALSE(help.update());
   CHECK_FALSE(help.completion(0));
@@ -186,7 +186,7 @@ TEST_CASE("a model without one shape is the model of the others whatever that on
 
 TEST_CASE("the model's help does not add up and can be taken back") {
   ModelHelp help([] {});
-  help.ask(balls_model(), "ball26");
+  help.ask(balls_model(), "ball26", false);
   help.finish();
   CHECK_FALSE(help.update());
   EditSession session(new_document("", nullptr, ball_template(26)));

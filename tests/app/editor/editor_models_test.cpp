@@ -86,9 +86,19 @@ TEST_CASE("the list of cases is filtered by name group and notes and sorted eith
 TEST_CASE("the next case is the next that is not done") {
   ModelsState state;
   add_cases(state, {"/a.ply", "/b.ply", "/c.ply"});
+  const auto revision = state.shapes_revision;
   cycle_case_state(state, "b");
   cycle_case_state(state, "b");
   CHECK(find_case(state.study, "b")->state == CaseState::done);
+  CHECK(state.shapes_revision == revision);
+  // One of a scan is in no model while it waits.
+  state.study.cases[2].from_scan = true;
+  cycle_case_state(state, "c");
+  CHECK(state.shapes_revision == revision + 1);
+  cycle_case_state(state, "c");
+  CHECK(state.shapes_revision == revision + 1);
+  cycle_case_state(state, "c");
+  CHECK(state.shapes_revision == revision + 2);
   select_next_case(state);
   CHECK(state.selected == "a");
   select_next_case(state);

@@ -13,8 +13,10 @@
 #include "app/editor/work/models/study_optimiser.h"
 #include "app/editor/work/opening/opener.h"
 #include "app/editor/work/shape_monitor.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
+#include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
 #include "core/volume/write_dicom_segmentation.h"
 #include "tests/ball.h"
@@ -349,6 +351,24 @@ TEST_CASE("labels that were drawn on another scan are refused beside the image a
     REQUIRE_FALSE(*refused);
     CHECK((*refused).error().sentence().starts_with(seg.string() + ": was drawn on another scan than "));
   }
+}
+
+TEST_CASE("a case whose label map was moved away opens without it and says so") {
+  const TemporaryFolder folder;
+  const fs::path ball = folder.path / "ball.ply", file = folder.path / "a.homolog";
+  REQUIRE(write_mesh(icosphere(3, 20), ball));
+  REQUIRE(create_case(new_document("", nullptr, test::must(load_template(ball.string()))), file));
+  OpenRequest request = test::must(sort_files({file}));
+  request.labels = folder.path / "gone.nii.gz";
+  Opener opener([] {});
+  opener.start(std::move(request));
+  opener.finish();
+  const auto opened = opener.take().value();
+  REQUIRE(opened);
+  CHECK(opened->opened_case);
+  CHECK(opened->labels.empty());
+  CHECK(std::ranges::any_of(opened->warnings,
+                            [](const std::string& text) { return text.find("gone.nii.gz") != std::string::npos; }));
 }
 
 TEST_CASE("files are sorted and named where the working folder is gone") {

@@ -83,6 +83,48 @@ TEST_CASE("what a hand pulls is the structure that is worked on") {
   CHECK(driver.lines_with(R"("of":"s2")") == 1);
 }
 
+TEST_CASE("a drag stays with its structure whatever keys are pressed") {
+  Driver driver(demo());
+  start_with_two(driver);
+  driver.app().send(KeepApartAfterStrokes{false});
+  driver.settle();
+  const Points first = points_of(driver, "s1"), second = points_of(driver, "s2");
+  const auto [x, y] = on_axial_outline(driver, "s1");
+  driver.move(x, y);
+  driver.frame();
+  driver.button(MouseButton::left, true);
+  driver.move(x + 12, y + 4);
+  driver.frame();
+  for (const int key : {static_cast<int>('E'), static_cast<int>('K'), static_cast<int>('N'), key::tab, key::enter}) {
+    driver.press(key);
+    driver.frame();
+  }
+  CHECK(driver.state().look.structure.empty());
+  CHECK_FALSE(driver.state().models.shown);
+  driver.button(MouseButton::left, false);
+  driver.settle();
+  CHECK(points_of(driver, "s2") == second);
+  CHECK((points_of(driver, "s1") - first).rowwise().norm().maxCoeff() > 1);
+  driver.press('E');
+  driver.settle();
+  CHECK(driver.state().look.structure == "s2");
+}
+
+TEST_CASE("a saved template of another structure is not that of new images") {
+  Driver driver(demo());
+  start_with_two(driver);
+  const std::string source = driver.document().structure()->the_template->source;
+  driver.app().send(ChooseStructure{"s2"});
+  driver.settle();
+  driver.app().send(ExportTemplate{driver.folder() / "second.ply"});
+  driver.wait_until("it is written", [&] { return driver.shows("Written: "); });
+  driver.settle();
+  CHECK_FALSE(driver.shows("The case goes on with"));
+  driver.click("side panel/Template");
+  CHECK_FALSE(driver.shows("mirrored)"));
+  CHECK(driver.document().structure()->the_template->source == source);
+}
+
 TEST_CASE("after a stroke the structure goes out of its neighbour, and both are one step to undo") {
   Driver driver(demo());
   start_with_two(driver);

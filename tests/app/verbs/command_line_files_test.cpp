@@ -8,6 +8,8 @@
 #include <set>
 
 #include "core/base/picture_io.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/statismo.h"
 #include "core/volume/volume_io.h"
@@ -150,6 +152,36 @@ TEST_CASE("a run that fails leaves no folder") {
     CHECK(ran.status == 1);
     CHECK(names_in(folder.path) == before);
   }
+}
+
+TEST_CASE("what a verb reads is not written over and what has no effect on a model is refused") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path / "a");
+  for (const char* name : {"a/one.ply", "a/two.ply", "t.ply"})
+    REQUIRE(write_mesh(icosphere(2, name[2] == 'o' ? 20 : 21), folder.path / name));
+  const std::string before = read_whole_file(folder.path / "a/one.ply").value();
+  check_refused(run(folder, "fit t.ply --mesh a -o a"), "a/one.ply");
+  CHECK(read_whole_file(folder.path / "a/one.ply").value() == before);
+  CHECK(run(folder, "fit t.ply --mesh a/one.ply --by-others 2 -o o.ply").status == 2);
+
+  REQUIRE(run(folder, "model a/one.ply a/two.ply --no-align -o m.h5.json").status == 0);
+  for (const char* option : {"--times 1000", "--from-ras", "--spacing 1,1,1", "--like a/one.ply"})
+    check_refused(run(folder, std::string("convert m.h5.json mean.ply ") + option), "m.h5.json: is a model");
+  CHECK(run(folder, "convert m.h5.json mean.ply").status == 0);
+
+  // A mesh keeps to the frame that it notes: 9 is not in this image.
+  Volume image;
+  image.geometry.dims = {8, 8, 8};
+  image.frames = 2;
+  image.data = std::vector<std::int16_t>(2 * image.geometry.voxels());
+  image.range_max = 1;
+  REQUIRE(write_volume(image, folder.path / "cine.nii.gz"));
+  MeshFile noted = read_mesh_file(folder.path / "t.ply").value();
+  note_frame(noted, 9);
+  REQUIRE(write_mesh_file(noted, folder.path / "noted.ply"));
+  const Ran beyond = run(folder, "snap noted.ply --image cine.nii.gz -o s.ply");
+  CHECK(beyond.status == 1);
+  CHECK(beyond.errors.find("frame") != std::string::npos);
 }
 
 TEST_CASE("copies of one surface at one place do not hang the program") {

@@ -335,7 +335,9 @@ TEST_CASE("the bench times the editor's frames with every tool of a stroke") {
   const Ran ran = run(folder, "bench --editor --json");
   REQUIRE_MESSAGE(ran.status == 0, ran.errors);
   const Json rows = ran.json()["editor"];
-  REQUIRE(rows.size() == 6);
+  REQUIRE(rows.size() == 7);
+  CHECK(rows[0]["structures"] == 1);
+  CHECK(rows[6]["structures"] == 60);
   for (const Json& row : rows) {
     CHECK(row["frame_ms"].get<double>() > 0.01);
     CHECK(row["slowest_frame_ms"].get<double>() >= row["frame_ms"].get<double>());

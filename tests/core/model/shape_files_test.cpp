@@ -1,5 +1,6 @@
 #include "core/model/shape_files.h"
 #include "core/catalogue/catalogue.h"
+#include "core/model/shape_folder.h"
 
 #include <doctest/doctest.h>
 
@@ -147,6 +148,26 @@ TEST_CASE("the shapes of a cine's case need no voxel of its image") {
     CHECK(shapes->structure({})->edited == std::vector{3});
     CHECK((*shapes->shape({{}, 3}, ""))->points == lopsided_organ(3).points);
   }
+}
+
+TEST_CASE("a case with edits of a hand was worked on, also where it has no fit, and one that only waits was not") {
+  const ShapeFolder files;
+  const fs::path reference = files.write(lopsided_organ(0), "template.ply"), file = files.path / "a.homolog";
+  {
+    EditSession session =
+        test::must(create_case(new_document("", nullptr, load_template(reference.string()).value()), file));
+    CHECK_FALSE(was_worked_on(file));
+    REQUIRE(session.apply(Note{"the window", {}, {}}));
+    CHECK_FALSE(was_worked_on(file));
+    REQUIRE(session.apply(SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(3).points)}));
+    CHECK(was_worked_on(file));
+    CHECK_FALSE(goes_on_after_fit(file));
+    REQUIRE(session.apply(Note{"fit", {}, {}}));
+    CHECK_FALSE(was_worked_on(file));
+    REQUIRE(session.apply(SetPoints{"hand", {}, std::make_shared<const Points>(lopsided_organ(2).points)}));
+  }
+  CHECK(was_worked_on(file));
+  CHECK(goes_on_after_fit(file));
 }
 
 TEST_CASE("all frames of a study's cines keep the groups of their cases") {

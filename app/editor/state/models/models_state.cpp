@@ -212,7 +212,15 @@ void add_frames(ModelsState& state, const std::string& name) {
 void cycle_case_state(ModelsState& state, const std::string& name) {
   StudyCase* one = find_case(state.study, name);
   if (one == nullptr) return;
-  one->state = static_cast<CaseState>((static_cast<int>(one->state) + 1) % 3);
+  set_case_state(state, name, static_cast<CaseState>((static_cast<int>(one->state) + 1) % 3));
+}
+
+void set_case_state(ModelsState& state, const std::string& name, CaseState to) {
+  StudyCase* one = find_case(state.study, name);
+  if (one == nullptr) return;
+  const bool waited = one->waits();
+  one->state = to;
+  if (one->waits() != waited) ++state.shapes_revision;  // one that waits is in no model
   ++state.study_revision;
 }
 
@@ -272,6 +280,7 @@ void show_study(ModelsState& state, Study study, fs::path file) {
   fresh.study_file = std::move(file);
   fresh.shapes_revision = state.shapes_revision + 1;
   fresh.study_revision = state.study_revision;
+  fresh.study_number = state.study_number + 1;
   fresh.glyphs = state.glyphs;
   state = std::move(fresh);
 }

@@ -42,6 +42,7 @@ struct ModelsState {
 
   Study study;
   std::filesystem::path study_file;   ///< written at every change; empty before the first case
+  std::uint64_t study_number = 0;     ///< counts the studies that were opened
   std::uint64_t shapes_revision = 0;  ///< counts what the model has to be made again for
   std::uint64_t study_revision = 0;   ///< counts what the study's file has to be written again for
 
@@ -59,8 +60,9 @@ struct ModelsState {
   std::size_t distance_shown = 0;               ///< of the pairs of landmarks, in the list of sizes
   std::optional<ObserverComparison> observers;  ///< with another observer's study, where one was asked for
   std::filesystem::path other_observer;         ///< that study
-  bool observers_outdated = false;              ///< shapes have changed since, so that the comparison was dropped
-  std::vector<std::string> mirrored;            ///< cases that are mirror images of most others
+  std::map<std::string, std::shared_ptr<const MeshFile>> compared_shapes;  ///< this study's, which it is compared by
+  bool observers_outdated = false;    ///< shapes have changed since, so that the comparison was dropped
+  std::vector<std::string> mirrored;  ///< cases that are mirror images of most others
 
   Alignment alignment = Alignment::similarity;
   std::shared_ptr<const StudyModel> model;       ///< of `shapes`
@@ -140,6 +142,7 @@ std::vector<int> other_frames(const ModelsState& state, const StudyCase& one);
 /// Makes every frame of the case's cine that was edited a case, named "NAME frame K".
 void add_frames(ModelsState& state, const std::string& name);
 void cycle_case_state(ModelsState& state, const std::string& name);
+void set_case_state(ModelsState& state, const std::string& name, CaseState to);
 /// "group" or "notes" of a case.
 void set_case_text(ModelsState& state, const std::string& name, const std::string& field, std::string text);
 /// The mesh whose faces stand for those of shapes that are points alone.

@@ -76,8 +76,9 @@ bool same_shapes(const Shapes& a, const Shapes& b) {
 
 std::string take_fitted(ModelsState& state, ShapesOfStudy fitted) {
   StudyOptimisation& optimisation = state.optimisation;
-  if (state.observers && !same_shapes(fitted.shapes, state.fitted.shapes)) {
+  if (!state.compared_shapes.empty() && !same_shapes(fitted.shapes, state.compared_shapes)) {
     state.observers.reset();
+    state.compared_shapes.clear();
     state.observers_outdated = true;
   }
   state.fitted = std::move(fitted);

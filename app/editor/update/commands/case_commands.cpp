@@ -105,7 +105,7 @@ void StartFit::run(Editing& editing) const {
     model.study = editing.state.models.fitted.model;
     const StudyCase* one =
         find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.look.structure);
-    if (one != nullptr) model.left_out = one->name;
+    if (one != nullptr) model.left_out = one->name, model.flipped = one->flipped;
   }
   if (chosen.model != FitModel::none && !model.model && !model.study)
     return add_notice(editing.state, "The model for the fit is not open any more; choose a model again.");

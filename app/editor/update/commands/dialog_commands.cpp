@@ -155,6 +155,11 @@ void AcceptFile::run(EditorState& state, const ControlsContext& context, Outbox&
   if (dialog->browser.kind.saves)
     for (const std::filesystem::path& file : files_written(dialog->purpose, *path, state, context.document))
       if (std::filesystem::exists(file, ignored)) {
+        if (dialog->purpose == FilePurpose::make_study_template) {
+          add_notice(state, file.filename().string() +
+                                " exists already, and cases may have begun with it. Choose another name.");
+          return;
+        }
         ReplaceDialog replace{std::move(*dialog), *path, file};
         state.dialog = std::move(replace);
         return;

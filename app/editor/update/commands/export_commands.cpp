@@ -162,6 +162,7 @@ void ExportStructuresMeshes::run(Editing& editing) const {
       if (auto written = write_mesh_file(files[k].second, to / files[k].first); !written) return written;
       progress.report(static_cast<double>(k + 1) / static_cast<double>(files.size()));
     }
+    if (progress.cancelled()) return fail(to.string(), "was stopped; the meshes written so far are kept");
     return {};
   });
 }

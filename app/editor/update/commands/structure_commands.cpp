@@ -91,6 +91,7 @@ void TakeBackRepair::run(Editing& editing) const {
   const StructureLooks& looks = editing.state.look.structures;
   if (active == nullptr || !looks.as_read.contains(active->id) || editing.refuses_edits()) return;
   const auto& document = editing.shown.document();
+  if (document.frame != looks.as_read_frame) return;
   if (const Points* before = shape_as_read(looks, *active)) {
     const Shape shape = shape_of_frame(*active, document.frame, document.frame);
     editing.apply(points_edit({*active, shape, document.frame}, *before, by_set_fit,

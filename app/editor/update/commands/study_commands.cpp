@@ -91,6 +91,7 @@ void CompareObservers::run(Editing& editing) const {
   models.observers.reset();
   models.observers_outdated = false;
   models.other_observer = path;
+  models.compared_shapes = models.fitted.shapes;
   editing.work.observers.start(path.string(), [path = path, mine = models.fitted.shapes](Progress& progress) {
     const auto read = read_observer(path, &progress);
     if (!read) return Result<ObserverComparison>(fail(read.error()));
@@ -233,8 +234,7 @@ void SetCaseState::spell(Fields& line) {
   spell_choice(line, "to", state_names, to);
 }
 void SetCaseState::run(EditorState& state) const {
-  if (StudyCase* one = find_case(state.models.study, name)) one->state = to;
-  ++state.models.study_revision;
+  set_case_state(state.models, name, to);
 }
 
 void SetCaseText::spell(Fields& line) {

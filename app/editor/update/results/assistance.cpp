@@ -38,7 +38,8 @@ void ask_model(Editing& editing) {
   const Snapshot& snapshot = editing.shown.snapshot();
   const StudyCase* one =
       find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.look.structure);
-  editing.work.model_help.ask(editing.state.models.fitted.model, one != nullptr ? one->name : std::string());
+  editing.work.model_help.ask(editing.state.models.fitted.model, one != nullptr ? one->name : std::string(),
+                              one != nullptr && one->flipped);
 }
 
 }  // namespace
@@ -77,9 +78,12 @@ void update_fit(Editing& editing) {
   SessionThread& session = editing.shown.session();
   const bool of_another = fitter.of() != editing.state.look.structure;
   if (fitter.document() && (of_another || fitter.document() != editing.shown.snapshot().document)) {
-    cancel_fit(editing);
+    fitter.cancel();  // also one that has just ended
+    session.preview(std::nullopt);
     add_notice(editing.state, "The fit was stopped by an edit, another frame or another case. Start it again.", false);
+    return;
   }
+  if (!fitter.busy() && !editing.shown.at_rest()) return;  // an edit on its way is a reason to drop the fit
   if (auto step = fitter.take_step(); step && fitter.busy()) {
     // The organ may be far from where the template was.
     if (!std::exchange(editing.work.fit_seen, true)) look_at_mesh(editing.state, *step);

@@ -259,8 +259,11 @@ void save_template(Editing& editing, const std::filesystem::path& path) {
     *saved = std::move(*read);
     return Result<void>();
   };
-  editing.work.exports.start(path, write, [&editing, saved, path, number = editing.shown.number()] {
-    if (number != editing.shown.number()) return;  // another case is open by now
+  const Document& document = *editing.shown.snapshot().document;
+  // New images begin with the template of the first structure.
+  const bool is_first = active_structure(editing.state, document) == document.structure();
+  editing.work.exports.start(path, write, [&editing, saved, path, is_first, number = editing.shown.number()] {
+    if (!is_first || number != editing.shown.number()) return;  // another case is open by now
     editing.shown.adopt_template(*saved);
     editing.apply(Note{"the template was saved", std::nullopt, absolute_path(path).string()});
     const std::string written = "Written: " + path.string();

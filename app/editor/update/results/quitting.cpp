@@ -6,7 +6,8 @@ void quit_when_written(Editing& editing, bool without_study) {
   EditorState& state = editing.state;
   state.quitting = without_study ? Quitting::when_written_without_study : Quitting::when_written;
   if (!without_study) editing.work.models.write_if_changed(state.models);
-  if (const auto file = editing.work.exports.running()) {
+  const auto shapes = editing.work.models.exports_running();
+  if (const auto file = shapes ? shapes : editing.work.exports.running()) {
     const std::string name = std::filesystem::path(file->subject).filename().string();
     add_notice(state, "Homolog closes as soon as " + name + " is written.", false);
   }
@@ -26,7 +27,9 @@ void update_quit(Editing& editing) {
     if (!has_unsaved_edits(editing.shown.snapshot())) return quit_when_written(editing, false);
     state.dialog = QuitDialog{};
   }
-  if (state.quitting == Quitting::no || state.quitting == Quitting::asked || editing.work.exports.busy()) return;
+  if (state.quitting == Quitting::no || state.quitting == Quitting::asked || editing.work.exports.busy() ||
+      models.exports_running())
+    return;
   if (state.quitting == Quitting::when_written) {
     if (models.files_running()) return;
     models.take_files(state, editing.out);

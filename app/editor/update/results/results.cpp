@@ -49,7 +49,7 @@ bool take_observers(Editing& editing) {
   if (!done || editing.state.models.other_observer.empty()) return false;  // another study was opened meanwhile
   if (!*done)
     add_notice(editing.state, done->error().sentence());
-  else
+  else if (!editing.state.models.observers_outdated)  // shapes have changed meanwhile
     editing.state.models.observers = std::move(**done);
   return true;
 }
@@ -213,7 +213,8 @@ bool take_results(Editing& editing, double seconds) {
   }
   take_imports(editing);
   play(state, editing.shown.document(), seconds);
-  if (editing.shown.update_snapshot(state)) {
+  const bool other_shape = editing.shown.update_snapshot(state);
+  if (other_shape || work.quality.of() != state.look.structure) {
     work.quality.post(editing.shown.displayed(), state.look.structure);
     follow_guide(editing);
   }

@@ -76,6 +76,7 @@ void take_set_fit(Editing& editing, const SetFitted& found) {
     return stays;
   });
   keep_as_read(state.look.structures, found, steps);
+  state.look.structures.as_read_frame = document.frame;
   bool joined = false;
   for (EditStep& step : steps)
     editing.shown.session().apply(std::move(step.action), std::exchange(joined, true), std::move(step.of));

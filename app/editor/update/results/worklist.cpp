@@ -131,6 +131,7 @@ void add_scans(Editing& editing, const std::vector<fs::path>& paths) {
     start.template_source = of_study;
   }
   for (const StudyCase& one : models.study.cases) start.known.push_back(one.file);
+  editing.work.study_of_worklist = models.study_number;
   if (paths.size() > 1) return editing.work.worklist.add(paths, std::move(start));
   const fs::path& one = paths.front();
   editing.work.worklist.add({fs::is_directory(one, ignored) ? one : one.parent_path()}, std::move(start));
@@ -154,6 +155,7 @@ void fit_waiting(Editing& editing, int label, bool all_labels) {
     add_notice(editing.state, "All labels of each map are fitted together.", false);
   else if (label != 0)
     add_notice(editing.state, "Label " + std::to_string(label) + " is fitted where a map holds several.", false);
+  editing.work.study_of_worklist = models.study_number;
   editing.work.worklist.fit(waiting, settings);
 }
 
@@ -201,6 +203,13 @@ bool take_worklist(Editing& editing) {
       }
       take_template(state, made, (*done)->study);
       continue;
+    }
+    if (editing.work.study_of_worklist != state.models.study_number) {
+      worklist.cancel();
+      add_notice(state,
+                 "Another study was opened, so scans are added and fitted no more. What was made stays beside the "
+                 "study before; ask again there.");
+      break;
     }
     fitted = fitted || !(*done)->fitted.empty();
     if ((*done)->fitted.empty())

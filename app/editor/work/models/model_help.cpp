@@ -55,8 +55,9 @@ Result<ShapeModel> model_of_others(const StudyModel& study, std::ptrdiff_t left_
 
 /// The model with the solver that it completes shapes by. The solver belongs to the session's thread.
 struct ModelHelp::Completer {
-  ShapeModel model;  ///< with_pose
-  std::optional<ShapeSolver> solver;
+  ShapeModel model;      ///< with_pose
+  bool flipped = false;  ///< the case has the other side, and the study holds it flipped
+  std::optional<ShapeSolver> solver{};
 
   Result<std::optional<Action>> complete(const Document& document, const std::string& of, double strength) {
     const auto shown = document.view(of);
@@ -65,17 +66,20 @@ struct ModelHelp::Completer {
     if (!solver || solver->topology() != topology) solver.emplace(topology);
     const Shape& shape = shown->shape;
     const VertexScalars stiffness = shown->paint().base * *shown->paint().stiffness;
-    auto done =
-        completed(model, unaided_points(shape), known_vertices(shape), known_noise_mm, strength, stiffness, *solver);
+    Points unaided = unaided_points(shape);
+    if (flipped) unaided.col(0) *= -1;
+    auto done = completed(model, unaided, known_vertices(shape), known_noise_mm, strength, stiffness, *solver);
     if (!done) return fail(done.error());
+    if (flipped) done->points.col(0) *= -1;
     return std::optional<Action>(points_edit(*shown, done->points, by_model));
   }
 };
 
-void ModelHelp::ask(std::shared_ptr<const StudyModel> study, const std::string& name) {
-  if (study_ == study && name_ == name) return;
+void ModelHelp::ask(std::shared_ptr<const StudyModel> study, const std::string& name, bool flipped) {
+  if (study_ == study && name_ == name && flipped_ == flipped) return;
   study_ = study;
   name_ = name;
+  flipped_ = flipped;
   completer_.reset();
   work_.start("The model of the other cases", [study = std::move(study), name](Progress&) {
     return model_without(*study, study->index_of(name)).map(with_pose);
@@ -93,7 +97,7 @@ std::optional<std::string> ModelHelp::update() {
   auto done = work_.take();
   if (!done) return std::nullopt;
   if (!*done) return done->error().sentence();
-  completer_ = std::make_shared<Completer>(Completer{std::move(**done), {}});
+  completer_ = std::make_shared<Completer>(Completer{std::move(**done), flipped_});
   return std::nullopt;
 }
 

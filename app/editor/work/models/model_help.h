@@ -24,8 +24,8 @@ class ModelHelp {
   explicit ModelHelp(std::function<void()> wake) : work_(std::move(wake)) {}
 
   /// Asks for the model of all cases but the one called `name` (empty where the open case is none of the study's). Does
-  /// nothing where that is known already.
-  void ask(std::shared_ptr<const StudyModel> study, const std::string& name);
+  /// nothing where that is known already. `flipped`: that case has the other side, and the study holds it flipped.
+  void ask(std::shared_ptr<const StudyModel> study, const std::string& name, bool flipped);
   /// Moves the shown frame's mesh towards what the model expects, given the known vertices. It starts from the shape as
   /// the edits alone made it; `strength` 0…1 says how far it goes. Empty at 0, while the model is computed, and where
   /// it cannot be.
@@ -39,6 +39,7 @@ class ModelHelp {
   struct Completer;
   std::shared_ptr<const StudyModel> study_;
   std::string name_;
+  bool flipped_ = false;
   std::shared_ptr<Completer> completer_;
   Worker<ShapeModel> work_;  ///< with_pose
 };

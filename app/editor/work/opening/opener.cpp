@@ -317,7 +317,11 @@ Result<void> open_parts(Opened& opened, const Volume* on_screen, Progress& progr
                                 " is read-only. Your changes are kept in a new case. Save it under another name.");
     opened.opened_case = std::move(*read);
     load_saved_template(opened);
-    return request.labels.empty() ? read_kept_labels(opened, progress) : open_labels(opened, on_screen, progress);
+    if (request.labels.empty()) return read_kept_labels(opened, progress);
+    // A study's case opens without its label map where that was moved.
+    if (auto labels = open_labels(opened, on_screen, progress); !labels && !progress.cancelled())
+      opened.warnings.push_back(labels.error().sentence());
+    return {};
   }
   if (auto made = make_sample(request); !made) return made;
   if (!request.volume_source.empty()) {

@@ -29,7 +29,7 @@ struct FittedCase {
 };
 
 /// Writes NAME.homolog into a folder that is there, whose one edit is the fit, and gives its entry in a study. One that
-/// somebody worked on since its fit stays as it is, with a warning. Errors: create_case's, another numbering than the
+/// somebody worked on stays as it is, with a warning. Errors: create_case's, another numbering than the
 /// template's.
 Result<StudyCase> write_case_of_fit(const FittedCase& fitted, const std::filesystem::path& folder,
                                     std::vector<std::string>& warnings);

@@ -172,9 +172,9 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   return report;
 }
 
-/// Writes the study of a folder of fits.
-Result<void> write_study_of(const fs::path& file, const SetOfTemplates& set, CasesOfSet made,
-                            const std::string& record) {
+/// Writes the study of a folder of fits. Warns of cases that lack the structure that the others are taken for.
+Result<void> write_study_of(const fs::path& file, const SetOfTemplates& set, CasesOfSet made, const std::string& record,
+                            std::vector<std::string>& warnings) {
   std::vector<std::size_t> counts(set.templates.size(), 0);
   for (const auto& fitted : made.fitted)
     for (const std::size_t k : fitted) ++counts[k];
@@ -184,6 +184,12 @@ Result<void> write_study_of(const fs::path& file, const SetOfTemplates& set, Cas
     const auto at = std::ranges::find(fitted, most) - fitted.begin();
     // A case's structures are numbered as they were fitted.
     if (at > 0 && at < std::ssize(fitted)) made.cases[c].structure = "s" + std::to_string(at + 1);
+    if (at == std::ssize(fitted) && !fitted.empty())
+      warnings.push_back(file.string() + ": " + made.cases[c].name + " has no " + set.set.structures[most].name +
+                         ", for which most cases stand in models, and stands for its " +
+                         set.set.structures[fitted.front()].name +
+                         "; take it off the study, or name structures by "
+                         "--structures");
   }
   const auto written = write_cases_into(file, set.templates[most]->source, std::move(made.cases), record);
   return written ? Result<void>() : fail(written.error());
@@ -206,7 +212,8 @@ Result<Report> fit_sets(const FitJob& options, Progress& progress) {
   const fs::path study = study_in(options.out);
   const auto record = record_of(options.command, progress);
   if (!record) return fail(record.error());
-  const auto written = write_study_of(study, *set, std::move(made), record_of_made(*record, options.out, study));
+  const auto written =
+      write_study_of(study, *set, std::move(made), record_of_made(*record, options.out, study), report->warnings);
   if (!written) return fail(written.error());
   report->values["study"] = study.string();
   return report;

@@ -37,7 +37,7 @@ std::string some_of(const std::vector<std::string>& names);
 Json json_of_variants(const std::vector<Variant>& variants, const TemplateSet& set);
 
 /// Writes CASE.homolog into a folder that is there: the label map with all structures that were fitted to it, and gives
-/// its entry in a study. One that somebody worked on since its fit stays as it is, with a warning. `record`: of how the
+/// its entry in a study. One that somebody worked on stays as it is, with a warning. `record`: of how the
 /// maps' files are made [record.h]. Errors: create_case's.
 Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const std::filesystem::path& path, const SubjectMap& map,
                                     const SetInMap& subject, const FittedSet& fitted,

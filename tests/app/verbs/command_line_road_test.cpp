@@ -87,7 +87,7 @@ TEST_CASE("a folder of label maps becomes meshes and cases and a study that goes
     const Json sizes = run(folder, "measure fits --json").json();
     CHECK(sizes["cases"].size() == 3);
     const Ran again = run(folder, "fit built-in:kidney --mask scans -o fits --json");
-    CHECK(again.errors.find("was worked on since its fit") != std::string::npos);
+    CHECK(again.errors.find("was worked on, so it stays") != std::string::npos);
     const auto kept = test::must(test::must(read_shapes_of(one.file)).shape({}, ""));
     CHECK((kept->points - mesh.points).col(0).mean() == doctest::Approx(5).epsilon(0.01));
     const Ran compared = run(folder, "observers fits fits/kidney-1-labels.ply --json");

@@ -22,9 +22,7 @@ Result<StudyCase> write_case_of_fit(const FittedCase& fitted, const fs::path& fo
   one.doubt = fitted.doubt;
   std::error_code ignored;
   if (fs::exists(one.file, ignored) && was_worked_on(one.file)) {
-    warnings.push_back(one.file.string() +
-                       ": was worked on, so it stays as it is; move it away to begin "
-                       "anew");
+    warnings.push_back(one.file.string() + ": was worked on, so it stays as it is; move it away to begin anew");
     return one;
   }
   one.frame = fitted.frame;

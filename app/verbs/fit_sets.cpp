@@ -186,10 +186,8 @@ Result<void> write_study_of(const fs::path& file, const SetOfTemplates& set, Cas
     if (at > 0 && at < std::ssize(fitted)) made.cases[c].structure = "s" + std::to_string(at + 1);
     if (at == std::ssize(fitted) && !fitted.empty())
       warnings.push_back(file.string() + ": " + made.cases[c].name + " has no " + set.set.structures[most].name +
-                         ", for which most cases stand in models, and stands for its " +
-                         set.set.structures[fitted.front()].name +
-                         "; take it off the study, or name structures by "
-                         "--structures");
+                         ", the structure that models take of the others, so they take its " +
+                         set.set.structures[fitted.front()].name + "; take it off the study, or use --structures");
   }
   const auto written = write_cases_into(file, set.templates[most]->source, std::move(made.cases), record);
   return written ? Result<void>() : fail(written.error());

@@ -80,7 +80,7 @@ class RecipeWork {
     const auto sources = shape_sources(files, job_.group);
     if (!sources) return fail(sources.error());
     alone_ = sources->size() == 1 && folders.empty();
-    for (const ShapeSource& source : *sources) read_.push_back(source.file);
+    if (auto safe = check_profiles(*sources); !safe) return safe;
     const auto take = [&](ReadShape shape) -> Result<void> {
       MeasuredShape measured;
       if (auto added = add_structure(measured, shape.name, shape.structure, *shape.mesh); !added)
@@ -102,6 +102,8 @@ class RecipeWork {
                             const std::vector<std::string>& structures, Progress& progress) {
     const auto cases = structure_files(folders, structures, ShapeWorksFrame::local, 1);
     if (!cases) return fail(cases.error());
+    for (const CaseFiles& one : *cases)
+      if (auto safe = check_profiles(one.of_structure); !safe) return safe;
     double done = 0;
     for (const CaseFiles& one : *cases) {
       if (progress.cancelled()) return fail("", "the measurements were cancelled");
@@ -109,7 +111,6 @@ class RecipeWork {
       MeasuredShape shape;
       for (std::size_t k = 0; k < structures.size(); ++k) {
         const ShapeSource& source = one.of_structure[k];
-        read_.push_back(source.file);
         if (k == 0) shape.lacks_first = structures[k];
         if (source.file.empty()) continue;
         const auto mesh = read_shape(source);
@@ -125,6 +126,18 @@ class RecipeWork {
       if (auto measured = measure_one({one.name, {one.name}, {}}, std::move(shape)); !measured) return measured;
     }
     return {};
+  }
+
+  /// Errors: shapes that are read lie where profiles are written.
+  Result<void> check_profiles(const std::vector<ShapeSource>& sources) const {
+    if (job_.profiles.empty()) return {};
+    std::vector<std::filesystem::path> read, there;
+    for (const ShapeSource& source : sources) {
+      if (source.file.extension() != ".vtp") continue;
+      read.push_back(source.file);
+      there.push_back(job_.profiles / source.file.filename());
+    }
+    return check_not_read(there, read);
   }
 
   /// `shape_name`: in warnings.
@@ -205,10 +218,8 @@ class RecipeWork {
     }
     if (file.values.empty())
       return fail("--profiles", "has no effect here: the recipe has no measurement of the kind image_mean");
-    const std::filesystem::path to = job_.profiles / (name + ".vtp");
-    if (auto safe = check_not_read({to}, read_); !safe) return safe;
     if (auto made = make_folder(job_.profiles); !made) return made;
-    return write_mesh_file(file, to);
+    return write_mesh_file(file, job_.profiles / (name + ".vtp"));
   }
 
   /// Landmarks that lie in files of their own; they count before those of the mesh.
@@ -344,10 +355,9 @@ class RecipeWork {
   Lenders lenders_;
   std::optional<MeasuredShape> first_;  ///< where a model is measured too
   ShapeNames names_;
-  std::vector<std::filesystem::path> read_;  ///< the shapes' files
-  bool template_suits_ = false;              ///< a shape has its vertices and faces
-  std::shared_ptr<const Topology> faces_;    ///< of the mesh before
-  Volume image_;                             ///< of `image_file_`
+  bool template_suits_ = false;            ///< a shape has its vertices and faces
+  std::shared_ptr<const Topology> faces_;  ///< of the mesh before
+  Volume image_;                           ///< of `image_file_`
   std::filesystem::path image_file_;
   bool alone_ = false;  ///< one shape is measured
   std::vector<MeasuredCase> cases_;

@@ -82,6 +82,7 @@ Result<std::vector<std::size_t>> needed_columns(const TestCasesAsked& asked, con
 class RowFinder {
  public:
   RowFinder(const CovariateTable& table, const std::map<std::string, StudyCase>& studies) : studies_(studies) {
+    for (const auto& [key, one] : studies) groups_[one.name] = one.group;
     for (std::size_t row = 0; row < table.cases.size(); ++row) rows_[table.cases[row]] = row;
     for (std::size_t row = 0; row < table.cases.size(); ++row) rows_.emplace(file_stem(table.cases[row]), row);
   }
@@ -98,14 +99,14 @@ class RowFinder {
   }
   /// Whether a row is of a study's case that is of another group.
   bool is_of_other_group(const std::string& row, const std::string& group) const {
-    return !group.empty() && std::ranges::any_of(studies_, [&](const auto& known) {
-      return known.second.name == row && known.second.group != group;
-    });
+    const auto found = groups_.find(row);
+    return !group.empty() && found != groups_.end() && found->second != group;
   }
 
  private:
   const std::map<std::string, StudyCase>& studies_;
   std::map<std::string, std::size_t> rows_;
+  std::map<std::string, std::string> groups_;  ///< of the studies' cases
 };
 
 struct Partner {
@@ -223,6 +224,8 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& rea
                          const std::vector<std::string>& names, const std::vector<Partner>& partners,
                          TestCases& cases) {
   const TrainingSet& set = read.set;
+  std::map<std::size_t, int> times;  // by row
+  for (const Partner& one : partners) ++times[one.row];
   const auto count = static_cast<Eigen::Index>(partners.size());
   cases.shapes.resize(set.shapes.rows(), count);
   cases.sizes_mm.resize(count);
@@ -230,8 +233,8 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& rea
   for (Eigen::Index i = 0; i < count; ++i) {
     const Partner& one = partners[static_cast<std::size_t>(i)];
     // Of several frames of a case each has its own name.
-    const bool is_alone = std::ranges::count(partners, one.row, &Partner::row) == 1;
-    cases.names.push_back(is_alone ? cases.table.cases[one.row] : names[static_cast<std::size_t>(one.shape)]);
+    cases.names.push_back(times[one.row] == 1 ? cases.table.cases[one.row]
+                                              : names[static_cast<std::size_t>(one.shape)]);
     cases.rows.push_back(one.row);
     cases.shapes.col(i) = set.shapes.col(one.shape);
     cases.sizes_mm[i] = centroid_size_mm(points_of(cases.shapes, i));

@@ -114,10 +114,6 @@ Result<void> put_permutations(TestJob& job) {
   return {};
 }
 
-}  // namespace
-
-namespace {
-
 /// Errors: a function of what it has no value for.
 Result<void> check_functions(const Formula& formula, const CovariateTable& table) {
   std::vector<Variable> variables{formula.response};

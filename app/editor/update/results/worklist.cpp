@@ -207,8 +207,8 @@ bool take_worklist(Editing& editing) {
     if (editing.work.study_of_worklist != state.models.study_number) {
       worklist.cancel();
       add_notice(state,
-                 "Another study was opened, so scans are added and fitted no more. What was made stays beside the "
-                 "study before; ask again there.");
+                 "Another study was opened, so adding and fitting scans was stopped. What was made is kept: open the "
+                 "study before, and ask again.");
       break;
     }
     fitted = fitted || !(*done)->fitted.empty();

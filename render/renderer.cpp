@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/faint_layer_parts.h"
 #include "render/gl.h"
 #include "render/glyph_pass.h"
 #include "render/line_pass.h"
 #include "render/mesh_pass.h"
 #include "render/outline_pass.h"
 #include "render/projection.h"
+#include "render/shaders.h"
 #include "render/slice_pass.h"
 
 namespace homolog {
@@ -85,6 +87,10 @@ void add_frame(const PlaneInSpace& part, std::vector<LineInstance>& lines) {
   }
 }
 
+bool is_solid(const PlaneInSpace& part) {
+  return !part.behind_meshes && part.opacity >= 1;
+}
+
 }  // namespace
 
 struct Renderer::Parts {
@@ -93,12 +99,38 @@ struct Renderer::Parts {
   LinePass lines;
   MeshPass meshes;
   GlyphPass glyphs;
+  gl::Program faint;
+  gl::VertexArray no_attributes;
 
+  template <class Wanted>
+  void draw_planes(const Scene& scene, const Projection& projection, const Wanted& wanted) {
+    std::vector<LineInstance> frames;
+    for (const PlaneInSpace& part : scene.planes) {
+      if (!wanted(part)) continue;
+      slice.draw(scene, part, projection);
+      add_frame(part, frames);
+    }
+    lines.draw(frames, projection);
+  }
+  void lay_in(const gl::Texture& colour, const gl::Texture& depth, const Target& target) const;
   Result<void> report() {
     if (auto complaint = slice.take_complaint()) return fail("", *complaint);
     return {};
   }
 };
+
+void Renderer::Parts::lay_in(const gl::Texture& colour, const gl::Texture& depth, const Target& target) const {
+  faint.use();
+  faint.set("layer", 0);
+  faint.set("layer_depth", 1);
+  faint.set("origin_px", glm::vec2(target.x, target.y));
+  glActiveTexture(GL_TEXTURE1);
+  glBindTexture(GL_TEXTURE_2D, depth.name());
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, colour.name());
+  glBindVertexArray(no_attributes.name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
 
 Renderer::Renderer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Renderer::~Renderer() = default;
@@ -119,8 +151,11 @@ Result<std::unique_ptr<Renderer>> Renderer::make() {
   if (!meshes) return fail(meshes.error());
   auto glyphs = GlyphPass::make();
   if (!glyphs) return fail(glyphs.error());
-  return std::unique_ptr<Renderer>(new Renderer(std::make_unique<Parts>(
-      Parts{std::move(*slice), std::move(*outline), std::move(*lines), std::move(*meshes), std::move(*glyphs)})));
+  auto faint = gl::Program::make(shaders::layer_vert(), shaders::faint_frag());
+  if (!faint) return fail(faint.error());
+  return std::unique_ptr<Renderer>(new Renderer(
+      std::make_unique<Parts>(Parts{std::move(*slice), std::move(*outline), std::move(*lines), std::move(*meshes),
+                                    std::move(*glyphs), std::move(*faint), gl::VertexArray::make()})));
 }
 
 Result<void> Renderer::draw(const Scene& scene, const SliceView& view, const Target& target) {
@@ -136,24 +171,36 @@ Result<void> Renderer::draw(const Scene& scene, const SliceView& view, const Tar
 }
 
 Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Target& target) {
+  return draw(scene, view, target, nullptr);
+}
+
+Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Target& target, const FaintLayer& faint) {
+  return draw(scene, view, target, &faint);
+}
+
+Result<void> Renderer::draw_faint(const Scene& scene, const Camera3D& view, const FaintLayer& layer) {
+  const Target target{0, 0, layer.width_px(), layer.height_px(), 1};
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layer.parts_->framebuffer.name());
+  const Drawing drawing(target, std::array<float, 4>{});
+  const Projection projection = projection_of(view, target);
+  glEnable(GL_DEPTH_TEST);
+  parts_->meshes.update(scene.meshes);
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  parts_->draw_planes(scene, projection, is_solid);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  parts_->meshes.draw_transparent(projection);
+  return parts_->report();
+}
+
+Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Target& target, const FaintLayer* faint) {
   if (target.width <= 0 || target.height <= 0) return {};
   const Drawing drawing(target, scene.background);
   const Projection projection = projection_of(view, target);
   glEnable(GL_DEPTH_TEST);
   parts_->meshes.update(scene.meshes);
-  const auto draw_planes = [&](const auto& wanted) {
-    std::vector<LineInstance> frames;
-    for (const PlaneInSpace& part : scene.planes) {
-      if (!wanted(part)) continue;
-      parts_->slice.draw(scene, part, projection);
-      add_frame(part, frames);
-    }
-    parts_->lines.draw(frames, projection);
-  };
-  draw_planes([](const PlaneInSpace& part) { return part.behind_meshes; });
+  parts_->draw_planes(scene, projection, [](const PlaneInSpace& part) { return part.behind_meshes; });
   glClear(GL_DEPTH_BUFFER_BIT);
-  const auto is_solid = [](const PlaneInSpace& part) { return !part.behind_meshes && part.opacity >= 1; };
-  draw_planes(is_solid);
+  parts_->draw_planes(scene, projection, is_solid);
   if (std::any_of(scene.planes.begin(), scene.planes.end(), is_solid)) parts_->meshes.draw_hidden(projection);
   parts_->meshes.draw_opaque(projection);
   parts_->glyphs.draw(scene.glyphs, projection);
@@ -161,8 +208,10 @@ Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Targ
   for (const LineLayer::Line& line : scene.lines.lines) lines.push_back(instance_of(line));
   parts_->lines.draw(lines, projection);
   glDepthMask(GL_FALSE);
-  draw_planes([](const PlaneInSpace& part) { return !part.behind_meshes && part.opacity < 1; });
+  parts_->draw_planes(scene, projection,
+                      [](const PlaneInSpace& part) { return !part.behind_meshes && part.opacity < 1; });
   glDepthMask(GL_TRUE);
+  if (faint != nullptr) parts_->lay_in(faint->parts_->colour, faint->parts_->depth, target);
   parts_->meshes.draw_transparent(projection);
   return parts_->report();
 }

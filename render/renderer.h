@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "core/base/result.h"
+#include "render/faint_layer.h"
 #include "render/scene.h"
 
 namespace homolog {
@@ -28,8 +29,13 @@ class Renderer {
   /// drawn all the same.
   Result<void> draw(const Scene& scene, const SliceView& view, const Target& target);
   Result<void> draw(const Scene& scene, const Camera3D& view, const Target& target);
+  /// Draws what is seen through of the scene's meshes into the layer, where its solid planes do not hide it.
+  Result<void> draw_faint(const Scene& scene, const Camera3D& view, const FaintLayer& layer);
+  /// Lays a layer as large as the target in, by depth, as what is seen through besides the scene's own meshes.
+  Result<void> draw(const Scene& scene, const Camera3D& view, const Target& target, const FaintLayer& faint);
 
  private:
+  Result<void> draw(const Scene& scene, const Camera3D& view, const Target& target, const FaintLayer* faint);
   struct Parts;
   explicit Renderer(std::unique_ptr<Parts> parts);
   std::unique_ptr<Parts> parts_;

@@ -14,6 +14,7 @@
 
 namespace homolog::shaders {
 
+HOMOLOG_SHADER(faint_frag)
 HOMOLOG_SHADER(glyph_vert)
 HOMOLOG_SHADER(glyph_frag)
 HOMOLOG_SHADER(layer_vert)

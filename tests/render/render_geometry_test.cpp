@@ -281,6 +281,47 @@ TEST_CASE("a surface behind a plane shines through it faintly and before it hide
   CHECK(through < 230);
 }
 
+TEST_CASE("meshes that are seen through look the same laid in as a layer, but where a mesh lies between two of them") {
+  VolumeGeometry grid;
+  grid.dims = {10, 2, 10};
+  grid.spacing_mm = Vec3(10, 10, 10);
+  grid.origin_mm = Vec3(-45, 5, -45);
+  Scene others;
+  others.image.volume = test::volume_of<std::uint8_t>(grid, [](int, int, int) { return 1; });
+  others.image.window_high = 4;
+  others.planes.push_back({test::coronal(Vec3(0, 8, 0), 1), 20, 50, {0, 0, 1}});  // solid, cuts the farther ball
+  for (const double y : {-14.0, 10.0}) {
+    others.meshes.push_back(test::layer_of(icosphere(3, 12, Vec3(0, y, 0))));
+    others.meshes.back().surface_opacity = 0.4f;
+  }
+  constexpr int size = 100;
+  const auto renderer = test::must(Renderer::make());
+  const auto layer = test::must(FaintLayer::make(size, size));
+  const Camera3D from_front;
+  CHECK(renderer->draw_faint(others, from_front, layer));
+  // How many channels of the picture differ visibly with an active ball there.
+  const auto differing = [&](const Vec3& at) {
+    Scene whole = others, over = others;
+    over.meshes.clear();
+    const MeshLayer active = test::layer_of(icosphere(3, 8, at));
+    whole.meshes.push_back(active);
+    over.meshes.push_back(active);
+    auto framebuffer = test::must(Framebuffer::make(size, size, 1));
+    framebuffer->bind();
+    CHECK(renderer->draw(over, from_front, {0, 0, size, size, 1}, layer));
+    const Picture laid_in = framebuffer->read(), drawn = picture_of(whole, from_front, size, size);
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < drawn.rgba.size(); ++k)
+      if (std::abs(static_cast<int>(drawn.rgba[k]) - static_cast<int>(laid_in.rgba[k])) > 3) ++count;
+    return count;
+  };
+  CHECK(differing(Vec3(8, -40, 0)) == 0);   // before both
+  CHECK(differing(Vec3(0, 30, 0)) == 0);    // behind both and the plane
+  CHECK(differing(Vec3(30, 0, 5)) == 0);    // beside them
+  CHECK(differing(Vec3(6, -2, 0)) > 0);     // between them
+  CHECK(differing(Vec3(6, -2, 0)) < 2000);  // and nowhere else: its disc has about 600 pixels of four channels
+}
+
 TEST_CASE("moved points and changed colours are drawn when the revision moves") {
   const Mesh ball = icosphere(2, 20);
   auto points = std::make_shared<Points>(ball.points);

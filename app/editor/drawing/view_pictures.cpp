@@ -90,6 +90,7 @@ void ViewPictures::forget() {
   slices_ = {};
   still_space_ = {};
   moving_space_ = {};
+  faint_ = {};
 }
 
 const Framebuffer* ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target) {
@@ -110,18 +111,50 @@ const Framebuffer* ViewPictures::slice(ViewKind kind, const Scene& scene, const 
   return drawn.whole.framebuffer.get();
 }
 
+const FaintLayer* ViewPictures::faint_of(const Scene& scene, const Camera3D& camera, const Target& target) {
+  const bool as_large =
+      faint_.layer && faint_.layer->width_px() == target.width && faint_.layer->height_px() == target.height;
+  if (!as_large) {
+    faint_ = {};
+    auto layer = FaintLayer::make(target.width, target.height);
+    if (!layer) {
+      error_ = layer.error().sentence();
+      return nullptr;
+    }
+    faint_.layer = std::move(*layer);
+  } else if (same(faint_.camera, camera) && same_scene(faint_.scene, scene)) {
+    return &*faint_.layer;
+  }
+  if (auto done = renderer_->draw_faint(scene, camera, *faint_.layer); !done) error_ = done.error().sentence();
+  faint_.scene = scene;
+  faint_.camera = camera;
+  return &*faint_.layer;
+}
+
 const Framebuffer* ViewPictures::space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving) {
   Drawn& drawn = moving ? moving_space_ : still_space_;
   if (!fit(drawn, target, moving ? 1 : 4)) return nullptr;
   const bool current =
       drawn.content_scale == target.content_scale && same(drawn.camera, camera) && same_scene(drawn.scene, scene);
-  if (!current) {
-    drawn.framebuffer->bind();
-    if (auto done = renderer_->draw(scene, camera, target); !done) error_ = done.error().sentence();
-    drawn.scene = scene;
-    drawn.camera = camera;
-    drawn.content_scale = target.content_scale;
+  if (current) return drawn.framebuffer.get();
+  // Dozens of meshes that are seen through take most of the time, and stay while one is dragged.
+  const FaintLayer* layer = nullptr;
+  Scene over = scene, faint;
+  if (moving) {
+    const auto first =
+        std::ranges::stable_partition(over.meshes, [](const MeshLayer& x) { return x.surface_opacity >= 1; });
+    faint.meshes.assign(first.begin(), first.end());
+    over.meshes.erase(first.begin(), first.end());
+    faint.image = scene.image;
+    faint.planes = scene.planes;
+    if (!faint.meshes.empty()) layer = faint_of(faint, camera, target);
   }
+  drawn.framebuffer->bind();
+  auto done = layer != nullptr ? renderer_->draw(over, camera, target, *layer) : renderer_->draw(scene, camera, target);
+  if (!done) error_ = done.error().sentence();
+  drawn.scene = scene;
+  drawn.camera = camera;
+  drawn.content_scale = target.content_scale;
   return drawn.framebuffer.get();
 }
 

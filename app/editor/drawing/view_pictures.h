@@ -21,7 +21,7 @@ class ViewPictures {
   // Both bind a framebuffer of their own where they draw.
   /// `scene` and the view's geometry decide whether a view is drawn again. Null where the driver has no room for it.
   const Framebuffer* slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target);
-  /// `moving` draws with one sample a pixel.
+  /// `moving` draws with one sample a pixel, and what is seen through as one surface (FaintLayer).
   const Framebuffer* space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving);
   /// Lets go of everything that was drawn, and of the volume in it.
   void forget();
@@ -42,16 +42,25 @@ class ViewPictures {
   struct DrawnSlice {
     Drawn below, whole;  ///< below: what stays while a mesh is dragged
   };
+  /// The meshes that are seen through, and what the layer shows.
+  struct DrawnFaint {
+    std::optional<FaintLayer> layer;
+    Scene scene;
+    Camera3D camera;
+  };
   explicit ViewPictures(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
   /// False where the framebuffer could not be made.
   bool fit(Drawn& drawn, const Target& target, int samples);
   /// Draws `scene` where `drawn` shows another one, over `below` where given. True where it did.
   bool draw_slice(Drawn& drawn, const Scene& scene, const SliceView& view, const Target& target,
                   const Framebuffer* below);
+  /// Null where the driver has no room for it.
+  const FaintLayer* faint_of(const Scene& scene, const Camera3D& camera, const Target& target);
 
   std::unique_ptr<Renderer> renderer_;
   std::array<DrawnSlice, 3> slices_;
   Drawn still_space_, moving_space_;
+  DrawnFaint faint_;
   std::string error_;
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <mutex>
 #include <utility>
 
@@ -21,7 +20,7 @@ namespace {
 /// Those that are lent now; a name that is lent twice counts twice.
 struct ImagesInMemory {
   std::mutex mutex;
-  std::multimap<std::filesystem::path, std::shared_ptr<const VolumeRead>> by_name;
+  LentImages by_name;
 } images_in_memory;
 
 std::shared_ptr<const VolumeRead> image_in_memory(const std::filesystem::path& name) {
@@ -32,15 +31,14 @@ std::shared_ptr<const VolumeRead> image_in_memory(const std::filesystem::path& n
 
 }  // namespace
 
-ImageInMemory::ImageInMemory(std::filesystem::path name, std::shared_ptr<const VolumeRead> image)
-    : name_(std::move(name)) {
+ImageInMemory::ImageInMemory(std::filesystem::path name, std::shared_ptr<const VolumeRead> image) {
   const std::lock_guard lock(images_in_memory.mutex);
-  images_in_memory.by_name.emplace(name_, std::move(image));
+  place_ = images_in_memory.by_name.emplace(std::move(name), std::move(image));
 }
 
 ImageInMemory::~ImageInMemory() {
   const std::lock_guard lock(images_in_memory.mutex);
-  images_in_memory.by_name.erase(images_in_memory.by_name.find(name_));
+  images_in_memory.by_name.erase(place_);
 }
 
 Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress) {
@@ -173,7 +171,8 @@ bool any_occurs(const Volume& mask, const std::vector<int>& labels, int frame) {
       [&](const auto& voxels) {
         const auto begin = voxels.begin() + static_cast<std::ptrdiff_t>(first);
         return std::any_of(begin, begin + static_cast<std::ptrdiff_t>(count), [&](const auto value) {
-          return value != 0 && std::find(labels.begin(), labels.end(), std::lround(value)) != labels.end();
+          const int label = rounded_label(static_cast<double>(value));
+          return label != 0 && std::find(labels.begin(), labels.end(), label) != labels.end();
         });
       },
       mask.data);

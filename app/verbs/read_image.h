@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -11,8 +12,11 @@ namespace homolog {
 
 // Volumes as verbs take them: a file, and which frame and label of it. Errors name the file and the option.
 
+using LentImages = std::multimap<std::filesystem::path, std::shared_ptr<const VolumeRead>>;
+
 /// While it lives, whoever reads the image or label map `name` gets this one: for a program that has it in memory and
-/// does a verb in its own process [python/]. Any thread may make one.
+/// does a verb in its own process [python/]. Any thread may make one. Images that live at a time under one name must be
+/// alike.
 class ImageInMemory {
  public:
   ImageInMemory(std::filesystem::path name, std::shared_ptr<const VolumeRead> image);
@@ -21,7 +25,7 @@ class ImageInMemory {
   ImageInMemory& operator=(const ImageInMemory&) = delete;
 
  private:
-  std::filesystem::path name_;
+  LentImages::iterator place_;
 };
 
 /// The image, of which `frame` must exist.

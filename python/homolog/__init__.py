@@ -29,6 +29,17 @@ from . import _actions
 _actions.add_to(Case)
 
 
+class _Report:
+    """The report of an object that was given none: an empty dict of its own."""
+
+    def __get__(self, of, kind=None):
+        return self if of is None else of.__dict__.setdefault("report", {})
+
+
+setattr(Error, "report", _Report())
+setattr(Model, "report", _Report())
+
+
 def _shown(draw):
     """What a notebook shows of an object; nothing where there is no OpenGL."""
     def _repr_png_(self):

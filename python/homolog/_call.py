@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import tempfile
 from typing import Any, Callable, Dict, Iterable, List, Optional, Union
@@ -45,13 +46,14 @@ class Call:
         """The name by which the verb gets a value.
 
         lend: the verb takes volumes that are in memory; "labels": as label maps; "template": it takes built-in names.
+        Errors: a case whose file lacks some of its edits.
         """
         if isinstance(value, str):
             return value
         if hasattr(value, "__fspath__"):
             return os.fspath(value)
         if _images.is_nibabel(value):
-            value = _images.from_nibabel(value, labels=lend == "labels")
+            value = _images.mask_of(value) if lend == "labels" else _images.from_nibabel(value)
         if isinstance(value, Fit):
             value = value.mesh
         if isinstance(value, _core.Volume):
@@ -68,6 +70,8 @@ class Call:
         if isinstance(value, _core.Case):
             if not value.source:
                 raise _core.Error("case: is in memory alone; save it by save_as first")
+            if not value._is_in_file:
+                raise _core.Error("case: has edits that are not in its file; save it by save_as first")
             return value.source
         if isinstance(value, (_core.Mesh, _core.Model)):
             if value._file:
@@ -114,6 +118,8 @@ class Call:
 
     def option(self, name: str, value: Any, lend: Any = False) -> "Call":
         """--name VALUE; nothing for None and False, a flag for True, values with commas between them for a list."""
+        if isinstance(value, numpy.bool_):
+            value = bool(value)
         if value is None or value is False:
             return self
         self.arguments.append("--" + name.replace("_", "-"))
@@ -121,6 +127,8 @@ class Call:
             return self
         if isinstance(value, numpy.ndarray) and (lend or value.ndim > 1):
             raise _core.Error(f"{name}: {_of_array(lend)}")
+        if isinstance(value, numpy.ndarray) and value.ndim == 0:
+            value = value[()]
         if isinstance(value, (list, tuple, numpy.ndarray)):
             self.arguments.append(",".join(text_of(one) for one in value))
         elif isinstance(value, (int, float, numpy.number)):
@@ -129,13 +137,63 @@ class Call:
             self.arguments.append(self.name_of(value, lend))
         return self
 
+    def words(self, name: str, values: Any, lend: Any = False) -> "Call":
+        """--name and each of several values as a word of its own; nothing for None."""
+        if values is None:
+            return self
+        self.arguments.append("--" + name.replace("_", "-"))
+        return self.add(*several(values), lend=lend)
+
+    def done(self, pairs: Any) -> "Call":
+        """--done MESH IMAGE for each of [(mesh, image)], or for one pair."""
+        if pairs is None:
+            return self
+        if isinstance(pairs, tuple):
+            pairs = [pairs]
+        for pair in pairs:
+            if not isinstance(pair, (list, tuple)) or len(pair) != 2:
+                raise _core.Error("done: is no list of pairs; give [(mesh, image), …]")
+            self.arguments.append("--done")
+            self.add(pair[0]).add(pair[1], lend=True)
+        return self
+
+    def landmarks(self, value: Any) -> Any:
+        """A file of {name: (x, y, z)}; whatever else as it is."""
+        if not isinstance(value, dict):
+            return value
+        file = self.new_file(".mrk.json")
+        _core.write_landmarks(value, file)
+        return file
+
+    def json_file(self, value: Any, name: str, ending: str = ".json") -> Any:
+        """A file of a dict, numbers and arrays of numpy in it too; whatever else as it is. Errors: what JSON lacks."""
+        if not isinstance(value, dict):
+            return value
+
+        def plain(one):
+            whole = one.tolist() if hasattr(one, "tolist") else one
+            if whole is one or hasattr(whole, "tolist"):
+                raise _core.Error(f"{name}: holds a {type(one).__name__}; give numbers, text, lists and dicts")
+            return whole
+
+        file = self.new_file(ending)
+        try:
+            text = json.dumps(value, default=plain)
+        except _core.Error:
+            raise
+        except (TypeError, ValueError, RecursionError):
+            raise _core.Error(f"{name}: cannot be written as JSON; give numbers, text, lists and dicts") from None
+        with open(file, "w", encoding="utf-8") as out:
+            out.write(text)
+        return file
+
     def options(self, **values: Any) -> "Call":
         for name, value in values.items():
             self.option(name, value)
         return self
 
     def table(self, name: str, value: Any) -> "Call":
-        """A table: a file, a pandas DataFrame, or a list of dicts."""
+        """A table: a file, a pandas DataFrame, a list of dicts, a row each, or a dict of lists, a column each."""
         if value is None or isinstance(value, str) or hasattr(value, "__fspath__"):
             return self.option(name, value)
         file = self.new_file(".csv")
@@ -144,15 +202,34 @@ class Call:
         else:
             import csv
 
-            rows = list(value)
+            rows = _rows_of(name, value)
+            columns = list(dict.fromkeys(key for row in rows for key in row))
             with open(file, "w", newline="", encoding="utf-8") as out:
-                writer = csv.DictWriter(out, fieldnames=list(rows[0]) if rows else [])
+                writer = csv.DictWriter(out, fieldnames=columns)
                 writer.writeheader()
                 writer.writerows(rows)
         return self.option(name, file)
 
     def run(self, progress: Progress = None, jobs: Optional[int] = None) -> Dict[str, Any]:
         return _core.run(self.arguments, self.lent, progress, jobs)
+
+
+def _rows_of(name: str, table: Any) -> List[Dict[str, Any]]:
+    """A dict for each row. Errors: no table, columns that differ in length."""
+    if isinstance(table, dict):
+        columns = {key: list(column) for key, column in table.items()
+                   if isinstance(column, Iterable) and not isinstance(column, (str, bytes, dict))}
+        if len(columns) != len(table):
+            raise _core.Error(f"{name}: is a dict that holds something else than columns; give {{name: list}}")
+        lengths = {key: len(column) for key, column in columns.items()}
+        if len(set(lengths.values())) > 1:
+            each = ", ".join(f"{key}: {length}" for key, length in lengths.items())
+            raise _core.Error(f"{name}: has columns of several lengths ({each}); give a value for each case")
+        return [dict(zip(columns, row)) for row in zip(*columns.values())]
+    rows = list(table) if isinstance(table, Iterable) else []
+    if not rows or not all(isinstance(row, dict) for row in rows):
+        raise _core.Error(f"{name}: is no table; give a .csv, a DataFrame, a list of dicts or a dict of lists")
+    return rows
 
 
 def _of_array(lend: Any) -> str:
@@ -163,9 +240,15 @@ def _of_array(lend: Any) -> str:
 
 
 def _name_of_array(volume: _core.Volume) -> str:
-    """The same name for the same voxels at the same place, since files say what they were made of."""
-    digest = hashlib.blake2b(volume.array.ravel(order="F").data, digest_size=6)
-    digest.update(repr((volume.shape, volume.origin_mm, volume.spacing_mm, volume.direction.tolist())).encode())
+    """The same name for the same voxels, names and frames at the same place, since files say what they were made of.
+
+    Other volumes get other names: calls of several threads lend theirs at a time.
+    """
+    digest = hashlib.blake2b(digest_size=6)
+    for layer in volume.layers if isinstance(volume, _core.LabelMap) else (volume,):
+        digest.update(layer.array.ravel(order="F").data)
+        digest.update(repr((layer.shape, layer.origin_mm, layer.spacing_mm, layer.direction.tolist())).encode())
+    digest.update(volume._beside_voxels.encode())
     return f"array-{digest.hexdigest()}.nrrd"
 
 
@@ -173,7 +256,12 @@ def text_of(value: Any) -> str:
     """A number as one writes it on the command line: 2 and not 2.0."""
     if isinstance(value, (bool, str)):
         return str(value)
-    number = float(value) if not isinstance(value, (int, numpy.integer)) else int(value)
+    if hasattr(value, "__fspath__"):
+        return os.fspath(value)
+    try:
+        number = float(value) if not isinstance(value, (int, numpy.integer)) else int(value)
+    except (TypeError, ValueError, OverflowError):
+        raise _core.Error(f"{type(value).__name__}: is no number; give numbers or text") from None
     text = repr(number)
     return text[:-2] if text.endswith(".0") else text
 

@@ -24,10 +24,17 @@ def run(*arguments: Any, progress: Progress = None, jobs: Optional[int] = None) 
         return call.add(*[text_of(one) if isinstance(one, (int, float)) else one for one in arguments]).run(progress, jobs)
 
 
-def info(file: Any) -> Dict[str, Any]:
-    """What a volume, mesh, template, case or model is."""
+def info(file: Any, *, series: Optional[str] = None, spacing: Optional[Sequence[float]] = None, resample: bool = False,
+         labels: Any = None, label: Any = None, frame: Optional[int] = None,
+         level: Optional[float] = None) -> Dict[str, Any]:
+    """What a volume, mesh, template, case or model is.
+
+    series: the UID of one where a DICOM folder holds several. spacing: x, y, z in mm of a stack of pictures. labels: a
+    label map, to which the mesh's distance is measured, with label, frame and level as in compare.
+    """
     with Call("info") as call:
-        return call.add(file).run()
+        call.add(file).option("mask", labels, lend="labels").options(series=series, spacing=spacing, resample=resample)
+        return call.options(label=label, frame=frame, level=level).run()
 
 
 def _mesh_written(file: str, kept: bool) -> _core.Mesh:
@@ -40,14 +47,16 @@ def fit(template: Any, labels: Any = None, *, label: Any = None, mesh: Any = Non
         frame: Optional[int] = None, parts: Optional[str] = None, placement: Any = None, landmarks: Any = None,
         orientation: Optional[str] = None, model: Any = None, beyond: Optional[float] = None, partial: bool = False,
         mirror: bool = False, reach_mm: Optional[float] = None, strength: Optional[float] = None,
-        polarity: Optional[str] = None, progress: Progress = None, jobs: Optional[int] = None) -> Fit:
+        polarity: Optional[str] = None, done: Any = None, progress: Progress = None,
+        jobs: Optional[int] = None) -> Fit:
     """Fits a template to a label map, a surface (``mesh``), an image (``image``) or contours; see docs/fit.md.
 
     template: a Mesh, a file or a built-in name. labels: a LabelMap, a file or an image of nibabel. label: a number, a name,
     or a list of them for their union. output: also written there, as ``homolog fit -o`` writes it. landmarks: a file, or
     {name: (x, y, z)} in LPS mm. placement: a file, or {"rotation": [w, x, y, z], "scale": s, "translation": [x, y, z]}.
     model: a Model or a file. contours: a file, or several; alone, or with labels or an image. structure: which of theirs,
-    by number or name. off_mm: how far they may lie off the boundary. outside: the organ lies inside of them.
+    by number or name. off_mm: how far they may lie off the boundary. outside: the organ lies inside of them. done: of an
+    image [(mesh, image)] of finished cases, to learn how the boundary looks there.
     """
     with Call("fit") as call:
         call.add(template, lend="template")
@@ -55,20 +64,13 @@ def fit(template: Any, labels: Any = None, *, label: Any = None, mesh: Any = Non
         if contours is not None:
             call.arguments.append("--contours")
             call.add(*several(contours))
-        if isinstance(landmarks, dict):
-            file = call.new_file(".mrk.json")
-            _core.write_landmarks(landmarks, file)
-            landmarks = file
-        if isinstance(placement, dict):
-            file = call.new_file(".json")
-            with open(file, "w", encoding="utf-8") as text:
-                json.dump(placement, text)
-            placement = file
+        landmarks, placement = call.landmarks(landmarks), call.json_file(placement, "placement")
         out = os.fspath(output) if output is not None else call.new_file(".ply")
         call.options(label=label, level=level, closing_mm=closing_mm, parts=parts, placement=placement,
                      landmarks=landmarks, orientation=orientation, model=model, beyond=beyond, frame=frame,
                      reach_mm=reach_mm, strength=strength, polarity=polarity, partial=partial, mirror=mirror,
                      structure=structure, off_mm=off_mm, outside=outside)
+        call.done(done)
         call.arguments += ["-o", out]
         report = call.run(progress, jobs)
         return Fit(_mesh_written(out, output is not None), report)
@@ -97,13 +99,17 @@ def fit_all(template: Any, labels: Any = None, output: PathOrText = "", *, mesh:
 
 def snap(mesh: Any, image: Any = None, *, output: Optional[PathOrText] = None, at: Optional[Sequence[float]] = None,
          sigma_mm: Optional[float] = None, frame: Optional[int] = None, reach_mm: Optional[float] = None,
-         strength: Optional[float] = None, polarity: Optional[str] = None, progress: Progress = None,
+         strength: Optional[float] = None, polarity: Optional[str] = None, done: Any = None, progress: Progress = None,
          jobs: Optional[int] = None) -> Fit:
-    """Draws a mesh to the boundary that an image shows; see docs/assistance.md. at: LPS mm, only the part around it."""
+    """Draws a mesh to the boundary that an image shows; see docs/assistance.md.
+
+    at: LPS mm, only the part around it. done: [(mesh, image)] of finished cases, to learn how the boundary looks there.
+    """
     with Call("snap") as call:
         out = os.fspath(output) if output is not None else call.new_file(".ply")
         call.add(mesh, lend="template").option("image", image, lend=True)
         call.options(at=at, sigma_mm=sigma_mm, frame=frame, reach_mm=reach_mm, strength=strength, polarity=polarity)
+        call.done(done)
         call.arguments += ["-o", out]
         report = call.run(progress, jobs)
         return Fit(_mesh_written(out, output is not None), report)
@@ -161,27 +167,36 @@ def evaluate(shapes: Any, *, modes: Optional[str] = None, samples: Optional[int]
         return call.run(progress, jobs)
 
 
-def score(new: Any, model: Any, *, label: Any = None, frame: Optional[int] = None,
+def score(new: Any, model: Any, *, label: Any = None, frame: Optional[int] = None, landmarks: Any = None,
+          template: Any = None, flip_mirrored: bool = False,
           output: Optional[PathOrText] = None, progress: Progress = None, jobs: Optional[int] = None) -> Dict[str, Any]:
     """How far subjects are from a model, which stays as it is: ``subjects`` [{name, distance, residual_mm, …}].
 
-    new: meshes in the model's numbering, cases, studies, or label maps to which the model's mean is fitted.
+    new: meshes in the model's numbering, cases, studies, or label maps to which the model's mean is fitted. Or images,
+    with landmarks that were placed in one ({name: (x, y, z)} in LPS mm, a file, or a folder with a file of each one's
+    name) and the model's template, a Mesh or a file. flip_mirrored: mirror images of the mean are flipped.
     """
     with Call("score") as call:
-        call.add_shapes(new, lend="labels").option("model", model).options(label=label, frame=frame, output=output)
+        call.add_shapes(new, lend="labels" if landmarks is None else True).option("model", model)
+        call.options(label=label, frame=frame, landmarks=call.landmarks(landmarks))
+        call.option("template", template, lend="template").options(flip_mirrored=flip_mirrored, output=output)
         return call.run(progress, jobs)
 
 
 def test(shapes: Any, formula: str, *, covariates: Any = None, permutations: Optional[int] = None,
-         seed: Optional[int] = None, by_doubt: bool = False, csv: Optional[PathOrText] = None,
-         progress: Progress = None, jobs: Optional[int] = None, **options: Any) -> Dict[str, Any]:
+         seed: Optional[int] = None, by_doubt: bool = False, templates: Any = None, without_direction: Any = None,
+         csv: Optional[PathOrText] = None, progress: Progress = None, jobs: Optional[int] = None,
+         **options: Any) -> Dict[str, Any]:
     """Tests what shapes have to do with what is known of their cases; see docs/statistics.md.
 
-    formula: "shape ~ group + age". covariates: a .csv, a DataFrame of pandas or a list of dicts, a row a case, its name in
-    the column name.
+    formula: "shape ~ group + age". covariates: a .csv, a DataFrame of pandas, a list of dicts, a row a case, or a dict
+    of lists, a column each. A case's name is in the column name; what a row lacks is empty. templates: folders or studies
+    of the same cases in other templates. without_direction: two shapes; what the cases differ along the way from one to
+    the other is taken out.
     """
     with Call("test") as call:
         call.add_shapes(shapes).option("formula", formula).table("covariates", covariates)
+        call.words("templates", templates).words("without_direction", without_direction)
         call.options(permutations=permutations, seed=seed, by_doubt=by_doubt, csv=csv, **options)
         return call.run(progress, jobs)
 
@@ -194,37 +209,44 @@ def measure(shapes: Any, *, recipe: Any = None, model: Any = None, modes: Option
     recipe: a file, a shipped name ("femur", "vertebra", "ventricle"), or a dict. model: also along its modes.
     """
     with Call("measure") as call:
-        if isinstance(recipe, dict):
-            file = call.new_file(".recipe.json")
-            with open(file, "w", encoding="utf-8") as out:
-                json.dump(recipe, out)
-            recipe = file
+        recipe = call.json_file(recipe, "recipe", ".recipe.json")
         call.add_shapes(shapes).option("recipe", recipe).option("model", model)
         call.options(modes=modes, csv=csv, **options)
         return call.run(progress, jobs)
 
 
 def compare(mesh: Any, *, labels: Any = None, label: Any = None, other: Any = None, frame: Optional[int] = None,
-            progress: Progress = None) -> Dict[str, Any]:
-    """How well a mesh agrees with a label map (``labels``) or another mesh (``other``): dice, assd_mm, hd95_mm, …"""
+            level: Optional[float] = None, progress: Progress = None) -> Dict[str, Any]:
+    """How well a mesh agrees with a label map (``labels``) or another mesh (``other``): dice, assd_mm, hd95_mm, …
+
+    level: of a mask with soft edges the value at its surface.
+    """
     with Call("compare") as call:
-        call.add(mesh).option("mask", labels, lend="labels").option("mesh", other).options(label=label, frame=frame)
+        call.add(mesh).option("mask", labels, lend="labels").option("mesh", other)
+        call.options(label=label, frame=frame, level=level)
         return call.run(progress)
 
 
 def make_template(source: Any, output: PathOrText, *, label: Any = None, vertices: Optional[int] = None,
-                  landmarks: Any = None, progress: Progress = None, jobs: Optional[int] = None, **options: Any):
+                  landmarks: Any = None, consensus: bool = False, best_of: bool = False, progress: Progress = None,
+                  jobs: Optional[int] = None, **options: Any):
     """A template of a label map or a surface; see docs/templates.md. Gives the Mesh that was written to ``output``.
 
-    source: a LabelMap, a Mesh or a file. options: those of ``homolog template``, as ``tube=True, rings=40``.
+    source: a LabelMap, a Mesh or a file. With consensus or best_of several subjects, or a folder of them: the template
+    is their mean shape, or the one that fits the others best. options: those of ``homolog template``, as ``tube=True,
+    rings=40``.
     """
+    sources = several(source)
+    if len(sources) > 1 and not consensus and not best_of:
+        raise _core.UsageError("source: is several subjects; say consensus=True or best_of=True, or give one of them")
     with Call("template") as call:
-        call.add(source, lend="labels")
-        if isinstance(landmarks, dict):
-            file = call.new_file(".mrk.json")
-            _core.write_landmarks(landmarks, file)
-            landmarks = file
-        call.options(label=label, vertices=vertices, landmarks=landmarks, **options)
+        if consensus:
+            call.words("consensus", sources)
+        if best_of:
+            call.words("best_of", sources)
+        if not consensus and not best_of:
+            call.add(*sources, lend="labels")
+        call.options(label=label, vertices=vertices, landmarks=call.landmarks(landmarks), **options)
         call.arguments += ["-o", os.fspath(output)]
         call.run(progress, jobs)
         return _core.read_mesh(os.fspath(output))
@@ -248,15 +270,17 @@ def read_set(source: PathOrText) -> Dict[str, Any]:
 
 
 def fit_set(templates: PathOrText, maps: Any, output: PathOrText, *, gap_mm: Optional[float] = None,
-            progress: Progress = None, jobs: Optional[int] = None) -> Dict[str, Any]:
+            frame: Optional[int] = None, progress: Progress = None, jobs: Optional[int] = None) -> Dict[str, Any]:
     """Fits a template set to label maps, into the folder ``output``: CASE/STRUCTURE.ply, CASE.seg.nrrd. Gives the report.
+
+    gap_mm: how far neighbours are kept apart. frame: of label maps with several, from 0.
 
     Errors: a label map that is in memory alone, since the study beside the cases names its file.
     """
     with Call("fit") as call:
         call.add(templates)
         call.arguments.append("--mask")
-        call.add_files(*several(maps)).options(gap_mm=gap_mm)
+        call.add_files(*several(maps)).options(gap_mm=gap_mm, frame=frame)
         call.arguments += ["-o", os.fspath(output)]
         return call.run(progress, jobs)
 

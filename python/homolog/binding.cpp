@@ -81,16 +81,12 @@ std::string shape_in_words(const py::array& array) {
   return "has the shape " + std::string(py::str(array.attr("shape")));
 }
 
-py::array numbers_from(const py::handle& value, const std::string& name) {
-  const py::array array = py::array::ensure(py::reinterpret_borrow<py::object>(value));
-  if (!array) {
-    PyErr_Clear();
-    refuse(name, "is no array of numbers; give a numpy array");
-  }
-  const char kind = array.dtype().kind();
-  if (kind != 'f' && kind != 'i' && kind != 'u')
-    refuse(name, "has the dtype " + std::string(py::str(array.dtype())) + "; give real numbers, as float64");
-  return array;
+/// Errors: an array of numpy.ma that hides some of its values, which would be taken for others.
+void refuse_hidden(const py::handle& value, const std::string& name) {
+  if (!py::hasattr(value, "mask") || !py::hasattr(value, "filled")) return;
+  const py::module_ hidden = py::module_::import("numpy.ma");
+  if (hidden.attr("isMaskedArray")(value).cast<bool>() && hidden.attr("is_masked")(value).cast<bool>())
+    refuse(name, "hides values by a mask, which is not kept; give array.filled(value), or the values alone");
 }
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -103,6 +99,73 @@ void check_finite(const double* values, std::size_t count, std::size_t columns, 
     refuse(name, std::isfinite(values[k]) ? "at " + where + " " + beyond_farthest + "; give mm"
                                           : "at " + where + " is no finite number; take it out or replace it");
   }
+}
+
+/// Text as JSON holds it. Errors: text that is no UTF-8.
+std::string utf8(const py::handle& text) {
+  py::ssize_t bytes = 0;
+  const char* const begin = PyUnicode_AsUTF8AndSize(text.ptr(), &bytes);
+  if (begin != nullptr) return {begin, static_cast<std::size_t>(bytes)};
+  PyErr_Clear();
+  refuse("text", "cannot be written as UTF-8; take out what is no character");
+}
+
+/// Errors: a number beyond 64 bits.
+Json whole_number(const py::handle& value) {
+  int beyond = 0;
+  const long long number = PyLong_AsLongLongAndOverflow(value.ptr(), &beyond);
+  if (beyond == 0) return static_cast<std::int64_t>(number);
+  if (beyond > 0) {
+    const unsigned long long large = PyLong_AsUnsignedLongLong(value.ptr());
+    if (PyErr_Occurred() == nullptr) return static_cast<std::uint64_t>(large);
+    PyErr_Clear();
+  }
+  refuse("number", std::string("is a whole number ") + (beyond > 0 ? "above" : "below") +
+                       " those of 64 bits; give a smaller one");
+}
+
+[[noreturn]] void refuse_in_json(const py::handle& value) {
+  refuse(std::string(py::str(py::type::of(value))), "has no place in JSON; give numbers, text, lists and dicts");
+}
+
+/// What an object of numpy is in Python itself. Its number of more than 64 bits, which has no other form there, becomes
+/// a float.
+Json json_of_numpy(const py::handle& value, int depth);
+
+Json json_of(const py::handle& value, int depth) {
+  constexpr int deepest = 100;
+  if (depth > deepest) refuse("value", "holds itself, or lists within lists more than 100 deep; give a flat one");
+  if (value.is_none()) return nullptr;
+  if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
+  if (py::isinstance<py::int_>(value)) return whole_number(value);
+  if (py::isinstance<py::float_>(value)) return value.cast<double>();
+  if (py::isinstance<py::str>(value)) return utf8(value);
+  if (py::isinstance<py::dict>(value)) {
+    Json object = Json::object();
+    for (const auto& [key, one] : value.cast<py::dict>()) object[utf8(py::str(key))] = json_of(one, depth + 1);
+    return object;
+  }
+  if (py::hasattr(value, "tolist")) return json_of_numpy(value, depth);
+  if (py::hasattr(value, "__fspath__")) return utf8(py::str(value.attr("__fspath__")()));
+  if (py::isinstance<py::sequence>(value)) {
+    Json list = Json::array();
+    for (const auto& one : value.cast<py::sequence>()) list.push_back(json_of(one, depth + 1));
+    return list;
+  }
+  refuse_in_json(value);
+}
+
+Json json_of_numpy(const py::handle& value, int depth) {
+  refuse_hidden(value, "array");
+  const py::object plain = value.attr("tolist")();
+  if (!py::hasattr(plain, "tolist")) return json_of(plain, depth + 1);
+  if (const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(plain.ptr()))) return whole_number(whole);
+  PyErr_Clear();
+  const auto kind = py::hasattr(plain, "dtype") ? plain.attr("dtype").attr("kind").cast<std::string>() : "f";
+  const double number = kind == "f" ? PyFloat_AsDouble(plain.ptr()) : 0;
+  if (kind == "f" && PyErr_Occurred() == nullptr) return number;
+  PyErr_Clear();
+  refuse_in_json(value);
 }
 
 }  // namespace
@@ -152,24 +215,7 @@ py::object to_python(const Json& json) {
 }
 
 Json to_json(const py::handle& value) {
-  if (value.is_none()) return nullptr;
-  if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
-  if (py::isinstance<py::int_>(value)) return value.cast<std::int64_t>();
-  if (py::isinstance<py::float_>(value)) return value.cast<double>();
-  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
-  if (py::isinstance<py::dict>(value)) {
-    Json object = Json::object();
-    for (const auto& [key, one] : value.cast<py::dict>()) object[std::string(py::str(key))] = to_json(one);
-    return object;
-  }
-  if (py::hasattr(value, "tolist")) return to_json(value.attr("tolist")());
-  if (py::hasattr(value, "__fspath__")) return std::string(py::str(value.attr("__fspath__")()));
-  if (py::isinstance<py::sequence>(value)) {
-    Json list = Json::array();
-    for (const auto& one : value.cast<py::sequence>()) list.push_back(to_json(one));
-    return list;
-  }
-  refuse(std::string(py::str(py::type::of(value))), "has no place in JSON; give numbers, text, lists and dicts");
+  return json_of(value, 0);
 }
 
 void warn(const std::vector<std::string>& sentences) {
@@ -219,6 +265,51 @@ py::array read_only(const py::dtype& type, std::vector<py::ssize_t> shape, std::
   py::array view(type, std::move(shape), std::move(strides), data, owner);
   py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   return view;
+}
+
+std::shared_ptr<HeldMesh> mesh_in(const py::handle& value) {
+  if (py::isinstance<HeldMesh>(value)) return value.cast<std::shared_ptr<HeldMesh>>();
+  if (!py::isinstance(value, py::module_::import("homolog._results").attr("Fit"))) return nullptr;
+  return mesh_in(value.attr("mesh"));
+}
+
+std::string label_text(const py::handle& value) {
+  if (py::isinstance<py::str>(value)) return utf8(value);
+  if (!py::isinstance<py::bool_>(value) && PyIndex_Check(value.ptr()) != 0)
+    if (const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()))) return py::str(whole);
+  PyErr_Clear();
+  if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value))
+    refuse("label", "is a " + std::string(py::str(py::type::of(value).attr("__name__"))) +
+                        "; give a number, a name, or a list of them");
+  std::string all;
+  for (const auto& one : value.cast<py::sequence>()) {
+    if (py::isinstance<py::list>(one) || py::isinstance<py::tuple>(one))
+      refuse("label", "holds a list within a list; give numbers and names");
+    all += (all.empty() ? "" : ",") + label_text(one);
+  }
+  return all;
+}
+
+std::string path_from(const py::handle& value, const std::string& name, const std::string& wanted) {
+  if (!py::isinstance<py::str>(value) && !py::hasattr(value, "__fspath__"))
+    refuse(name, "is a " + std::string(py::str(py::type::of(value).attr("__name__"))) + "; give " + wanted);
+  return py::reinterpret_borrow<py::object>(value).cast<std::filesystem::path>().string();
+}
+
+py::array array_from(const py::handle& value, const std::string& name) {
+  refuse_hidden(value, name);
+  const py::array array = py::array::ensure(py::reinterpret_borrow<py::object>(value));
+  if (array) return array;
+  PyErr_Clear();
+  refuse(name, "is no array of numbers; give a numpy array");
+}
+
+py::array numbers_from(const py::handle& value, const std::string& name) {
+  const py::array array = array_from(value, name);
+  const char kind = array.dtype().kind();
+  if (kind != 'f' && kind != 'i' && kind != 'u')
+    refuse(name, "has the dtype " + std::string(py::str(array.dtype())) + "; give real numbers, as float64");
+  return array;
 }
 
 Points points_from(const py::handle& value, const char* name) {

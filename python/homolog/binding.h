@@ -52,7 +52,8 @@ T value_of(Result<T> result) {
 /// JSON as Python's dict, list, str, float, int, bool and None. Numbers that are not finite become None, as in a report
 /// that is printed.
 py::object to_python(const Json& json);
-/// And back; numpy's numbers and arrays are taken too. Errors: what JSON does not know.
+/// And back; numpy's numbers and arrays are taken too. Errors: what JSON does not know, a dict or list that holds
+/// itself, a whole number beyond 64 bits.
 Json to_json(const py::handle& value);
 
 /// Gives sentences to Python's warnings as homolog.HomologWarning.
@@ -109,6 +110,14 @@ struct HeldVolume {
 /// One that is a label map.
 struct HeldLabels : HeldVolume {};
 
+/// A mesh as it is given: one that is held, or a Fit for its mesh; null for whatever else.
+std::shared_ptr<HeldMesh> mesh_in(const py::handle& value);
+/// A label as it is asked for: a name, a number, or a list of them, as `--label` takes it. Errors: whatever else.
+std::string label_text(const py::handle& value);
+/// A path, or a name that stands for one, as str or what has __fspath__. Errors: whatever else; `name` and what is
+/// `wanted` are named.
+std::string path_from(const py::handle& value, const std::string& name, const std::string& wanted);
+
 /// A view of memory that `owner` keeps; it cannot be written to.
 py::array read_only(const py::dtype& type, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                     const void* data, const py::handle& owner);
@@ -119,6 +128,11 @@ py::array read_only(std::vector<py::ssize_t> shape, const T* data, const py::han
   for (std::size_t axis = shape.size(); axis-- > 1;) strides[axis - 1] = strides[axis] * shape[axis];
   return read_only(py::dtype::of<T>(), std::move(shape), std::move(strides), data, owner);
 }
+
+/// A numpy array of what is one, or of lists of numbers. Errors: none, of real numbers; one that hides some of its
+/// values [numpy.ma].
+py::array array_from(const py::handle& value, const std::string& name);
+py::array numbers_from(const py::handle& value, const std::string& name);
 
 /// n×3 finite numbers in reach, LPS mm; `name` begins the sentence. Copied.
 Points points_from(const py::handle& value, const char* name);

@@ -19,59 +19,67 @@ namespace {
 std::shared_ptr<HeldCase> held(EditSession session, const std::filesystem::path& path,
                                const std::vector<std::string>& warnings) {
   warn(warnings);
-  return std::make_shared<HeldCase>(std::move(session), path.string());
+  return std::make_shared<HeldCase>(std::move(session), path);
 }
 
 std::shared_ptr<HeldCase> open_held(const std::filesystem::path& path, bool read_only, const py::object& progress) {
   auto read = watched_value<CaseRead>({progress, {}}, [&](Progress& own) {
     ReplayOptions options;
     options.progress = &own;
-    return read_only ? read_case(path, options) : open_case(path, &own);
+    // From the root: the file has to be found again when the program changes its folder.
+    return read_only ? read_case(path, options) : open_case(absolute_path(path), &own);
   });
   return held(std::move(read.session), path, read.warnings);
 }
 
 std::shared_ptr<const Template> template_from(const py::object& value) {
-  if (py::isinstance<HeldMesh>(value)) {
-    const auto& mesh = value.cast<const HeldMesh&>();
-    const bool has_changed = names_file(mesh.source) && !mesh.stamp.holds();
-    if (mesh.source.empty() || has_changed) return value_of(make_template(*mesh.file, ""));
-    return value_of(load_template(mesh.source));
+  if (const auto mesh = mesh_in(value)) {
+    const bool has_changed = names_file(mesh->source) && !mesh->stamp.holds();
+    if (mesh->source.empty() || has_changed) return value_of(make_template(*mesh->file, ""));
+    return value_of(load_template(mesh->source));
   }
   if (py::isinstance<py::array>(value))
     refuse("template", "is an array of numpy, which has no faces; give homolog.Mesh(points, triangles)");
-  return value_of(load_template(py::str(value)));
+  return value_of(load_template(path_from(value, "template", "a Mesh, a file, or a name as built-in:kidney")));
 }
 
 std::shared_ptr<HeldCase> create_held(const py::object& the_template, const py::object& image, const py::object& path,
-                                      const py::object& placement) {
+                                      const py::object& placement, const py::object& progress) {
   auto reference = template_from(the_template);
   std::optional<Similarity> place;
   if (!placement.is_none()) place = value_of(similarity_from_json(to_json(placement)));
   std::string source;
-  std::shared_ptr<const Volume> volume;
+  std::shared_ptr<const VolumeRead> read;
   if (py::isinstance<HeldVolume>(image)) {
     const auto& given = image.cast<const HeldVolume&>();
     // A case must not name a file that holds something else by now.
     if (!names_file(given.source) || given.stamp.holds()) source = given.source;
-    volume = std::shared_ptr<const Volume>(given.read, &given.read->volume);
+    read = given.read;
   } else if (py::hasattr(image, "dataobj")) {
     refuse("image", "is one of nibabel; give homolog.from_nibabel(image)");
   } else if (py::isinstance<py::array>(image)) {
     refuse("image", "is an array of numpy, which does not say where it lies; give homolog.Volume(array, affine=...)");
   } else if (!image.is_none()) {
-    source = py::str(image);
-    auto read = value_of(load_volume(source));
-    warn(read.warnings);
-    volume = std::make_shared<const Volume>(std::move(read.volume));
+    source = path_from(image, "image", "a Volume, a file, or a name as phantom:kidney:1");
+    read = std::make_shared<const VolumeRead>(watched_value<VolumeRead>({progress, {}}, [&](Progress& own) {
+      VolumeReadOptions options;
+      options.progress = &own;
+      return load_volume(source, options);
+    }));
+    warn(read->warnings);
   }
-  if (path.is_none()) return held(EditSession(new_document(source, volume, reference, place)), {}, {});
+  const auto volume = read ? std::shared_ptr<const Volume>(read, &read->volume) : nullptr;
+  const auto with_image = [&](std::shared_ptr<HeldCase> made) {
+    if (read) made->image = std::make_shared<HeldVolume>(HeldVolume{read, source, made->image_stamp});
+    return made;
+  };
+  if (path.is_none()) return with_image(held(EditSession(new_document(source, volume, reference, place)), {}, {}));
   if (reference->source.empty())
     refuse("template", "is in memory alone, and a case names its file; write it to one and read that");
   if (volume && source.empty())
     refuse("image", "is in memory alone, and a case names its file; write it to one and read that");
-  const auto file = path.cast<std::filesystem::path>();
-  return held(value_of(create_case(new_document(source, volume, reference, place), file)), file, {});
+  const auto file = absolute_path(path.cast<std::filesystem::path>());
+  return with_image(held(value_of(create_case(new_document(source, volume, reference, place), file)), file, {}));
 }
 
 py::dict report_of(const EditReport& report) {
@@ -85,6 +93,7 @@ py::dict report_of(const EditReport& report) {
 
 py::dict apply(HeldCase& self, EditStep step) {
   const InUse held(self);
+  check_takes_edits(self);
   std::optional<Result<EditReport>> done;
   {
     const py::gil_scoped_release unlocked;
@@ -96,12 +105,40 @@ py::dict apply(HeldCase& self, EditStep step) {
 void close(HeldCase& self) {
   const InUse held(self);
   self.session.close_journal();
+  self.is_closed = !self.source.empty();
+}
+
+/// x, y, z of each point, one behind the other, where they are rows.
+void flatten(Json& points) {
+  if (!points.is_array() || points.empty()) return;
+  Json flat = Json::array();
+  for (const Json& row : points) {
+    if (!row.is_array() || row.size() != 3) return;
+    for (const Json& number : row) flat.push_back(number);
+  }
+  points = std::move(flat);
+}
+
+/// An action as its line has it.
+Json line_from(const py::dict& action) {
+  Json line = to_json(action);
+  if (const auto points = line.find("points"); points != line.end()) flatten(*points);
+  const auto contours = line.find("contours");
+  if (contours == line.end() || !contours->is_object()) return line;
+  const auto curves = contours->find("curves");
+  if (curves == contours->end() || !curves->is_array()) return line;
+  for (Json& curve : *curves)
+    if (curve.is_object() && curve.contains("points")) flatten(curve["points"]);
+  return line;
 }
 
 py::dict do_action(HeldCase& self, const py::dict& action, const std::string& of) {
-  auto step = parse_action(dumped(to_json(action)));
+  auto step = parse_action(dumped(line_from(action)));
   if (!step) refuse("action", step.error().what);
   if (!of.empty()) step->of = of;
+  const bool adds = std::holds_alternative<SetStructure>(step->action);  // the structure itself
+  if (!step->of.empty() && !adds && document_of(self)->structure(step->of) == nullptr)
+    refuse("case", "has no structure \"" + step->of + "\"; structures says which there are");
   return apply(self, std::move(*step));
 }
 
@@ -149,9 +186,12 @@ py::object image_of(const HeldCase& self) {
   const auto document = document_of(self);
   const Scan& scan = document->scan;
   if (!scan.image) return py::none();
-  auto read = std::make_shared<VolumeRead>();
-  read->volume = *scan.image;
-  return py::cast(std::make_shared<HeldVolume>(HeldVolume{std::move(read), scan.source, self.image_stamp}));
+  if (!self.image) {
+    auto read = std::make_shared<VolumeRead>();
+    read->volume = *scan.image;
+    self.image = std::make_shared<HeldVolume>(HeldVolume{std::move(read), scan.source, self.image_stamp});
+  }
+  return py::cast(self.image);
 }
 
 // --- Automatic steps, each an edit of the case.
@@ -159,26 +199,29 @@ py::object image_of(const HeldCase& self) {
 template <class Edit>
 Edit computed(HeldCase& self, const py::object& progress, const std::function<Result<Edit>(Progress&)>& work) {
   const InUse held(self);
+  check_takes_edits(self);
   return watched_value<Edit>({progress, {}}, work);
 }
 
-/// A label map as it is given: one that is held, an image of nibabel, or a file.
-std::shared_ptr<HeldLabels> labels_from(const py::object& value) {
-  if (py::isinstance<HeldLabels>(value)) return value.cast<std::shared_ptr<HeldLabels>>();
+/// A label map or a soft mask as it is given: one that is held, an image of nibabel, or a file.
+std::shared_ptr<HeldVolume> labels_from(const py::object& value) {
+  if (py::isinstance<HeldVolume>(value)) return value.cast<std::shared_ptr<HeldVolume>>();
   if (py::isinstance<py::array>(value))
     refuse("labels",
            "is an array of numpy, which does not say where it lies; give homolog.LabelMap(array, affine=...)");
   const py::module_ images = py::module_::import("homolog._images");
   const bool nibabel = images.attr("is_nibabel")(value).cast<bool>();
   const py::object read =
-      nibabel ? images.attr("from_nibabel")(value, py::arg("labels") = true) : images.attr("read_label_map")(value);
-  return read.cast<std::shared_ptr<HeldLabels>>();
+      nibabel ? images.attr("mask_of")(value)
+              : images.attr("read_label_map")(path_from(value, "labels", "a LabelMap, a file or an image of nibabel"));
+  return read.cast<std::shared_ptr<HeldVolume>>();
 }
 
-py::dict fit_into(HeldCase& self, const py::object& given, const std::string& label, const std::string& of,
+py::dict fit_into(HeldCase& self, const py::object& given, const py::object& asked, const std::string& of,
                   const std::optional<double>& closing_mm, const std::optional<int>& frame, bool as_placed,
                   const py::object& progress) {
   const auto labels = labels_from(given);
+  const std::string label = label_text(asked);
   const auto kept = document_of(self);
   const ShapeView view = shown(*kept, of);
   const Volume* image = kept->scan.image.get();
@@ -278,7 +321,8 @@ void add_automatic(py::class_<HeldCase, std::shared_ptr<HeldCase>>& type) {
   type.def("fit", &fit_into, py::arg("labels"), py::kw_only(), py::arg("label") = "", py::arg("of") = "",
            py::arg("closing_mm") = none, py::arg("frame") = none, py::arg("as_placed") = false,
            py::arg("progress") = none,
-           "Fits the structure's template to a label, as one edit. as_placed: from where it lies.")
+           "Fits the structure's template to a label, as one edit. label: its number or name, or a list of them for "
+           "their union. as_placed: from where it lies.")
       .def("snap", &snap_into, py::arg("at") = none, py::kw_only(), py::arg("sigma_mm") = 10.0,
            py::arg("reach_mm") = 10.0, py::arg("strength") = 1.0, py::arg("polarity") = "automatic", py::arg("of") = "",
            py::arg("progress") = none,
@@ -309,13 +353,18 @@ void add_cases(py::module_& module) {
   type.def_static("open", &open_held, py::arg("path"), py::kw_only(), py::arg("read_only") = false,
                   py::arg("progress") = none, "Opens a case file; further edits are appended to it, unless read_only.")
       .def_static("create", &create_held, py::arg("template"), py::arg("image") = none, py::arg("path") = none,
-                  py::kw_only(), py::arg("placement") = none,
+                  py::kw_only(), py::arg("placement") = none, py::arg("progress") = none,
                   R"(A new case; without `path` it is in memory alone.
 
-template: a Mesh, a file or a built-in name. image: a Volume, a file or a phantom's name. placement: {"rotation":
+template: a Mesh, a Fit, a file or a built-in name. image: a Volume, a file or a phantom's name. placement: {"rotation":
 [w, x, y, z], "scale": s, "translation": [x, y, z]}, LPS mm; without it the middle of the image.)")
       .def_property_readonly(
-          "source", [](const Held& self) { return self.source; }, "Its file; empty: it has none.")
+          "source", [](const Held& self) { return self.source; }, "Its file, from the root; empty: it has none.")
+      .def_property_readonly("_is_in_file",
+                             [](const Held& self) {
+                               const InUse held(self);
+                               return self.is_written || !self.session.edited();
+                             })
       .def(
           "do", &do_action, py::arg("action"), py::arg("of") = "",
           R"(Does one action, a dict as a line of the case file (docs/case-file.md): {"tool": "pull", "at": [x, y, z], "to":
@@ -347,16 +396,19 @@ template: a Mesh, a file or a built-in name. image: a Volume, a file or a phanto
           "frames", [](const Held& self) { return document_of(self)->scan.frames(); }, "Of the image.")
       .def_property_readonly(
           "strokes", [](const Held& self) { return InUse(self), self.session.strokes(); }, "Those left after undo.")
-      .def_property_readonly("image", &image_of, "The scan as a Volume, or None.")
+      .def_property_readonly("image", &image_of, "The scan as a Volume, or None; the same one each time.")
       .def(
           "save_as",
           [](Held& self, const std::filesystem::path& path) {
             const InUse held(self);
-            value_of(save_case_as(self.session, path));
-            self.source = path.string();
+            const auto file = absolute_path(path);
+            value_of(save_case_as(self.session, file));
+            self.source = file.string();
+            self.is_written = true;
+            self.is_closed = false;
           },
           py::arg("path"), "Writes the case to another file and goes on there.")
-      .def("close", &close, "Ends the work on its file.")
+      .def("close", &close, "Ends the work on its file. Later edits are refused.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](Held& self, const py::args&) { close(self); });
   add_automatic(type);

@@ -18,12 +18,9 @@ std::shared_ptr<HeldMesh> held(MeshFile file, std::string source = {}, std::stri
 }
 
 Triangles triangles_from(const py::handle& value, Eigen::Index vertices) {
-  const py::array array = py::array::ensure(py::reinterpret_borrow<py::object>(value));
-  if (!array) PyErr_Clear();
-  if (!array || (array.dtype().kind() != 'i' && array.dtype().kind() != 'u'))
-    refuse("triangles", array
-                            ? "have the dtype " + std::string(py::str(array.dtype())) + "; give whole numbers, as int32"
-                            : std::string("are no array of numbers; give a numpy array"));
+  const py::array array = array_from(value, "triangles");
+  if (array.dtype().kind() != 'i' && array.dtype().kind() != 'u')
+    refuse("triangles", "have the dtype " + std::string(py::str(array.dtype())) + "; give whole numbers, as int32");
   if (array.ndim() != 2 || array.shape(1) != 3)
     refuse("triangles", "have the shape " + std::string(py::str(array.attr("shape"))) +
                             "; give m×3, a row of three vertex numbers for each face");
@@ -123,10 +120,23 @@ std::shared_ptr<HeldLabels> label_map_of(const HeldMesh& self, const HeldVolume&
   if (value < 1 || value > 32767) refuse("value", "is " + std::to_string(value) + "; give a label from 1 to 32767");
   auto read = std::make_shared<VolumeRead>();
   const Mesh mesh = sound(self);
+  const VolumeGeometry& grid = like.read->volume.geometry;
+  const std::string name = self.source.empty() ? "mesh" : self.source,
+                    like_name = like.source.empty() ? "the volume" : like.source;
+  bool is_empty = false;
   {
     const py::gil_scoped_release unlocked;
-    read->volume = label_map(mesh, like.read->volume.geometry, value);
+    read->volume = label_map(mesh, grid, value);
+    is_empty = labels_of(read->volume).empty();
   }
+  auto warnings = mesh_warnings(name, {}, mesh);  // those of its file were said as it was read
+  if (const auto misfit = misfit_in_image(bounds_of(mesh.points), grid))
+    warnings.push_back(
+        misfit_sentence(*misfit, meeting_of(name, mesh.points), {like_name, grid.bounds_mm().diagonal().norm()}));
+  else if (is_empty)
+    warnings.push_back(name + " lies outside " + like_name +
+                       ", so the label map is empty; check that both are in the same space (LPS or RAS)");
+  warn(warnings);
   auto map = std::make_shared<HeldLabels>();
   map->read = std::move(read);
   return map;
@@ -234,8 +244,10 @@ Errors: shape, dtype, numbers that are not finite, numbers of no vertex.)")
           "The figures that `homolog info --json` prints of a mesh, as a dict. Errors: faces that are no manifold "
           "surface.")
       .def("with_points", &with_points, py::arg("points"), "The same mesh with other points (n×3, LPS mm).")
-      .def("label_map", &label_map_of, py::arg("like"), py::arg("value") = 1,
-           "The voxels of a volume's grid whose centre lies inside, as a LabelMap.")
+      .def(
+          "label_map", &label_map_of, py::arg("like"), py::arg("value") = 1,
+          "The voxels of a volume's grid whose centre lies inside, as a LabelMap. Warns where there are none, or where "
+          "sizes or places say that the two do not belong together.")
       .def("write", &write_held_mesh, py::arg("path"),
            "Writes PLY, VTK, VTP, VTU, OBJ, GIFTI, Gmsh, STL or .particles, by the ending, whole or not at all. PLY "
            "keeps all.")
@@ -245,8 +257,13 @@ Errors: shape, dtype, numbers that are not finite, numbers of no vertex.)")
       "Reads a mesh (PLY, VTK, VTP, VTU, OBJ, GIFTI, Gmsh, STL, MNI, .particles), its points turned to LPS where the "
       "file says RAS.");
   module.def("loaded", &loaded, py::arg("path"), "read_mesh of a file that is removed afterwards.");
-  module.def("load_template", &read_held_mesh, py::arg("source"),
-             "A template: \"built-in:kidney\", \"built-in:vertebra\", \"built-in:ventricle\", or a mesh file.");
+  module.def(
+      "load_template",
+      [](const py::object& source) {
+        return read_held_mesh(path_from(source, "source", "a file, or a name as built-in:kidney"));
+      },
+      py::arg("source"),
+      "A template: \"built-in:kidney\", \"built-in:vertebra\", \"built-in:ventricle\", or a mesh file.");
   module.def(
       "read_landmarks", [](const std::filesystem::path& path) { return landmarks_to(value_of(read_landmarks(path))); },
       py::arg("path"), "{name: (x, y, z)} of .mrk.json, .fcsv or scalismo's .json, LPS mm.");

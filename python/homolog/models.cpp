@@ -1,3 +1,6 @@
+#include <cmath>
+
+#include "core/base/limits.h"
 #include "core/model/score.h"
 #include "core/model/shape_model.h"
 #include "core/model/statismo.h"
@@ -10,10 +13,11 @@ namespace homolog::python {
 namespace {
 
 Eigen::VectorXd coefficients_from(const ShapeModel& model, const py::handle& value) {
-  const auto array =
-      py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(py::reinterpret_borrow<py::object>(value));
-  if (!array) PyErr_Clear();
-  if (!array || array.ndim() != 1 || array.shape(0) > model.modes())
+  const py::array numbers = array_from(value, "coefficients");
+  const bool are_none = numbers.size() == 0;  // of no kind, as []
+  const py::array_t<double, py::array::c_style | py::array::forcecast> array =
+      are_none ? numbers : numbers_from(value, "coefficients");
+  if (array.ndim() != 1 || array.shape(0) > model.modes())
     refuse("coefficients", "are no list of at most " + std::to_string(model.modes()) +
                                " numbers, one for each mode, in standard deviations");
   const Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(array.data(), array.shape(0));
@@ -25,7 +29,10 @@ Eigen::VectorXd deviations_of(const ShapeModel& model, Eigen::Index count) {
   return model.variances.head(count).cwiseSqrt();
 }
 
-std::shared_ptr<HeldMesh> mesh_of(const HeldModel& self, Points points) {
+/// `name`: of the numbers that the points come from.
+std::shared_ptr<HeldMesh> mesh_of(const HeldModel& self, Points points, const char* name) {
+  if (!points.allFinite() || !all_in_reach(points))
+    refuse(name, std::string("lead to a point that ") + beyond_farthest + "; give standard deviations, as -3 to 3");
   MeshFile file;
   file.points = std::move(points);
   file.triangles = self.model->topology;
@@ -40,8 +47,8 @@ Eigen::Index checked_mode(const HeldModel& self, Eigen::Index mode) {
 }
 
 Points points_of_shape(const HeldModel& self, const py::object& shape) {
-  Points points =
-      py::isinstance<HeldMesh>(shape) ? shape.cast<const HeldMesh&>().file->points : points_from(shape, "shape");
+  const auto mesh = mesh_in(shape);
+  Points points = mesh ? mesh->file->points : points_from(shape, "shape");
   if (3 * points.rows() != self.model->mean.size())
     refuse("shape", "has " + std::to_string(points.rows()) + " vertices and the model " +
                         std::to_string(self.model->mean.size() / 3) + "; give a fit of the model's template");
@@ -51,8 +58,7 @@ Points points_of_shape(const HeldModel& self, const py::object& shape) {
 py::dict score_of(const HeldModel& self, const py::object& shape) {
   const Points points = points_of_shape(self, shape);
   VertexScalars doubt;
-  if (py::isinstance<HeldMesh>(shape))
-    if (const auto& file = *shape.cast<const HeldMesh&>().file; file.doubt_mm) doubt = *file.doubt_mm;
+  if (const auto mesh = mesh_in(shape); mesh && mesh->file->doubt_mm) doubt = *mesh->file->doubt_mm;
   const ShapeScore score =
       watched_value<ShapeScore>({py::none(), {}}, [&](Progress&) { return score_shape(*self.model, points, doubt); });
   const auto array = [](const auto& values) {
@@ -153,19 +159,21 @@ void add_models(py::module_& module) {
           "shape",
           [](const Held& self, const py::object& z) {
             const Eigen::VectorXd given = coefficients_from(*self.model, z);
-            return mesh_of(self, shape_of(*self.model, given.cwiseProduct(deviations_of(*self.model, given.size()))));
+            return mesh_of(self, shape_of(*self.model, given.cwiseProduct(deviations_of(*self.model, given.size()))),
+                           "coefficients");
           },
           py::arg("coefficients"),
           "The Mesh at these coefficients: one a mode, in standard deviations; later modes are 0.")
       .def(
           "mode",
           [](const Held& self, Eigen::Index mode, double deviations) {
-            return mesh_of(self, mode_shape(*self.model, checked_mode(self, mode), deviations));
+            if (!std::isfinite(deviations)) refuse("deviations", "are no finite number; give one, as -3 to 3");
+            return mesh_of(self, mode_shape(*self.model, checked_mode(self, mode), deviations), "deviations");
           },
           py::arg("mode"), py::arg("deviations"), "The mean with one mode (from 0) at so many standard deviations.")
       .def(
           "sample",
-          [](const Held& self, std::uint64_t seed) { return mesh_of(self, sampled_shape(*self.model, seed)); },
+          [](const Held& self, std::uint64_t seed) { return mesh_of(self, sampled_shape(*self.model, seed), "modes"); },
           py::arg("seed"), "A random shape. The same seed gives the same shape on every machine.")
       .def(
           "coefficients",
@@ -177,10 +185,11 @@ void add_models(py::module_& module) {
             return copy;
           },
           py::arg("shape"),
-          "t coefficients, in standard deviations, of a shape (Mesh or n×3) that lies where the model's shapes lie.")
+          "t coefficients, in standard deviations, of a shape (Mesh, Fit or n×3) that lies where the model's shapes "
+          "lie.")
       .def(
           "score", &score_of, py::arg("shape"),
-          R"(How a shape (Mesh or n×3, mm) stands against the model, wherever it lies: a dict of distance (σ), residual_mm,
+          R"(How a shape (Mesh, Fit or n×3, mm) stands against the model, wherever it lies: a dict of distance (σ), residual_mm,
 percentile, size_mm, z_rms, modes (t, σ), and for each vertex z, z_low, z_high (n, σ) and aligned (n×3, mm).)")
       .def(
           "write",

@@ -38,13 +38,14 @@ std::shared_ptr<HeldPicture> drawn(const std::function<Result<MadePicture>()>& d
   return std::make_shared<HeldPicture>(HeldPicture{std::move(made.picture)});
 }
 
-std::shared_ptr<HeldPicture> of_meshes(const std::vector<std::shared_ptr<HeldMesh>>& meshes,
-                                       const MontageOptions& options) {
-  if (meshes.empty()) refuse("meshes", "are none; give at least one");
+std::shared_ptr<HeldPicture> of_meshes(const py::iterable& meshes, const MontageOptions& options) {
   std::vector<Mesh> shapes;
   std::vector<std::string> names;
-  for (const auto& one : meshes) {
+  for (const auto& given : meshes) {
     const std::string name = "mesh " + std::to_string(shapes.size());
+    const auto one = mesh_in(given);
+    if (!one)
+      refuse(name, "is a " + std::string(py::str(py::type::of(given).attr("__name__"))) + "; give a Mesh or a Fit");
     names.push_back(one->source.empty() ? name : one->source);
     auto mesh = sound_mesh(*one->file);
     if (!mesh) refuse(names.back(), mesh.error().what);
@@ -56,6 +57,7 @@ std::shared_ptr<HeldPicture> of_meshes(const std::vector<std::shared_ptr<HeldMes
     }
     shapes.push_back(std::move(*mesh));
   }
+  if (shapes.empty()) refuse("meshes", "are none; give at least one");
   return drawn([&] { return correspondence_picture(shapes, names, options); });
 }
 
@@ -80,11 +82,11 @@ void add_pictures(py::module_& module) {
   const auto size = std::make_pair(1280, 960);
   module.def(
       "picture_of_meshes",
-      [](const std::vector<std::shared_ptr<HeldMesh>>& meshes, const std::pair<int, int>& asked,
-         const std::string& view,
+      [](const py::iterable& meshes, const std::pair<int, int>& asked, const std::string& view,
          const std::string& ground) { return of_meshes(meshes, options_from(asked, view, ground)); },
       py::arg("meshes"), py::kw_only(), py::arg("size") = size, py::arg("view") = "anterior",
-      py::arg("ground") = "dark", "Shapes in correspondence as a grid; equal hues are equal vertices.");
+      py::arg("ground") = "dark",
+      "Shapes (Meshes or Fits) in correspondence as a grid; equal hues are equal vertices.");
   module.def(
       "picture_of_modes",
       [](const HeldModel& model, int modes, const std::pair<int, int>& asked, const std::string& view,

@@ -1,8 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <new>
 
-#include "core/mesh/label_map.h"
 #include "core/volume/read_labels.h"
 #include "core/volume/readers.h"
 #include "core/volume/stored_voxels.h"
@@ -84,11 +84,9 @@ Grid grid_from(const py::object& affine, const py::object& spacing_mm, const py:
   if (!affine.is_none()) {
     if (!spacing_mm.is_none() || !origin_mm.is_none() || !direction.is_none())
       refuse("affine", "says the grid already; leave out spacing_mm, origin_mm and direction");
-    const auto m = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(affine);
-    if (!m || m.ndim() != 2 || m.shape(0) != 4 || m.shape(1) != 4) {
-      PyErr_Clear();
+    const py::array_t<double, py::array::c_style | py::array::forcecast> m = numbers_from(affine, "affine");
+    if (m.ndim() != 2 || m.shape(0) != 4 || m.shape(1) != 4)
       refuse("affine", "is no 4×4 matrix; give one from voxel index to mm, LPS");
-    }
     using Affine = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
     const Affine a = Eigen::Map<const Affine>(m.data());
     if (!a.allFinite() || a.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
@@ -120,17 +118,24 @@ Segmentation names_from(const py::object& names) {
     Segment segment;
     if (!py::isinstance<py::int_>(value) && !py::hasattr(value, "__index__"))
       refuse("names", "has a key that is no label; give {value: name} with whole numbers");
-    segment.value = value.attr("__index__")().cast<int>();
+    const py::object whole = value.attr("__index__")();
+    int beyond = 0;
+    const long long number = PyLong_AsLongLongAndOverflow(whole.ptr(), &beyond);
+    if (beyond != 0 || number < 1 || number > 65535)
+      refuse("names", "names the label " + std::string(py::str(whole)) + "; labels are from 1 to 65535");
+    if (!py::isinstance<py::str>(name))
+      refuse("names", "calls the label " + std::to_string(number) + " by a " +
+                          std::string(py::str(py::type::of(name).attr("__name__"))) + "; give text");
+    segment.value = static_cast<int>(number);
     segment.name = segment_name(name.cast<std::string>());
-    if (segment.value < 1 || segment.value > 65535)
-      refuse("names", "names the label " + std::to_string(segment.value) + "; labels are from 1 to 65535");
     known.add(std::move(segment));
   }
   return known;
 }
 
-std::shared_ptr<const VolumeRead> volume_from(const py::array& array, const Grid& grid, const py::object& names,
+std::shared_ptr<const VolumeRead> volume_from(const py::object& voxels, const Grid& grid, const py::object& names,
                                               double frame_seconds, const std::string& modality, bool labels) {
+  const py::array array = array_from(voxels, "voxels");
   if (array.ndim() != 3 && array.ndim() != 4)
     refuse("voxels", "have the shape " + std::string(py::str(array.attr("shape"))) +
                          "; give three axes [i, j, k], or four with frames as the last");
@@ -207,6 +212,89 @@ py::list labels_in(const HeldLabels& self) {
   return rows;
 }
 
+/// The label map of one layer, with the names that are of it.
+std::shared_ptr<HeldLabels> layer_of(const HeldLabels& self, std::size_t at) {
+  VolumeRead read;
+  read.volume = at == 0 ? self.read->volume : self.read->other_layers[at - 1];
+  for (Segment segment : self.read->segmentation.segments) {
+    if (segment.layer != at) continue;
+    segment.layer = 0;
+    read.segmentation.add(std::move(segment));
+  }
+  read.referenced = self.read->referenced;
+  auto map = std::make_shared<HeldLabels>();
+  map->read = std::make_shared<const VolumeRead>(std::move(read));
+  return map;
+}
+
+py::tuple layers_of(const py::object& self) {
+  const auto& labels = self.cast<const HeldLabels&>();
+  const std::size_t others = labels.read->other_layers.size();
+  py::tuple layers(others + 1);
+  for (std::size_t at = 0; at <= others; ++at) layers[at] = others == 0 ? self : py::cast(layer_of(labels, at));
+  return layers;
+}
+
+/// Marks the voxels of one label in any frame. False where there are none.
+bool mark(const Volume& layer, int label, bool* marks) {
+  bool any = false;
+  std::visit(
+      [&](const auto& voxels) {
+        for (std::size_t k = 0; k < voxels.size(); ++k)
+          if (std::rint(static_cast<double>(voxels[k])) == label) any = marks[k] = true;
+      },
+      layer.data);
+  return any;
+}
+
+/// Where segments lie, whatever layers they are in.
+py::array mask_of(const HeldLabels& self, const py::object& asked) {
+  const VolumeRead& read = *self.read;
+  const std::string subject = self.source.empty() ? "labels" : self.source, label = label_text(asked);
+  if (label.empty() || is_bad_label(label))
+    refuse("label", "is \"" + label + "\"; give a number above 0 or a name, or several as in \"1,2\"");
+  const auto segments = asked_segments(label, read.segmentation);
+  if (!segments) refuse(subject, segments.error().what);
+  const auto& dims = read.volume.geometry.dims;
+  std::vector<py::ssize_t> shape{dims[0], dims[1], dims[2]};
+  if (read.volume.frames > 1) shape.push_back(read.volume.frames);
+  py::array_t<bool, py::array::f_style> marks(shape);
+  bool* const begin = marks.mutable_data();
+  std::fill(begin, begin + marks.size(), false);
+  bool any = false;
+  for (const Segment& segment : *segments) {
+    const Volume& layer = segment.layer == 0 ? read.volume : read.other_layers[segment.layer - 1];
+    if (!same_grid(layer.geometry, read.volume.geometry) || layer.frames != read.volume.frames)
+      refuse(subject, "keeps " + label_words(segment) + " on a grid of its own; take it from layers[" +
+                          std::to_string(segment.layer) + "]");
+    any = mark(layer, segment.value, begin) || any;
+  }
+  if (!any &&
+      std::ranges::none_of(*segments, [&](const Segment& s) { return read.segmentation.find(s.value, s.layer); }))
+    refuse(subject, "has no voxel of label " + label + "; labels says which there are");
+  return marks;
+}
+
+/// What a volume holds beside its voxels and its grid, for who tells volumes apart: the time between frames, kind and
+/// space of an image, and what is said of its labels. Empty where it is nothing.
+std::string beside_voxels(const HeldVolume& self) {
+  const VolumeRead& read = *self.read;
+  Json said = Json::object();
+  if (read.volume.frame_seconds != 0) said["frame_seconds"] = read.volume.frame_seconds;
+  if (!read.volume.modality.empty()) said["modality"] = read.volume.modality;
+  if (!read.volume.frame_of_reference.empty()) said["frame_of_reference"] = read.volume.frame_of_reference;
+  if (!read.volume.instance_uids.empty()) said["instances"] = read.volume.instance_uids;
+  if (read.volume.empty_beyond_slices) said["empty_beyond_slices"] = true;
+  if (!read.referenced.series.empty()) said["of_series"] = read.referenced.series;
+  if (!read.referenced.instances.empty()) said["of_instances"] = read.referenced.instances;
+  for (const Segment& one : read.segmentation.segments) {
+    Json segment{{"name", one.name}, {"value", one.value}, {"layer", one.layer}, {"terminology", one.terminology}};
+    if (one.colour) segment["colour"] = *one.colour;
+    said["segments"].push_back(std::move(segment));
+  }
+  return said.empty() ? std::string() : said.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
 void add_members(py::class_<HeldVolume, std::shared_ptr<HeldVolume>>& type) {
   using Held = HeldVolume;
   type.def_property_readonly(
@@ -221,6 +309,7 @@ void add_members(py::class_<HeldVolume, std::shared_ptr<HeldVolume>>& type) {
           },
           "Voxels along i, j and k; of a cine also the frames.")
       .def_property_readonly("_file", [](const Held& self) { return self.stamp.holds() ? self.source : std::string(); })
+      .def_property_readonly("_beside_voxels", &beside_voxels)
       .def("__repr__",
            [](const py::object& self) {
              return py::str("<homolog.{} {} {} of {} mm>")
@@ -315,7 +404,7 @@ voxels: whole numbers or floats, shape (i, j, k) or (i, j, k, frame), in any mem
     the grid's first axis, as in nibabel. They are copied once. float64 is kept as float32.
 affine: 4×4, from voxel index to LPS mm. Or spacing_mm (3), origin_mm (3, centre of voxel (0, 0, 0), LPS) and direction
     (3×3, columns are the unit directions of i, j, k).
-Errors: shape, dtype, values that are not finite, axes that are not at right angles.)";
+Errors: shape, dtype, values that are not finite or hidden by a mask, axes that are not at right angles.)";
 
 }  // namespace
 
@@ -323,7 +412,7 @@ void add_volumes(py::module_& module) {
   const auto none = py::none();
   py::class_<HeldVolume, std::shared_ptr<HeldVolume>> volume(
       module, "Volume", "A grey-value image, or a cine, on a grid in the patient (LPS mm). It is never changed.");
-  volume.def(py::init([](const py::array& voxels, const py::object& affine, const py::object& spacing,
+  volume.def(py::init([](const py::object& voxels, const py::object& affine, const py::object& spacing,
                          const py::object& origin, const py::object& direction, double frame_seconds,
                          const std::string& modality) {
                return std::make_shared<HeldVolume>(HeldVolume{volume_from(
@@ -344,7 +433,7 @@ void add_volumes(py::module_& module) {
   py::class_<HeldLabels, HeldVolume, std::shared_ptr<HeldLabels>> map(
       module, "LabelMap",
       "A label map: whole numbers on a grid (LPS mm), and what they are called. It is never changed.");
-  map.def(py::init([](const py::array& voxels, const py::object& affine, const py::object& spacing,
+  map.def(py::init([](const py::object& voxels, const py::object& affine, const py::object& spacing,
                       const py::object& origin, const py::object& direction, const py::object& names) {
             auto held = std::make_shared<HeldLabels>();
             held->read = volume_from(voxels, grid_from(affine, spacing, origin, direction), names, 0, {}, true);
@@ -362,10 +451,18 @@ void add_volumes(py::module_& module) {
       [](const HeldLabels& self) {
         py::dict names;
         for (const Segment& one : self.read->segmentation.segments)
-          if (!one.name.empty()) names[py::int_(one.value)] = one.name;
+          if (one.layer == 0 && !one.name.empty()) names[py::int_(one.value)] = one.name;
         return names;
       },
-      "{value: name} of the labels that have a name.");
+      "{value: name} of the labels of `array` that have a name. Segments that overlap lie in other layers: see "
+      "layers.");
+  map.def_property_readonly("layers", &layers_of,
+                            "A LabelMap for each layer, with its array and names, the one of `array` first. There are "
+                            "several where segments overlap or share labels (3D Slicer, a folder of masks).");
+  map.def_property_readonly("_layer_count", [](const HeldLabels& self) { return self.read->other_layers.size() + 1; });
+  map.def("mask", &mask_of, py::arg("label"),
+          "Where a segment lies, in whichever layer: bool, of the shape of `array`; a copy. label: its name or number, "
+          "or several, whose union it is.");
   map.def(
       "write",
       [](const HeldLabels& self, const std::filesystem::path& path, const py::object& like,

@@ -9,6 +9,7 @@ import time
 
 import numpy
 import pytest
+from conftest import command_line
 
 import homolog
 
@@ -135,3 +136,96 @@ def test_reading_is_a_small_part_of_the_progress_and_no_case_of_an_earlier_call_
     homolog.fit("built-in:kidney", maps[0], progress=lambda share, text: told.append((share, text)))
     assert all(text == "" for _, text in told)
     assert told[-1][0] == 1 and (len(told) < 3 or told[0][0] < 0.9)
+
+
+def test_calls_at_a_time_keep_apart_maps_of_the_same_voxels_with_other_names(kidney):
+    read = kidney["labels"]
+    array = read.array.copy()
+    array[:3, :3, :3] = 2
+    ours = homolog.LabelMap(array, affine=read.affine, names={1: "kidney", 2: "corner"})
+    theirs = homolog.LabelMap(array, affine=read.affine, names={1: "corner", 2: "kidney"})
+    found = []
+
+    def progress(share, text):
+        if not found:  # while our map is lent
+            found.append(homolog.compare(kidney["truth"][0], labels=theirs, label="corner")["dice"])
+
+    homolog.fit("built-in:kidney", ours, label="kidney", jobs=1, progress=progress)
+    assert found[0] > 0.9
+    assert homolog.compare(kidney["truth"][0], labels=ours, label="kidney")["dice"] == found[0]
+
+
+def test_an_error_and_a_model_without_a_report_have_an_empty_one(folder):
+    with pytest.raises(homolog.Error) as raised:
+        homolog.read_volume("no-such-file.nrrd")
+    assert raised.value.report == {}
+    raised.value.report["mine"] = 1
+    assert homolog.Error("another").report == {}
+    homolog.model([folder / f"fit-{k}.ply" for k in (1, 2, 3)]).write(folder / "reported.h5")
+    assert homolog.read_model(folder / "reported.h5").report == {}
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda h: h.score("new.nii.gz", "m.h5", landmarks="l.mrk.json", template="t.ply", flip_mirrored=True),
+     ["--landmarks", "l.mrk.json", "--template", "t.ply", "--flip-mirrored"]),
+    (lambda h: h.fit_set("s.set.json", ["a.nrrd"], "out", frame=2), ["--frame", "2"]),
+    (lambda h: h.compare("a.ply", labels="b.nrrd", level=0.4), ["--mask", "b.nrrd", "--level", "0.4"]),
+    (lambda h: h.info("dicom", series="1.2.3"), ["--series", "1.2.3"]),
+    (lambda h: h.test("fits", "shape ~ age", templates=["a.study.json", "b"], without_direction=("open.ply", "shut.ply")),
+     ["--templates", "a.study.json", "b", "--without-direction", "open.ply", "shut.ply"]),
+])
+def test_options_have_the_words_of_the_command_line(monkeypatch, call, words):
+    from homolog import _call
+
+    given = []
+    monkeypatch.setattr(_call.Call, "run", lambda self, *_: given.extend(self.arguments) or {})
+    call(homolog)
+    start = given.index(words[0])
+    assert given[start:start + len(words)] == words
+
+
+def test_a_mesh_learns_from_cases_that_are_done(folder, tmp_path):
+    mesh, image = folder / "fit-1.ply", folder / "kidney-1-image.nii.gz"
+    command_line("snap", mesh, "--image", image, "--done", mesh, image, "-o", tmp_path / "theirs.ply")
+    ours = homolog.snap(mesh, image, done=[(mesh, homolog.read_volume(image))], output=tmp_path / "ours.ply")
+    assert numpy.array_equal(ours.mesh.points, homolog.read_mesh(tmp_path / "theirs.ply").points)
+    with pytest.raises(homolog.Error, match="done: is no list of pairs"):
+        homolog.snap(mesh, image, done=[mesh, image])
+
+
+def test_several_subjects_become_one_template(folder, tmp_path):
+    maps = [folder / f"kidney-{k}-labels.nii.gz" for k in (1, 2)]
+    command_line("template", "--consensus", *maps, "--vertices", 200, "-o", tmp_path / "theirs.ply")
+    made = homolog.make_template(maps, tmp_path / "ours.ply", consensus=True, vertices=200)
+    assert numpy.array_equal(made.points, homolog.read_mesh(tmp_path / "theirs.ply").points)
+    with pytest.raises(homolog.UsageError, match="say consensus=True or best_of=True"):
+        homolog.make_template(maps, tmp_path / "ours.ply")
+
+
+def test_numbers_of_numpy_are_taken_within_dicts_and_as_flags(folder, kidney):
+    placement = {"rotation": numpy.array([1.0, 0, 0, 0]), "scale": numpy.float32(1), "translation": numpy.zeros(3)}
+    homolog.fit("built-in:kidney", kidney["labels"], placement=placement)
+    with pytest.raises(homolog.Error, match="placement: holds a object; give numbers"):
+        homolog.fit("built-in:kidney", kidney["labels"], placement={"rotation": object()})
+    files = [folder / f"fit-{k}.ply" for k in (1, 2, 3)]
+    assert numpy.array_equal(homolog.model(files, keep_scale=numpy.bool_(True)).mean,
+                             homolog.model(files, keep_scale=True).mean)
+    assert homolog.model(files, keep_scale=numpy.bool_(False)).report == homolog.model(files).report
+
+
+def test_fits_are_taken_where_meshes_are(folder):
+    fits = [homolog.Fit(homolog.read_mesh(folder / f"fit-{k}.ply"), {}) for k in (1, 2, 3)]
+    model = homolog.model(fits)
+    assert model.score(fits[0])["distance"] == model.score(fits[0].mesh)["distance"]
+    assert numpy.array_equal(model.coefficients(fits[0]), model.coefficients(fits[0].mesh))
+    assert len(homolog.Case.create(fits[0]).points()) == len(fits[0].mesh)
+    try:
+        homolog.picture_of_meshes(fits[:2], size=(64, 48))
+    except homolog.Error as error:
+        assert "OpenGL" in str(error) or "EGL" in str(error), error
+    with pytest.raises(homolog.Error, match="mesh 0: is a str; give a Mesh or a Fit"):
+        homolog.picture_of_meshes(["a.ply"])
+    with pytest.raises(homolog.Error, match="template: is a int; give a Mesh"):
+        homolog.Case.create(7)
+    with pytest.raises(homolog.Error, match="image: is a list; give a Volume"):
+        homolog.Case.create("built-in:kidney", [])

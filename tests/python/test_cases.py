@@ -166,10 +166,117 @@ def test_curves_of_a_wrong_kind_are_named_with_the_remedy():
     case = homolog.Case.create("built-in:kidney", "phantom:kidney:1")
     rows = numpy.arange(12.0).reshape(4, 3)
     good = {"points": rows.ravel()}
-    for curves, words in (([good, {"points": rows}], "curve 1 of .* one list of numbers; give x, y, z"),
+    for curves, words in (([good, {"points": rows[:, :2]}], "curve 1 of .* one list of numbers; give x, y, z"),
                           ([good, rows], "curve 1 of .* is no object; give"),
                           ([{"points": [1, 2, 3, 4]}], "curve 0 of .* give three for each")):
         with pytest.raises(homolog.Error, match=words):
             case.contours(id="c1", curves=curves)
     case.contours(id="c1", curves=[good])
+    case.contours(id="c2", curves=[{"points": rows}, {"points": rows.tolist()}])
     assert case.can_undo
+
+
+def test_points_are_set_as_rows(tmp_path):
+    case = homolog.Case.create("built-in:kidney", path=tmp_path / "a.homolog")
+    moved = case.points() + [0, 0, 5]
+    case.set_points(moved)
+    assert numpy.allclose(case.points(), moved, atol=1e-4)
+    case.set_points((moved + 1).ravel())
+    assert numpy.allclose(case.points(), moved + 1, atol=1e-4)
+
+
+def test_keywords_that_an_action_does_not_have_are_refused(tmp_path):
+    case = homolog.Case.create("built-in:kidney", "phantom:kidney:1")
+    at = case.points()[0]
+    for call, key in ((lambda: case.pull(at, at + 1, 10, sigma=3), "sigma"),
+                      (lambda: case.confirm(at=at, radius=5), "radius"),
+                      (lambda: case.note("a", off="s1"), "off"), (lambda: case.scheme("raw", event=3), "event")):
+        with pytest.raises(homolog.UsageError, match=f"has no keyword {key}; it has"):
+            call()
+    with pytest.raises(homolog.Error, match="case: has no structure \"s9\""):
+        case.note("a", of="s9")
+    assert not case.can_undo
+
+
+def test_the_keywords_of_actions_are_those_of_the_schema():
+    import os
+
+    from homolog import _actions
+    schema = json.loads(open(os.path.join(os.environ["HOMOLOG_SOURCE"], "docs/schemas/case-line.schema.json")).read())
+    for key, example, _ in _core.action_kinds():
+        line = schema["$defs"]["stroke" if key == "tool" else key]["properties"]
+        if key in _actions._WITHIN:
+            within = line[key].get("properties") or schema["$defs"]["similarity"]["properties"]
+            assert set(_actions._WITHIN[key]) == set(within), key
+        elif key not in ("undo", "redo"):
+            assert set(_actions._BESIDE.get(key, ())) == set(line) - {key, "joined"}, key
+
+
+def test_a_case_is_measured_as_it_is(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    case = homolog.Case.create("built-in:kidney", path="a.homolog")
+    assert case.source == str(tmp_path / "a.homolog")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    case.placement(rotation=[1, 0, 0, 0], scale=2, translation=[0, 0, 0])
+    volume = case.mesh().volume_ml
+    assert homolog.measure(case)["cases"][0]["volume_ml"] == pytest.approx(volume, rel=1e-6)
+    case.close()
+    seen = homolog.Case.open(tmp_path / "a.homolog", read_only=True)
+    assert homolog.measure(seen)["cases"][0]["volume_ml"] == pytest.approx(volume, rel=1e-6)
+    seen.placement(rotation=[1, 0, 0, 0], scale=1, translation=[0, 0, 0])
+    with pytest.raises(homolog.Error, match="case: has edits that are not in its file; save it by save_as first"):
+        homolog.measure(seen)
+    seen.save_as("b.homolog")
+    assert homolog.measure(seen)["cases"][0]["volume_ml"] == pytest.approx(volume / 8, rel=1e-6)
+
+
+def test_a_closed_case_takes_no_edits(kidney, tmp_path):
+    with homolog.Case.create("built-in:kidney", "phantom:kidney:1", tmp_path / "a.homolog") as case:
+        case.note("an edit")
+    text = (tmp_path / "a.homolog").read_text()
+    for call in (lambda: case.note("another"), case.undo, lambda: case.fit(kidney["labels"]), case.refine):
+        with pytest.raises(homolog.Error, match="case: is closed; open it again"):
+            call()
+    assert len(case.points()) > 0 and (tmp_path / "a.homolog").read_text() == text
+    case.save_as(tmp_path / "b.homolog")
+    case.note("another")
+    assert json.loads((tmp_path / "b.homolog").read_text().splitlines()[-1]) == {"note": "another"}
+
+
+def test_numbers_and_dicts_that_json_lacks():
+    case = homolog.Case.create("built-in:kidney")
+    case.do({"stiffness_base": numpy.longdouble(5)})
+    case.stiffness_base(numpy.int16(4))
+    case.placement(rotation=numpy.array([1, 0, 0, 0], dtype=numpy.longdouble), scale=1, translation=[0, 0, 0])
+    circle = {"note": "a"}
+    circle["fit"] = circle
+    for action, words in ((circle, "value: holds itself"), ({"frame": 2**70}, "whole number above those of 64 bits"),
+                          ({"frame": -2**70}, "below those of 64 bits"), ({"spacing": 1j}, "has no place in JSON")):
+        with pytest.raises(homolog.Error, match=words):
+            case.do(action)
+
+
+def test_an_image_is_read_with_progress_and_held_once(folder, kidney):
+    told = []
+    file = folder / "kidney-1-image.nii.gz"
+    case = homolog.Case.create("built-in:kidney", file, progress=lambda share, text: told.append(share))
+    assert told[-1] == 1
+    assert numpy.shares_memory(case.image.array, case.image.array)
+    assert numpy.array_equal(case.image.array, homolog.read_volume(file).array)
+    held = homolog.Case.create("built-in:kidney", kidney["image"])
+    assert numpy.shares_memory(held.image.array, kidney["image"].array)
+
+
+def test_a_label_is_a_number_or_a_name(kidney):
+    case = homolog.Case.create("built-in:kidney", kidney["image"])
+    case.fit(kidney["labels"], label=1)
+    points = case.points()
+    case.undo()
+    case.fit(kidney["labels"], label=["1"])
+    assert numpy.array_equal(case.points(), points)
+    for label in (1.5, True, [[1]]):
+        with pytest.raises(homolog.Error, match="^label: "):
+            case.fit(kidney["labels"], label=label)
+    with pytest.raises(homolog.Error, match="labels: is a int; give a LabelMap"):
+        case.fit(5)

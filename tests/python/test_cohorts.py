@@ -125,3 +125,34 @@ def test_real_kidneys_give_what_the_command_line_gives(data, tmp_path):
     fit = homolog.fit("built-in:kidney", masks[0], label=label, output=tmp_path / "ours.ply")
     assert (tmp_path / "ours.ply").read_bytes() == (tmp_path / "theirs.ply").read_bytes()
     assert fit.report["dice_raw"] == theirs["dice_raw"]
+
+
+@pytest.mark.parametrize("numbers, sentence", [
+    ([1e300], "coefficients: lead to a point that lies beyond"), ([1j], "coefficients: has the dtype complex128"),
+    (["1"], "coefficients: has the dtype <U1"), (numpy.ma.masked_equal([1.0, 2.0], 2), "coefficients: hides values"),
+    ([numpy.nan], "coefficients: hold a number that is not finite"), ([1, 2, 3, 4], "coefficients: are no list"),
+])
+def test_coefficients_are_finite_numbers_in_reach(folder, numbers, sentence):
+    model = homolog.model([folder / f"fit-{k}.ply" for k in (1, 2, 3)])
+    with pytest.raises(homolog.Error, match=sentence):
+        model.shape(numbers)
+    assert numpy.allclose(model.shape([]).points, model.mean)
+    for deviations, words in ((numpy.nan, "are no finite number"), (1e300, "lead to a point that lies beyond")):
+        with pytest.raises(homolog.Error, match=f"deviations: {words}"):
+            model.mode(0, deviations)
+
+
+def test_covariates_are_rows_or_columns():
+    base = homolog.phantom("kidney", 0)["truth"][0]
+    rng = numpy.random.default_rng(1)
+    shapes = {f"case_{k}": base.with_points(base.points + rng.normal(0, 0.3, base.points.shape)) for k in range(8)}
+    rows = [{"name": name, "age": 30 + 5 * k} for k, name in enumerate(shapes)]
+    rows[3]["remark"] = "a further key"
+    columns = {"name": list(shapes), "age": [row["age"] for row in rows]}
+    results = [homolog.test(shapes, "shape ~ age", covariates=table, permutations=99) for table in (rows, columns)]
+    assert results[0]["terms"] == results[1]["terms"]
+    for table, words in (({"name": ["a"], "age": []}, "covariates: has columns of several lengths"),
+                         ({"name": "a"}, "covariates: is a dict that holds something else"),
+                         (5, "covariates: is no table"), ([], "covariates: is no table")):
+        with pytest.raises(homolog.Error, match=words):
+            homolog.test(shapes, "shape ~ age", covariates=table)

@@ -64,3 +64,25 @@ def test_a_mesh_stays_what_was_read_when_its_file_changes(tmp_path):
     truth.with_points(truth.points * 2).write(tmp_path / "a.ply")
     assert homolog.measure(mesh)["cases"][0]["volume_ml"] == homolog.measure(truth)["cases"][0]["volume_ml"]
     assert homolog.measure(homolog.load_template("built-in:kidney"))["cases"][0]["volume_ml"] > 50
+
+
+def test_a_template_is_named_by_a_path_too(tmp_path):
+    import pathlib
+
+    template = homolog.load_template("built-in:kidney")
+    template.write(tmp_path / "t.ply")
+    assert numpy.array_equal(homolog.load_template(tmp_path / "t.ply").points, template.points)
+    assert len(homolog.load_template(pathlib.Path("built-in:kidney"))) == len(template)
+    assert len(homolog.Case.create(tmp_path / "t.ply").points()) == len(template)
+    with pytest.raises(homolog.Error, match="source: is a int; give a file"):
+        homolog.load_template(5)
+
+
+def test_a_label_map_warns_where_the_mesh_lies_elsewhere():
+    subject = homolog.phantom("kidney", 1)
+    truth = subject["truth"][0]
+    with pytest.warns(homolog.HomologWarning, match="lies outside"):
+        away = truth.with_points(truth.points + [5000, 5000, 5000]).label_map(subject["labels"])
+    assert away.array.max() == 0
+    with pytest.warns(homolog.HomologWarning, match="metres"):
+        truth.with_points(truth.points / 1000).label_map(subject["labels"])

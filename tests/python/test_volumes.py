@@ -126,3 +126,112 @@ def test_a_verb_gets_a_volume_as_it_was_read_with_its_options(tmp_path):
         (tmp_path / f"slice_{k}.png").write_bytes(picture(ball()[..., 12 + k] * numpy.uint8(100)))
     scan = homolog.read_volume(tmp_path, spacing_mm=(2, 2, 3))
     assert homolog.info(scan)["spacing_mm"] == [2, 2, 3]
+
+
+def saved(nibabel, path, affine, units=("mm", "sec"), shape=(20, 24, 28), codes=None):
+    """An image as nibabel reads it from a file."""
+    voxels = numpy.resize(ball(), shape)
+    image = nibabel.Nifti1Image(voxels, affine)
+    image.header.set_xyzt_units(*units)
+    if len(shape) > 3:
+        image.header.set_zooms((*image.header.get_zooms()[:3], 40))
+    image.to_filename(path)
+    if codes is not None:
+        content = bytearray(path.read_bytes())
+        content[252:256] = struct.pack("<2h", *codes)
+        path.write_bytes(content)
+    return nibabel.load(path)
+
+
+@pytest.mark.parametrize("units", [("meter", "sec"), ("micron", "msec"), ("mm", "hz"), ("unknown", "unknown")])
+def test_units_of_nibabel_are_those_of_the_file(tmp_path, units):
+    nibabel = pytest.importorskip("nibabel")
+    image = saved(nibabel, tmp_path / "a.nii", numpy.diag([-2.0, 3, 4, 1]), units, shape=(5, 6, 7, 2))
+    ours, theirs = homolog.from_nibabel(image), homolog.read_volume(tmp_path / "a.nii")
+    assert numpy.allclose(ours.affine, theirs.affine, rtol=1e-6)
+    assert ours.frame_seconds == pytest.approx(theirs.frame_seconds)
+
+
+def test_an_image_without_a_place_lies_as_its_file_does_with_the_same_warning(tmp_path):
+    nibabel = pytest.importorskip("nibabel")
+    image = saved(nibabel, tmp_path / "a.nii", numpy.diag([2.0, 3, 4, 1]), codes=(0, 0))
+    with pytest.warns(homolog.HomologWarning, match="does not give the patient's orientation"):
+        theirs = homolog.read_volume(tmp_path / "a.nii")
+    with pytest.warns(homolog.HomologWarning, match="does not give the patient's orientation"):
+        ours = homolog.from_nibabel(image)
+    assert numpy.array_equal(ours.affine, theirs.affine)
+
+
+def test_soft_masks_of_nibabel_are_taken_and_names_need_labels(kidney):
+    nibabel = pytest.importorskip("nibabel")
+    labels = kidney["labels"]
+    soft = labels.array * numpy.float32(0.75)
+    image = nibabel.Nifti1Image(soft, labels.affine_ras)
+    expected = homolog.compare(kidney["truth"][0], labels=homolog.Volume(soft, affine=labels.affine))
+    assert homolog.compare(kidney["truth"][0], labels=image)["dice"] == expected["dice"]
+    homolog.Case.create("built-in:kidney").fit(image)
+    with pytest.raises(homolog.Error, match="image: has values that are no whole numbers.*soft mask"):
+        homolog.from_nibabel(image, labels=True)
+    with pytest.raises(homolog.Error, match="names: are of labels; say labels=True too"):
+        homolog.from_nibabel(image, names={1: "kidney"})
+
+
+@pytest.fixture
+def layered(tmp_path):
+    """A label map of 3D Slicer in which two segments overlap; both have the label 1."""
+    shape = (6, 5, 4)
+    one, two = numpy.zeros(shape, numpy.uint8), numpy.zeros(shape, numpy.uint8)
+    one[1:4], two[2:5] = 1, 1
+    segments = "".join(f"Segment{k}_ID:=s{k}\nSegment{k}_Name:={name}\nSegment{k}_LabelValue:=1\nSegment{k}_Layer:={k}\n"
+                       for k, name in enumerate(("liver", "tumour")))
+    header = ("NRRD0004\ntype: unsigned char\ndimension: 4\nspace: left-posterior-superior\nsizes: 2 6 5 4\n"
+              "space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\nendian: little\n"
+              f"encoding: raw\nspace origin: (0,0,0)\n{segments}\n")
+    file = tmp_path / "a.seg.nrrd"
+    file.write_bytes(header.encode() + numpy.stack([one, two]).tobytes(order="F"))
+    return homolog.read_label_map(file), one, two
+
+
+def test_segments_that_overlap_are_reached_by_name_and_by_layer(layered):
+    labels, one, two = layered
+    assert labels.names == {1: "liver"} and numpy.array_equal(labels.array, one)
+    assert [layer.names for layer in labels.layers] == [{1: "liver"}, {1: "tumour"}]
+    assert numpy.array_equal(labels.layers[1].array, two)
+    mask = labels.mask("tumour")
+    assert mask.dtype == bool and numpy.array_equal(mask, two == 1)
+    assert numpy.array_equal(labels.mask("liver,tumour"), (one | two) == 1)
+    with pytest.raises(homolog.Error, match="spleen"):
+        labels.mask("spleen")
+    with pytest.raises(homolog.Error, match="^label: is "):
+        labels.mask("0")
+    alone = homolog.LabelMap(ball() * 3, names={3: "kidney"})
+    assert alone.layers == (alone,) and numpy.array_equal(alone.mask(3), ball() == 1)
+    with pytest.raises(homolog.Error, match="labels: has no voxel of label 4"):
+        alone.mask(4)
+
+
+def test_layers_do_not_become_an_image_of_nibabel(layered):
+    pytest.importorskip("nibabel")
+    with pytest.raises(homolog.Error, match="labels: hold segments in 2 layers"):
+        homolog.to_nibabel(layered[0])
+    assert numpy.array_equal(homolog.to_nibabel(layered[0].layers[1]).dataobj, layered[2])
+
+
+@pytest.mark.parametrize("make, sentence", [
+    (lambda: homolog.Volume(numpy.ma.masked_equal(ball(), 1)), "voxels: hides values by a mask"),
+    (lambda: homolog.LabelMap(numpy.ma.masked_equal(ball(), 1)), "voxels: hides values by a mask"),
+    (lambda: homolog.Mesh(numpy.ma.masked_less(numpy.zeros((3, 3)), 1)), "points: hides values by a mask"),
+    (lambda: homolog.LabelMap(ball(), names={1: 5}), "names: calls the label 1 by a int; give text"),
+    (lambda: homolog.LabelMap(ball(), names={2**40: "x"}), "names: names the label 1099511627776"),
+    (lambda: homolog.Volume([[1], [1, 2]]), "voxels: is no array of numbers"),
+    (lambda: homolog.Volume(None), "voxels: have the shape"),
+])
+def test_what_would_be_taken_for_something_else_is_refused(make, sentence):
+    with pytest.raises(homolog.Error, match=sentence):
+        make()
+
+
+def test_lists_are_arrays_too():
+    assert numpy.array_equal(homolog.Volume([[[1, 2], [3, 4]]]).array, [[[1, 2], [3, 4]]])
+    assert homolog.LabelMap([[[0, 2]]]).labels[0]["value"] == 2
+    assert homolog.Volume(numpy.ma.array(ball())).shape == ball().shape  # nothing is hidden

@@ -61,8 +61,7 @@ NamedVoxels on_grid(const NamedVoxels& from, const VolumeGeometry& grid) {
         const std::array<long, 3> at{std::lround(there[0]), std::lround(there[1]), std::lround(there[2])};
         bool within = true;
         for (std::size_t a = 0; a < 3; ++a) within = within && at[a] >= 0 && at[a] < from.grid.dims[a];
-        if (within)
-          to.at[v] = from.at[static_cast<std::size_t>((at[2] * from.grid.dims[1] + at[1]) * from.grid.dims[0] + at[0])];
+        if (within) to.at[v] = from.at[from.grid.index(at[0], at[1], at[2])];
       }
   return to;
 }

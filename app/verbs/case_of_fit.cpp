@@ -34,7 +34,7 @@ Result<StudyCase> write_case_of_fit(const FittedCase& fitted, const fs::path& fo
                                  "with");
   const std::string image = fitted.image.empty() ? "" : absolute_path(fitted.image).string();
   Document document = new_document(image, fitted.grid, fitted.template_of_file);
-  document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
+  document.hold_landmarks();
   auto session = create_case(std::move(document), one.file, {}, fitted.record);
   if (!session) return fail(session.error());
   if (fitted.mirrored)

@@ -1,10 +1,9 @@
 #include "app/verbs/case_pool.h"
 
-#include <filesystem>
 #include <mutex>
-#include <new>
 #include <utility>
 
+#include "core/base/guarded.h"
 #include "core/base/parallel.h"
 
 namespace homolog {
@@ -41,13 +40,7 @@ std::vector<Result<Report>> run_cases(std::size_t count,
     Progress own(progress, 1 / static_cast<double>(count));
     results[i] = [&]() -> Result<Report> {
       if (own.cancelled()) return fail("", "the run was cancelled");
-      try {
-        return work(i, own);
-      } catch (const std::bad_alloc&) {
-        return fail("", "memory ran out; close other programs, or use a machine with more memory");
-      } catch (const std::filesystem::filesystem_error& error) {
-        return fail(error.path1().string(), error.code().message());
-      }
+      return guarded("", [&] { return work(i, own); });
     }();
     own.part(0, 1);
     own.report(1);

@@ -322,8 +322,8 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
       return label_map_of_case(options->mesh, options->like, options->out, options->command, progress);
     const auto file = read_mesh_file(options->mesh);
     if (!file) return fail(file.error());
-    auto mesh = read_mesh(options->mesh);
-    if (!mesh) return fail(mesh.error());
+    const auto mesh = sound_mesh(*file);
+    if (!mesh) return fail(options->mesh.string(), mesh.error().what);
     auto like = read_volume(options->like, read_options("", {}, progress));
     if (!like) return fail(like.error());
     const auto misfit = misfit_in_image(bounds_of(mesh->points), like->volume.geometry);

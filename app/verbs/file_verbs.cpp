@@ -67,8 +67,8 @@ void add_info(CLI::App& app, CommandLine& asked) {
     if (!report || options->mask.empty()) return report;
     const auto file = read_mesh_file(options->file);
     if (!file) return fail(file.error());
-    const auto mesh = read_mesh(options->file);
-    if (!mesh) return fail(mesh.error());
+    const auto mesh = sound_mesh(*file);
+    if (!mesh) return fail(options->file.string(), mesh.error().what);
     const auto mask =
         read_mask(options->mask, options->label, {options->frame, noted_frame(*file), options->level}, progress);
     if (!mask) return fail(mask.error());

@@ -11,7 +11,6 @@
 #include "app/verbs/describe.h"
 #include "app/verbs/fit_case.h"
 #include "app/verbs/fit_contours.h"
-#include "app/verbs/fit_parts.h"
 #include "app/verbs/fit_sets.h"
 #include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
@@ -123,95 +122,138 @@ void report_place(const SamePlace& place, std::size_t fits, const std::string& s
   report.warnings.push_back(source + text);
 }
 
+/// Fits of several cases, in their order.
+struct ManyFits {
+  std::vector<fs::path> outputs;
+  std::vector<Result<Report>> results;
+  std::vector<std::optional<FittedTarget>> kept;  ///< for fits by way of others
+  std::vector<StudyCase> cases;                   ///< without a name: it could not be fitted
+  std::vector<VertexScalars> off_shares;          ///< how far each vertex lies off its target, by the size
+  Json rows = Json::array();                      ///< of the report
+};
+
+/// Errors: an output is a file that is read, or its folder cannot be made.
+Result<ManyFits> begin_fits(const FitJob& options) {
+  auto outputs = outputs_of(options);
+  if (!outputs) return fail(outputs.error());
+  std::vector<fs::path> read = options.cases();
+  read.insert(read.end(), {fs::path(options.template_source), options.model});
+  if (auto safe = check_not_read(*outputs, read); !safe) return fail(safe.error());
+  ManyFits fits;
+  fits.outputs = std::move(*outputs);
+  fits.kept.resize(options.cases().size());
+  fits.cases.resize(options.cases().size());
+  fits.off_shares.resize(options.cases().size());
+  return fits;
+}
+
+void fit_each(const FitJob& options, const FitShared& shared, ManyFits& fits, Progress& progress) {
+  const auto& paths = options.cases();
+  fits.results = run_cases(
+      paths.size(),
+      [&](std::size_t i, Progress& own) {
+        set_case_in_work(case_name_of(paths[i]));
+        AmongCases among;
+        among.off_share = &fits.off_shares[i];
+        if (options.ways_by_others() > 0)
+          among.keep = &fits.kept[i];
+        else
+          among.of_study = &fits.cases[i];
+        return fit_case(options, shared, paths[i], fits.outputs[i], own, among);
+      },
+      progress);
+}
+
+/// Fits each case once more, by way of others that were fitted; a first fit stays where that fails.
+void fit_again_by_others(const FitJob& options, const FitShared& shared, ManyFits& fits, Progress& progress) {
+  const auto& paths = options.cases();
+  const std::size_t by_others = options.ways_by_others();
+  std::vector<const FitResult*> first;
+  for (const auto& one : fits.kept) first.push_back(one ? &one->fit : nullptr);
+  const auto third = third_subjects(first, by_others + 1);
+  auto again = run_cases(
+      paths.size(),
+      [&](std::size_t i, Progress& own) -> Result<Report> {
+        if (first[i] == nullptr) return fail("", "was not fitted");
+        set_case_in_work(case_name_of(paths[i]));
+        AmongCases among{nullptr, &*fits.kept[i], {}, nullptr, &fits.cases[i]};
+        for (const std::size_t k : third)
+          if (k != i && among.others.size() < by_others) among.others.push_back(&first[k]->mesh.points);
+        return fit_case(options, shared, paths[i], fits.outputs[i], own, among);
+      },
+      progress);
+  for (std::size_t i = 0; i < again.size(); ++i)
+    if (again[i]) fits.results[i] = std::move(again[i]);
+}
+
+/// How many were fitted; makes a row for each. Errors: none was.
+Result<Report> report_of_fits(const FitJob& options, ManyFits& fits) {
+  Report report;
+  report.warnings = landmarks_of_no_case(options.landmark_files(), options.cases());
+  std::size_t failed = 0, doubtful = 0;
+  for (std::size_t i = 0; i < fits.results.size(); ++i) {
+    const Result<Report>& result = fits.results[i];
+    Json line{{"case", options.cases()[i].string()}};
+    if (result) {
+      line["mesh"] = fits.outputs[i].string();
+      line.update(result->values);
+      report.warnings.insert(report.warnings.end(), result->warnings.begin(), result->warnings.end());
+      if (result->values["doubtful"] == true) ++doubtful;
+    } else {
+      ++failed;
+      line["error"] = result.error().sentence();
+      report.warnings.push_back(result.error().sentence());
+    }
+    fits.rows.push_back(std::move(line));
+  }
+  if (failed == fits.results.size())
+    return fail(options.out.string(), "none of the " + std::to_string(failed) + " cases could be fitted; the first: " +
+                                          fits.results.front().error().sentence());
+  report.values = {{"fitted", fits.results.size() - failed}, {"failed", failed}, {"doubtful", doubtful}};
+  return report;
+}
+
+/// Writes the study of the cases, where there are any, and says where.
+Result<void> write_study(const FitJob& options, std::vector<StudyCase> cases, Report& report, Progress& progress) {
+  std::erase_if(cases, [](const StudyCase& one) { return one.name.empty(); });
+  if (cases.empty()) return {};
+  const fs::path study = study_in(options.out);
+  const auto record = record_of(options.command, progress);
+  if (!record) return fail(record.error());
+  if (auto written = write_cases_into(study, options.template_source, std::move(cases),
+                                      record_of_made(*record, options.out, study));
+      !written)
+    return fail(written.error());
+  report.values["study"] = study.string();
+  return {};
+}
+
 Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progress) {
   if (options.of_folder && !options.to_meshes()) {
     options.masks = label_maps_among(options.masks);
     if (options.masks.empty())
       return fail("", "the folder holds images, and no label map; name a folder of label maps by --mask");
   }
-  const auto outputs = outputs_of(options);
-  if (!outputs) return fail(outputs.error());
-  std::vector<fs::path> read = options.cases();
-  read.insert(read.end(), {fs::path(options.template_source), options.model});
-  if (auto safe = check_not_read(*outputs, read); !safe) return fail(safe.error());
+  auto fits = begin_fits(options);
+  if (!fits) return fail(fits.error());
   const auto folder = ResultFolder::make(options.out);
   if (!folder) return fail(folder.error());
-  const auto& paths = options.cases();
-  std::vector<std::optional<FittedTarget>> fitted(paths.size());
-  std::vector<StudyCase> cases_made(paths.size());
-  std::vector<VertexScalars> off_shares(paths.size());
-  const std::size_t by_others = options.ways_by_others();
-  progress.part(0, 1 / (1 + static_cast<double>(by_others)));
-  auto results = run_cases(
-      paths.size(),
-      [&](std::size_t i, Progress& own) {
-        set_case_in_work(case_name_of(paths[i]));
-        AmongCases among;
-        among.off_share = &off_shares[i];
-        if (by_others > 0)
-          among.keep = &fitted[i];
-        else
-          among.of_study = &cases_made[i];
-        return fit_case(options, shared, paths[i], (*outputs)[i], own, among);
-      },
-      progress);
-  if (by_others > 0 && !progress.cancelled()) {
-    progress.part(1 / (1 + static_cast<double>(by_others)), 1);
-    std::vector<const FitResult*> fits;
-    for (const auto& one : fitted) fits.push_back(one ? &one->fit : nullptr);
-    const auto third = third_subjects(fits, by_others + 1);
-    auto again = run_cases(
-        paths.size(),
-        [&](std::size_t i, Progress& own) -> Result<Report> {
-          if (fits[i] == nullptr) return fail("", "was not fitted");
-          set_case_in_work(case_name_of(paths[i]));
-          AmongCases among{nullptr, &*fitted[i], {}, nullptr, &cases_made[i]};
-          for (const std::size_t k : third)
-            if (k != i && among.others.size() < by_others) among.others.push_back(&fits[k]->mesh.points);
-          return fit_case(options, shared, paths[i], (*outputs)[i], own, among);
-        },
-        progress);
-    for (std::size_t i = 0; i < again.size(); ++i)
-      if (again[i]) results[i] = std::move(again[i]);
+  const double first_share = 1 / (1 + static_cast<double>(options.ways_by_others()));
+  progress.part(0, first_share);
+  fit_each(options, shared, *fits, progress);
+  if (options.ways_by_others() > 0 && !progress.cancelled()) {
+    progress.part(first_share, 1);
+    fit_again_by_others(options, shared, *fits, progress);
   }
   if (progress.cancelled()) return fail("", "the fit was cancelled; the meshes finished so far are kept");
-  Report report;
-  report.warnings = landmarks_of_no_case(options.landmark_files(), options.cases());
-  Json cases = Json::array();
-  std::size_t failed = 0;
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    Json line{{"case", paths[i].string()}};
-    if (results[i]) {
-      line["mesh"] = (*outputs)[i].string();
-      line.update(results[i]->values);
-      report.warnings.insert(report.warnings.end(), results[i]->warnings.begin(), results[i]->warnings.end());
-    } else {
-      ++failed;
-      line["error"] = results[i].error().sentence();
-      report.warnings.push_back(results[i].error().sentence());
-    }
-    cases.push_back(std::move(line));
-  }
-  if (failed == results.size())
-    return fail(options.out.string(), "none of the " + std::to_string(failed) +
-                                          " cases could be fitted; the first: " + results.front().error().sentence());
-  std::size_t doubtful = 0;
-  for (const auto& result : results) doubtful += result && result->values["doubtful"] == true ? 1 : 0;
-  report.values = {{"fitted", results.size() - failed}, {"failed", failed}, {"doubtful", doubtful}};
-  std::erase_if(off_shares, [](const VertexScalars& one) { return one.size() == 0; });
-  if (const auto same = off_at_same_place(*shared.the_template->topology, off_shares))
-    report_place(*same, off_shares.size(), options.template_source, *shared.the_template, report);
-  std::erase_if(cases_made, [](const StudyCase& one) { return one.name.empty(); });
-  if (!cases_made.empty()) {
-    const fs::path study = study_in(options.out);
-    const auto record = record_of(options.command, progress);
-    if (!record) return fail(record.error());
-    const auto written = write_cases_into(study, options.template_source, std::move(cases_made),
-                                          record_of_made(*record, options.out, study));
-    if (!written) return fail(written.error());
-    report.values["study"] = study.string();
-  }
-  report.values["cases"] = std::move(cases);
+  auto report = report_of_fits(options, *fits);
+  if (!report) return report;
+  std::erase_if(fits->off_shares, [](const VertexScalars& one) { return one.size() == 0; });
+  if (const auto same = off_at_same_place(*shared.the_template->topology, fits->off_shares))
+    report_place(*same, fits->off_shares.size(), options.template_source, *shared.the_template, *report);
+  if (auto written = write_study(options, std::move(fits->cases), *report, progress); !written)
+    return fail(written.error());
+  report->values["cases"] = std::move(fits->rows);
   return report;
 }
 
@@ -299,7 +341,9 @@ void check(const FitJob& options) {
 void add_fit(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<FitJob>();
   CLI::App* verb = add_verb(app, "fit", "Fits a template to label maps, surfaces, contours or an image");
-  verb->add_option("TEMPLATE", options->template_source, template_sources())->required();
+  verb->add_option("TEMPLATE", options->template_source,
+                   template_sources() + "; or a template set, NAME.set.json or " + built_in_set_source())
+      ->required();
   auto* mask = verb->add_option("--mask", options->masks,
                                 "The label map to fit to. Several, or a folder of them, go into a folder");
   verb->add_option("--mesh", options->meshes, "The surface to fit to. Several, or a folder of them, go into a folder")

@@ -10,7 +10,6 @@
 #include "app/verbs/case_of_fit.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
-#include "app/verbs/fit_parts.h"
 #include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
@@ -18,6 +17,7 @@
 #include "app/verbs/verb.h"
 #include "core/adapt/choose_closing.h"
 #include "core/adapt/judge_fit.h"
+#include "core/adapt/likeliest_part.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/base/paths.h"
@@ -170,7 +170,7 @@ FittedCase case_of(const FitJob& options, const FitShared& shared, const fs::pat
   if (!options.partial && !judgement.rim) figures.dice = judgement.inside_scan.dice;
   if (options.partial)
     figures.missing_share = static_cast<double>(fit.outliers.size()) / static_cast<double>(fit.mesh.points.rows());
-  for (const std::string& warning : judgement.warnings) figures.warnings.push_back(reason_of_doubt({warning}));
+  for (const std::string& warning : judgement.warnings) figures.warnings.push_back(as_sentence(warning));
   fitted.figures = std::move(figures);
   return fitted;
 }
@@ -184,11 +184,9 @@ Json close_better(const FitJob& options, const FitShared& shared, const FitOptio
   const double usual_mm = usual_closing_mm(mask.volume, mask.label, mask.frame);
   const double first_mm = options.closing_mm.value_or(shared.kept_closing_mm.value_or(usual_mm));
   if (options.closing_mm) return {{"closing_mm", first_mm}, {"closing_chosen", false}, {"closing_why", "as asked for"}};
-  // Which parts count, trying would not know.
-  const bool other_part = takes_all_parts(options, *shared.the_template) || target.boundary.parts_alike > 1;
   OtherClosing first{first_mm, std::move(target.boundary), std::move(fit), std::move(judgement)};
-  MoreClosing more;
-  if (!other_part) more = try_more_closing(*shared.the_template, mask.volume, mask.label, mask.frame, fitting, first);
+  const LabelParts parts{takes_all_parts(options, *shared.the_template)};
+  MoreClosing more = try_more_closing(*shared.the_template, mask.volume, mask.label, mask.frame, parts, fitting, first);
   const std::string why = why_closing(more, shared.kept_closing_mm.has_value());
   if (!more.better && !more.tried.empty()) first.judgement.warnings.push_back(tried_in_vain(more));
   OtherClosing& taken = more.better ? *more.better : first;

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "app/editor/state/files/file_extensions.h"
-#include "app/editor/work/opening/opener.h"
 #include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "core/mesh/mesh_io.h"

@@ -49,7 +49,12 @@ Result<NamedShapes> read(const ShapesVerb& options, Progress& progress) {
   const auto sources = shape_sources(options.files, options.group);
   if (!sources) return fail(sources.error());
   NamedShapes all;
+  std::vector<std::string> of_first;
   const auto take = [&](ReadShape shape) -> Result<void> {
+    if (!shape.others.empty())
+      of_first.push_back(shape.name + ": has " + std::to_string(shape.others.size() + 1) +
+                         " structures, and the figures are of " + shape.structure +
+                         " alone; give the meshes of the others, or a recipe that names them");
     all.names.push_back(std::move(shape.name));
     all.shapes.push_back(*shape.mesh);
     all.groups.push_back(shape.of->group);
@@ -60,6 +65,7 @@ Result<NamedShapes> read(const ShapesVerb& options, Progress& progress) {
   if (std::ranges::all_of(all.groups, &std::string::empty)) all.groups.clear();
   all.names = shape_names(all.names);
   all.warnings = std::move(*warnings);
+  std::ranges::move(of_first, std::back_inserter(all.warnings));
   return all;
 }
 

@@ -11,7 +11,6 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
-#include <new>
 #include <optional>
 
 #include "app/verbs/help_page.h"
@@ -69,25 +68,12 @@ bool shown() {
   return false;
 }
 
-/// What the verb gives; what it throws becomes its sentence.
-Result<Report> report_of(const VerbRun& run, const CLI::App& verb, Progress& progress) {
-  try {
-    return run_recorded(run, verb, progress);
-  } catch (const std::bad_alloc&) {
-    return fail("", "memory ran out; close other programs, or use a machine with more memory");
-  } catch (const std::filesystem::filesystem_error& error) {
-    return fail(error.path1().string(), error.code().message());
-  } catch (...) {
-    return fail(error_of_exception(""));
-  }
-}
-
 int run_verb(const VerbRun& run, const CLI::App& verb, bool json, bool quiet) {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
   Result<Report> report = [&]() -> Result<Report> {
     const ProgressLine line(verb_progress, quiet);
-    return report_of(run, verb, verb_progress);
+    return guarded("", [&] { return run_recorded(run, verb, verb_progress); });
   }();
   if (!report) {
     std::cerr << "homolog: " << report.error().sentence() << '\n';
@@ -169,7 +155,6 @@ std::string embedded(const unsigned char* bytes, std::size_t size) {
   return {reinterpret_cast<const char*>(bytes), size - 1};
 }
 
-/// The command that prints the help of the verb that was given.
 /// What the parser says, without the largest number there is.
 std::string in_plain_words(const std::string& message) {
   const std::string value = "Value ", range = " not in range 0.0";
@@ -180,6 +165,7 @@ std::string in_plain_words(const std::string& message) {
          "\" is no number of 0 or more";
 }
 
+/// The command that prints the help of the verb that was given.
 std::string help_for(const CLI::App& app) {
   const std::string verb = full_name(*verb_given(app));
   return "homolog " + (verb.empty() ? "" : verb + " ") + "--help";
@@ -306,7 +292,7 @@ Result<Report> run_verb_here(const std::vector<std::string>& arguments, Progress
   }
   if (!asked.run) return fail("", full_name(*verb_given(app)) + " is a program of its own; run it by homolog");
   wrong_command_line = false;
-  return report_of(asked.run, *verb_given(app), progress);
+  return guarded("", [&] { return run_recorded(asked.run, *verb_given(app), progress); });
 }
 
 }  // namespace homolog

@@ -96,6 +96,17 @@ std::string sentence_of(const RepairedStructure& found) {
   return found.defects.empty() ? "Little confidence in this structure." : sentence_of_defects(found.defects);
 }
 
+/// "vertebrae_L3: half_missing; vertebrae_L4: island, hole", as the readable report says it; "nothing".
+std::string found_in_words(const TemplateSet& set, const RepairedMap& repaired) {
+  std::vector<std::string> found;
+  for (std::size_t k = 0; k < repaired.structures.size(); ++k) {
+    std::vector<std::string> kinds;
+    for (const Defect& defect : repaired.structures[k].defects) kinds.emplace_back(defect_name(defect.kind));
+    if (!kinds.empty()) found.push_back(set.structures[k].name + ": " + listed(kinds, ", "));
+  }
+  return found.empty() ? "nothing" : listed(found, "; ");
+}
+
 /// Whether a structure was missing and is in the map that is proposed.
 bool is_put_in(const RepairedMap& repaired, std::size_t k) {
   return !repaired.fitted.structures[k].fit && repaired.structures[k].changed_voxels > 0 && repaired.expected[k];
@@ -199,6 +210,9 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
       report.warnings.push_back(path.string() + ": " + one.segment.name + " is left as it is: " + one.why_left_out);
   for (const Variant& variant : repaired->variants)
     report.warnings.push_back(path.string() + ": " + sentence_of(variant, set));
+  if (!subject.without_template.empty())
+    report.warnings.push_back(path.string() + ": has " + some_of(subject.without_template) +
+                              ", for which the set has no template; left as they are");
   const auto record = record_of(job.command.with("MAP", {path}), progress);
   if (!record) return fail(record.error());
   const auto file = write_mended(job, map->read, path, *record, report.warnings);
@@ -213,6 +227,7 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
   report.values = {{"name", case_name_of(path)},
                    {"case", path.string()},
                    {"file", file->string()},
+                   {"found", found_in_words(set.set, *repaired)},
                    {"variants", json_of_variants(repaired->variants, set.set)},
                    {"structures", std::move(rows)}};
   return report;

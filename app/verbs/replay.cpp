@@ -3,6 +3,8 @@
 
 #include "app/verbs/record.h"
 #include "app/verbs/verb.h"
+#include "core/base/listed.h"
+#include "core/base/text.h"
 #include "core/deform/fold_guard.h"
 #include "core/session/case_file.h"
 
@@ -18,6 +20,7 @@ struct ReplayVerb {
   double spacing = -1;
   int events = 0;
   int frame = -1;
+  std::string structure;
   GivenCommand command;
 };
 
@@ -33,6 +36,23 @@ ReplayOptions replay_options(const ReplayVerb& verb, Progress& progress) {
   return options;
 }
 
+std::string called(const Structure& structure) {
+  return structure.name.empty() ? structure.id : structure.name;
+}
+
+/// By its name or id; the first where none is named. Null: the case has no such one.
+const Structure* structure_named(const Document& document, const std::string& name) {
+  for (const auto& one : document.structures)
+    if (called(*one) == name) return one.get();
+  return document.structure(name);
+}
+
+std::string names_in(const Document& document) {
+  std::vector<std::string> names;
+  for (const auto& one : document.structures) names.push_back(called(*one));
+  return listed(names, ", ");
+}
+
 Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   auto read = read_case(verb.file, replay_options(verb, progress));
@@ -40,7 +60,10 @@ Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Document& document = read->session.document();
   const int frame = verb.frame >= 0 ? verb.frame : document.frame;
-  const Structure* structure = document.structure();
+  const Structure* structure = structure_named(document, verb.structure);
+  if (!verb.structure.empty() && structure == nullptr)
+    return fail(verb.file.string(),
+                "has no structure \"" + excerpt(verb.structure) + "\"; it has " + names_in(document));
   const Shape* shape = structure != nullptr ? structure->shape(frame) : nullptr;
   if (shape == nullptr) {
     return fail(verb.file.string(), "has no mesh in frame " + std::to_string(frame) + "; choose another with --frame");
@@ -51,6 +74,9 @@ Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
   mesh.record = std::move(*record);
   if (auto written = write_mesh_file(mesh, verb.out); !written) return fail(written.error());
   const auto turned = turned_triangles(*structure->the_template->topology, *shape->placed, mesh.points);
+  if (document.structures.size() > 1 && verb.structure.empty())
+    read->warnings.push_back(verb.file.string() + ": has " + names_in(document) +
+                             ", and the mesh is that of the first; name another one with --structure");
   return Report{{{"strokes", read->session.strokes()},
                  {"turned_triangles", turned.size()},
                  {"solves", read->session.solves()},
@@ -71,6 +97,8 @@ void add_replay(CLI::App& app, CommandLine& asked) {
       ->check(CLI::Range(0.0, 1.0));
   verb->add_option("--events", options->events, "Mouse events that a stroke stands for in the scheme paper")
       ->check(CLI::Range(1, 1000));
+  verb->add_option("--structure", options->structure,
+                   "Of a case of several structures the mesh of this one, by name (default: the first)");
   verb->add_option("--frame", options->frame, "Which frame's mesh to write (default: the one shown last)")
       ->check(CLI::NonNegativeNumber);
   verb->callback([options, verb, &asked] {

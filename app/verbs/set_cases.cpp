@@ -94,7 +94,7 @@ Result<EditSession> case_of_set(const SetOfTemplates& set, std::size_t first, co
                                 const SubjectMap& map, const fs::path& file, const std::string& record) {
   const std::shared_ptr<const Volume> grid = grid_of(map.read.volume);
   Document document = new_document(absolute_path(image).string(), grid, set.templates[first]);
-  document.change({}, [](Structure& one) { one.landmarks.hold = true; });
+  document.hold_landmarks();
   auto session = create_case(std::move(document), file, {}, record_of_output(record, file.filename().string()));
   if (session && map.frame > 0)
     if (auto shown = session->apply(SetFrame{map.frame}); !shown) return fail(shown.error());

@@ -29,11 +29,12 @@ StructuresOfAll united(const std::vector<std::vector<Segment>>& asked) {
   StructuresOfAll all;
   for (std::size_t m = 0; m < asked.size(); ++m)
     for (const Segment& segment : asked[m]) {
-      const auto same = [&](const TemplateOfSet& one) {
-        return segment.name.empty() ? one.value == segment.value : lower_case(one.name) == lower_case(segment.name);
+      const auto likeness = [&](const TemplateOfSet& one) {
+        if (segment.name.empty()) return one.value == segment.value ? NameLikeness::words : NameLikeness::none;
+        return name_likeness(one.name, segment.name);
       };
-      const auto found = std::ranges::find_if(all.set.structures, same);
-      if (found != all.set.structures.end()) {
+      const auto found = std::ranges::max_element(all.set.structures, {}, likeness);
+      if (found != all.set.structures.end() && likeness(*found) != NameLikeness::none) {
         all.maps[static_cast<std::size_t>(found - all.set.structures.begin())].push_back(m);
         continue;
       }
@@ -53,10 +54,13 @@ struct MeanStructure {
   std::vector<std::optional<Vec3>> middles;
 };
 
+const std::string no_voxel_of = "has no voxel of ";
+
 /// One structure's labels in those maps that have voxels of it.
 struct LabelsOfOne {
   Cohort cohort;
   std::vector<std::size_t> maps;
+  std::vector<std::string> warnings;  ///< which maps could not be used, and why
 };
 
 Result<CohortMap> read_label(const fs::path& map, const TemplateSet& set, std::size_t structure, Progress& progress) {
@@ -64,8 +68,14 @@ Result<CohortMap> read_label(const fs::path& map, const TemplateSet& set, std::s
   if (!read) return fail(read.error());
   SetInMap there = find_in_map(set, read->read);
   StructureInMap& one = there.structures[structure];
-  if (!one.is_there()) return fail(map.string(), "has no voxel of " + set.structures[structure].name);
+  if (!one.why_left_out.empty()) return fail(map.string(), set.structures[structure].name + ": " + one.why_left_out);
+  if (!one.is_there()) return fail(map.string(), no_voxel_of + set.structures[structure].name);
   return CohortMap{std::move(*one.mask), one.segment.value, 0};
+}
+
+/// Whether a map shows nothing of a structure, which is no fault.
+bool lacks_voxels(const Result<CohortMap>& label) {
+  return !label && label.error().what.starts_with(no_voxel_of);
 }
 
 Result<LabelsOfOne> read_labels_of(const SetJob& job, const StructuresOfAll& all, std::size_t structure,
@@ -83,9 +93,15 @@ Result<LabelsOfOne> read_labels_of(const SetJob& job, const StructuresOfAll& all
   labels.cohort.closing_mm = closing->closing_mm;
   for (std::size_t k = 0; k < members.size(); ++k) {
     const auto label = members[k].read(progress);
-    if (!label) continue;  // no voxel of it
+    if (!label) {
+      if (!lacks_voxels(label)) labels.warnings.push_back(label.error().sentence() + "; it is not in the mean");
+      continue;
+    }
     auto boundary = label_boundary(label->volume, label->label, 0, closing->closing_mm, job.vertices);
-    if (!boundary) continue;
+    if (!boundary) {
+      labels.warnings.push_back(Error{members[k].name, boundary.error().what}.sentence() + "; it is not in the mean");
+      continue;
+    }
     labels.cohort.names.push_back(members[k].name);
     labels.cohort.boundaries.push_back(std::move(*boundary));
     labels.maps.push_back(all.maps[structure][k]);
@@ -98,7 +114,7 @@ Result<MadeTemplate> own_template_of(const SetJob& job, const std::vector<std::v
                                      const std::string& name, int value, std::size_t map,
                                      const std::optional<double>& closing_mm, Progress& progress) {
   const bool by_name = std::ranges::any_of(
-      asked[map], [&](const Segment& segment) { return lower_case(segment.name) == lower_case(name); });
+      asked[map], [&](const Segment& segment) { return name_likeness(segment.name, name) != NameLikeness::none; });
   TemplateJob making;
   making.in = job.maps[map];
   making.label = by_name ? name : std::to_string(value);
@@ -118,6 +134,7 @@ MeanStructure mean_structure(const SetJob& job, const std::vector<std::vector<Se
   };
   const auto labels = read_labels_of(job, all, k, progress);
   if (!labels) return give_up(labels.error());
+  made.warnings.insert(made.warnings.end(), labels->warnings.begin(), labels->warnings.end());
   if (labels->maps.empty()) return give_up({"", "no map has a voxel of it"});
   for (std::size_t s = 0; s < labels->maps.size(); ++s)
     mean.middles[labels->maps[s]] = labels->cohort.boundaries[s].surface.points.colwise().mean().transpose();

@@ -81,7 +81,7 @@ Result<Report> add_to_set(SetJob job, const std::string& source, Progress& progr
     return fail(source, "has a template that cannot be read (" + set->warnings.front() +
                             "); bring it back, or take its structure out");
   SetInMaking making;
-  const auto asked = structures_asked(job, making.warnings, progress);
+  const auto asked = structures_asked(job, making, progress);
   if (!asked) return fail(asked.error());
   if (auto is_new = check_new(job, source, set->set, asked->front()); !is_new) return fail(is_new.error());
   const auto folder = ResultFolder::make(job.folder());

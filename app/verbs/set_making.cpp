@@ -48,14 +48,21 @@ struct AskedLabels {
 /// Those that the map has. Errors: that it has none is none.
 std::vector<Segment> named_in(const VolumeRead& read, const std::string& labels, const fs::path& map,
                               AskedLabels& asked) {
-  if (auto whole = asked_segments(labels, read.segmentation)) {
-    std::ranges::fill(asked.found, 1);
-    return std::move(*whole);
-  }
   std::vector<Segment> segments;
+  const auto add = [&](const std::vector<Segment>& more) {  // two names may mean one label
+    for (const Segment& segment : more) {
+      const auto same = [&](const Segment& s) { return s.value == segment.value && s.layer == segment.layer; };
+      if (std::ranges::none_of(segments, same)) segments.push_back(segment);
+    }
+  };
+  if (const auto whole = asked_segments(labels, read.segmentation)) {
+    std::ranges::fill(asked.found, 1);
+    add(*whole);
+    return segments;
+  }
   for (std::size_t k = 0; k < asked.parts.size(); ++k) {
     auto one = asked_segments(asked.parts[k], read.segmentation);
-    if (one) segments.insert(segments.end(), one->begin(), one->end());
+    if (one) add(*one);
     if (one) asked.found[k] = 1;
     if (!one && !asked.why_not[k]) asked.why_not[k] = Error{map.string(), one.error().what};
   }
@@ -165,9 +172,8 @@ void place_by_neighbours(const FittedSet& fitted, const SetInMaking& making, con
   one.file.landmarks.clear();
 }
 
-/// The smallest value above all others of the set where another structure of its layer has this one.
-int free_value(const TemplateSet& set, const TemplateOfSet& structure) {
-  int highest = 0;
+/// The structure's value, or where another of its layer has it the smallest above those of the set and of its maps.
+int free_value(const TemplateSet& set, int highest, const TemplateOfSet& structure) {
   bool taken = false;
   for (const TemplateOfSet& other : set.structures) {
     highest = std::max(highest, other.value);
@@ -249,7 +255,7 @@ void append(MadeStructure made, SetInMaking& making) {
   if (made.is_there()) {
     made.structure.file = free_file(making.made.set, made.structure.file);
     auto the_template = make_template(made.file, made.structure.file.string());
-    const int value = free_value(making.made.set, made.structure);
+    const int value = free_value(making.made.set, making.highest_value, made.structure);
     if (value != made.structure.value)
       making.warnings.push_back(made.structure.name + ": has the value " + std::to_string(value) +
                                 " in the set, since " + std::to_string(made.structure.value) +
@@ -263,23 +269,27 @@ void append(MadeStructure made, SetInMaking& making) {
   making.rows.push_back(std::move(made.row));
 }
 
-Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, std::vector<std::string>& warnings,
-                                                           Progress& progress) {
+Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, SetInMaking& making, Progress& progress) {
   AskedLabels labels;
   labels.parts = labels_between_commas(job.labels);
   labels.found.resize(labels.parts.size());
   labels.why_not.resize(labels.parts.size());
   std::vector<std::vector<Segment>> asked;
+  std::set<fs::path> met;
   for (const fs::path& map : job.maps) {
+    std::error_code ignored;
+    if (!met.insert(fs::weakly_canonical(map, ignored)).second)
+      return fail(map.string(), "is given twice, and would count as two subjects; name each map once");
     VolumeReadOptions options;
     options.progress = &progress;
     const auto read = read_labels(map, options);
     if (!read) return fail(read.error());
+    for (const Segment& segment : all_of(*read)) making.highest_value = std::max(making.highest_value, segment.value);
     asked.push_back(job.all ? all_of(*read) : named_in(*read, job.labels, map, labels));
     if (job.all && asked.back().empty()) return fail(map.string(), "holds no label; give a label map");
     for (const std::string& what : take_doubled(asked.back(), !read->other_layers.empty())) {
       if (!job.all) return fail(map.string(), what + "; name them apart");
-      warnings.push_back(map.string() + ": " + what + "; they are left out; give one of them another name");
+      making.warnings.push_back(map.string() + ": " + what + "; they are left out; give one of them another name");
     }
     if (job.all && asked.back().empty())
       return fail(map.string(), "has no structure with a name of its own; give each another name");
@@ -356,7 +366,7 @@ Result<Report> write_set(const SetJob& job, SetInMaking& making, Progress& progr
 
 Result<Report> make_set(const SetJob& job, Progress& progress) {
   SetInMaking making;
-  const auto asked = structures_asked(job, making.warnings, progress);
+  const auto asked = structures_asked(job, making, progress);
   if (!asked) return fail(asked.error());
   const auto folder = ResultFolder::make(job.folder());
   if (!folder) return fail(folder.error());

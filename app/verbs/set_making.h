@@ -38,14 +38,14 @@ struct SetInMaking {
   std::vector<MeshFile> files;                    ///< without faces: the template lies on the disk already
   std::vector<std::vector<Similarity>> relative;  ///< of each subject: from where neighbours say to where it is
   std::vector<Json> rows;                         ///< of the report, also of those without a template
+  int highest_value = 0;                          ///< of the labels of the maps that are asked for
   std::vector<std::string> warnings;
 };
 
 /// The structures that are asked for, of each map those that it has. Of all of a map those are left out whose name two
-/// labels have, with a warning. Errors: a map that cannot be read; a label that no map has; two structures of one name
-/// that were asked for.
-Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, std::vector<std::string>& warnings,
-                                                           Progress& progress);
+/// labels have, with a warning. Errors: a map that cannot be read, or is given twice; a label that no map has; two
+/// structures of one name that were asked for.
+Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, SetInMaking& making, Progress& progress);
 
 /// What a segment is called in the set.
 std::string name_in_set(const Segment& segment);
@@ -62,8 +62,8 @@ struct MadeStructure {
 MadeStructure without_template(const Segment& segment);
 /// Gives it its template, or says why it has none.
 void take_template(Result<MeshFile> file, const SetJob& job, MadeStructure& made);
-/// Puts a structure at the end of the set: its value becomes a free one where another has it. One without template is
-/// in the report alone, where the next map's takes its place.
+/// Puts a structure at the end of the set: where another has its value, it gets one that no label has. One without
+/// template is in the report alone, where the next map's takes its place.
 void append(MadeStructure made, SetInMaking& making);
 
 /// Adds templates of a map's structures that the set lacks, and how the others lie in it. They are placed by their

@@ -113,7 +113,7 @@ Result<StudyCase> case_of_scan(const MakeJob& job, const std::string& name, cons
   if (fs::exists(one.file, ignored)) return one;
   const fs::path& image = files.image.empty() ? files.labels : files.image;
   Document document = new_document(image.string(), std::move(grid), the_template);
-  document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
+  document.hold_landmarks();
   auto record = record_of_row(job, name, progress);
   if (!record) return fail(record.error());
   auto made = create_case(std::move(document), one.file, {}, std::move(*record));

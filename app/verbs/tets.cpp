@@ -6,6 +6,7 @@
 #include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/deform/volume_carrier.h"
+#include "core/mesh/mirror.h"
 #include "core/mesh/rims.h"
 #include "core/model/model_files.h"
 #include "core/model/shape_files.h"
@@ -51,15 +52,29 @@ Result<void> check_outputs(const TetsJob& job, const std::vector<ShapeSource>& s
   return check_not_read(written, read);
 }
 
+/// Whether a shape's faces are not the template's, which may be turned.
+bool is_numbered_otherwise(const MeshFile& shape, const Template& the_template) {
+  const Triangles &faces = *shape.triangles, &known = the_template.topology->triangles();
+  return shape.points.rows() == the_template.points.rows() && faces.rows() > 0 && faces != known &&
+         !turned_faces(faces, known);
+}
+
 /// A case's row of the report; what is wrong with it becomes a warning. Writes its file unless elements are inverted.
-Result<Json> fill_one(const VolumeMesh& mesh, const VolumeCarrier& carrier, const ReadShape& shape,
-                      const std::string& name, const fs::path& to, std::vector<std::string>& warnings,
-                      Progress& progress) {
+Result<Json> fill_one(const VolumeMesh& mesh, const Template& the_template, const VolumeCarrier& carrier,
+                      const ReadShape& shape, const std::string& name, const fs::path& to,
+                      std::vector<std::string>& warnings, Progress& progress) {
   const auto begin = std::chrono::steady_clock::now();
+  if (is_numbered_otherwise(*shape.mesh, the_template))
+    return fail(
+        shape.name,
+        "has other faces (or another numbering) than the template; give shapes of this template, as homolog fit "
+        "makes them");
   const auto carried = carrier.carry(shape.mesh->points, &progress);
   if (!carried) return fail(shape.name, carried.error().what);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   const bool written = carried->inverted == 0;
+  constexpr double far_edges = 3;
+  const bool slid_far = carried->slid_mm > far_edges * carrier.edge_mm();
   if (written) {
     if (auto done = write_volume_mesh(mesh, carried->points, to); !done) return fail(done.error());
     if (!carried->sound())
@@ -70,6 +85,9 @@ Result<Json> fill_one(const VolumeMesh& mesh, const VolumeCarrier& carrier, cons
       warnings.push_back(shape.name + ": the outside had to leave the surface by up to " +
                          plain_number(carried->lifted_mm) +
                          " mm for the tetrahedra to stay whole; look at the fit there");
+    if (slid_far)
+      warnings.push_back(shape.name + ": the outside had to slide by up to " + plain_number(carried->slid_mm) +
+                         " mm for the tetrahedra to stay whole; look at the fit there");
   } else {
     warnings.push_back(shape.name + ": " + std::to_string(carried->inverted) +
                        " tetrahedra would be turned over, so no mesh was written; give one whose outside is as fine as "
@@ -79,7 +97,7 @@ Result<Json> fill_one(const VolumeMesh& mesh, const VolumeCarrier& carrier, cons
               {"scaled_jacobian_least", carried->least},
               {"inverted", carried->inverted},
               {"poor", carried->poor},
-              {"doubtful", !carried->sound() || carried->lifted_mm > carrier.edge_mm()},
+              {"doubtful", !carried->sound() || carried->lifted_mm > carrier.edge_mm() || slid_far},
               {"slid_mm", carried->slid_mm},
               {"lifted_mm", carried->lifted_mm},
               {"file", written ? Json(to.string()) : Json()},
@@ -115,7 +133,8 @@ Result<Report> fill_shapes(const TetsJob& job, Progress& progress) {
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     Progress own(progress, 1 / static_cast<double>(shapes.size()));
     if (progress.cancelled()) return fail("", "was cancelled");
-    auto row = fill_one(*mesh, *carrier, shapes[k], names[k], tets_file(job, *mesh, names[k]), report.warnings, own);
+    auto row = fill_one(*mesh, **the_template, *carrier, shapes[k], names[k], tets_file(job, *mesh, names[k]),
+                        report.warnings, own);
     if (progress.cancelled()) return fail("", "was cancelled");
     if (!row) {
       report.warnings.push_back(row.error().sentence());

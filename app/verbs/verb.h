@@ -37,7 +37,7 @@ struct CommandLine {
   bool is_of_lab = false;  ///< a verb of the laboratory was given [lab_verbs.h]
 };
 
-/// Adds a verb that reports: its `--json` flag and its `--jobs` are read by main.
+/// Adds a verb that reports: run_program reads its `--json`, `--quiet` and `--jobs`.
 inline CLI::App* add_verb(CLI::App& app, const char* name, const char* description) {
   CLI::App* verb = app.add_subcommand(name, description);
   verb->add_flag("--json")->description("Print one JSON object on stdout and nothing else there");

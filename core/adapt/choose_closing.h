@@ -56,9 +56,10 @@ struct MoreClosing {
 
 /// Tries wider radii where a fit to a label is doubtful and closing may help: not for mirrored organs, nor for partial
 /// fits or labels that the scan cuts. One is better that gives a sound fit whose raw Dice is next to the first's or
-/// higher.
+/// higher. Nothing is tried where the first fit took all `parts`, or one of several of about one size: a wider radius
+/// could join them.
 MoreClosing try_more_closing(const Template& the_template, const Volume& mask, int label, int frame,
-                             const FitOptions& options, const OtherClosing& first);
+                             const LabelParts& parts, const FitOptions& options, const OtherClosing& first);
 
 /// What the report and the warning say: why this radius; and of a fit that stays doubtful what was tried.
 std::string why_closing(const MoreClosing& more, bool kept);

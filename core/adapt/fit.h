@@ -51,7 +51,7 @@ struct FitResult {
   std::vector<std::string> warnings;  ///< each a sentence
 };
 
-/// Of each vertex: 1 where it is an outlier, else 0.
+/// Returns n values, one a vertex: 1 where it is an outlier, else 0.
 VertexScalars outlier_marks(const FitResult& fit);
 
 /// Adapts a template to a boundary without a hand: placed by a similarity, then annealed [annealing.h] with force

@@ -44,19 +44,6 @@ std::optional<std::string> riddled(const Template& the_template) {
          " tunnels, more than organs have, so vertices of its fits do not correspond; make it again with --genus";
 }
 
-/// Whether a surface has a hole so long around that a part seems to be cut off.
-bool is_cut_open(const Mesh& surface) {
-  constexpr double longest_share = 0.1;  ///< of the diagonal; a femur cut through its shaft comes to 0.2
-  const double longest_mm = longest_share * bounds_of(surface.points).diagonal().norm();
-  const auto& rims = surface.topology->rims();
-  return std::any_of(rims.begin(), rims.end(), [&](const std::vector<std::int32_t>& rim) {
-    double length_mm = 0;
-    for (std::size_t k = 0; k < rim.size(); ++k)
-      length_mm += (surface.points.row(rim[k]) - surface.points.row(rim[(k + 1) % rim.size()])).norm();
-    return length_mm > longest_mm;
-  });
-}
-
 /// Why the fit is doubtful.
 std::string poor_fit(const Agreement& agreement, double doubt_share, bool partial) {
   if (!partial && agreement.dice >= least_dice && doubt_share > most_doubt_share)
@@ -227,7 +214,7 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   const bool too_little = judgement.beyond_share > most_missing;
   judgement.doubtful = fit.mirrored || fit.half_turned || too_little || judgement.doubt_share > most_doubt_share ||
                        is_doubtful(counting(judgement.inside_scan, judgement.rim), boundary);
-  const bool cut_off = !options.partial && the_template.topology->closed() && is_cut_open(boundary.surface);
+  const bool cut_off = !options.partial && the_template.topology->closed() && !long_rims(boundary.surface).empty();
   if (cut_off) judgement.doubtful = true;
   if (options.partial) judge_partial(boundary, fit, judgement);
   // Where parts are missing, the boundary may end anywhere.
@@ -296,11 +283,13 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   return judgement;
 }
 
+std::string as_sentence(std::string warning) {
+  if (!warning.empty()) warning[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(warning[0])));
+  return warning.ends_with('.') || warning.ends_with('?') ? warning : warning + '.';
+}
+
 std::string reason_of_doubt(const std::vector<std::string>& warnings) {
-  if (warnings.empty()) return "The fit is doubtful.";
-  std::string reason = warnings.back();
-  if (!reason.empty()) reason[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(reason[0])));
-  return reason.ends_with('.') || reason.ends_with('?') ? reason : reason + '.';
+  return warnings.empty() ? "The fit is doubtful." : as_sentence(warnings.back());
 }
 
 }  // namespace homolog

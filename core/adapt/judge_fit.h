@@ -53,6 +53,8 @@ struct FitJudgement {
 FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, const FitOptions& options,
                        const FitResult& fit);
 
+/// "the fit is poor" as it stands alone: "The fit is poor."
+std::string as_sentence(std::string warning);
 /// Why a fit is in doubt, as a sentence, of what is said of it; "The fit is doubtful." where nothing is.
 std::string reason_of_doubt(const std::vector<std::string>& warnings);
 

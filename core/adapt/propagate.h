@@ -36,7 +36,7 @@ struct Ejection {
   int end_diastole = 0, end_systole = 0;  ///< frames of the largest and the smallest volume
   double fraction = 0;                    ///< (largest − smallest) / largest
 };
-/// Of these volumes by frame; none where there are none.
+/// Returns the ejection that volumes (ml) by frame tell of; none where there are no volumes.
 std::optional<Ejection> ejection_of(const std::map<int, double>& volumes_ml);
 
 struct Propagation {

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
+#include "core/base/result.h"
+
 namespace homolog {
 
 /// What the system says of a file.
@@ -20,6 +22,9 @@ struct FileStatus {
 };
 /// Of the file that has a name, a link followed; nothing where there is none.
 std::optional<FileStatus> status_of(const std::filesystem::path& path);
+
+/// What is said where a file is wanted and something else has the name. `kind`: what that is.
+Error not_a_file(const std::filesystem::path& path, FileStatus::Kind kind);
 
 /// Whether this process may read a file and not write it.
 bool is_write_protected(const std::filesystem::path& path);

@@ -20,7 +20,8 @@ double mean_of(const Values& values, const Of& of = {}) {
 }
 
 /// The middle value; of an even number the upper of the two. There must be one.
-inline double median_of(std::vector<double> values) {
+template <class T = double>
+T median_of(std::vector<T> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;

@@ -21,6 +21,9 @@
 #include <system_error>
 #include <vector>
 
+#include "core/base/open_file.h"
+#include "core/base/system_write.h"
+
 namespace homolog {
 namespace fs = std::filesystem;
 
@@ -94,14 +97,7 @@ class FileBuffer : public std::streambuf {
  private:
   void empty() { setp(buffer_.data(), buffer_.data() + buffer_.size()); }
   bool put(std::string_view bytes) {
-    while (error_ == 0 && !bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0)
-        error_ = written < 0 ? errno : EIO;
-      else
-        bytes.remove_prefix(static_cast<std::size_t>(written));
-    }
+    if (error_ == 0) error_ = write_all(descriptor_, bytes);
     return error_ == 0;
   }
 
@@ -265,9 +261,7 @@ Result<int> open_file(const fs::path& path, struct stat& now) {
   if (file < 0) return fail(cannot_read(path, errno));
   if (::fstat(file, &now) == 0 && S_ISREG(now.st_mode)) return file;
   ::close(file);
-  return fail(path.string(), S_ISDIR(now.st_mode)
-                                 ? "is a folder, not a file; give the name of a file in it"
-                                 : "is a device or a pipe, not a file; copy what it gives into a file");
+  return fail(not_a_file(path, S_ISDIR(now.st_mode) ? FileStatus::Kind::folder : FileStatus::Kind::other));
 }
 
 }  // namespace

@@ -8,8 +8,19 @@
 #include <utility>
 
 #include "core/base/open_file.h"
+#include "core/base/system_write.h"
 
 namespace homolog {
+
+int write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return written < 0 ? errno : EIO;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
 
 namespace {
 
@@ -28,6 +39,12 @@ std::optional<FileStatus> status_of(const std::filesystem::path& path) {
   struct stat file {};
   if (::stat(path.c_str(), &file) != 0) return std::nullopt;
   return in_our_words(file);
+}
+
+Error not_a_file(const std::filesystem::path& path, FileStatus::Kind kind) {
+  return {path.string(), kind == FileStatus::Kind::folder
+                             ? "is a folder, not a file; give the name of a file in it"
+                             : "is a device or a pipe, not a file; copy what it gives into a file"};
 }
 
 bool is_write_protected(const std::filesystem::path& path) {
@@ -67,13 +84,7 @@ tl::expected<std::size_t, int> OpenFile::read_at(char* into, std::size_t most, s
 }
 
 int OpenFile::append(std::string_view bytes) const {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return written < 0 ? errno : EIO;
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return 0;
+  return write_all(descriptor_, bytes);
 }
 
 int OpenFile::cut_to(std::uint64_t bytes) const {

@@ -24,6 +24,14 @@ std::optional<ShapeView> Document::view(std::string_view id) const {
   return ShapeView{*found, *shape, frame};
 }
 
+void Document::hold_landmarks() {
+  for (auto& shared : structures) {
+    Structure held = *shared;
+    held.landmarks.hold = true;
+    shared = std::make_shared<const Structure>(std::move(held));
+  }
+}
+
 std::string free_contour_id(const Document& document) {
   for (int number = 1;; ++number) {
     std::string id = "c" + std::to_string(number);

@@ -44,6 +44,8 @@ struct Document {
     change(changed);
     shared = std::make_shared<const Structure>(std::move(changed));
   }
+  /// Lets placed landmarks hold the mesh, in all structures.
+  void hold_landmarks();
 
  private:
   std::size_t index_of(std::string_view id) const;

@@ -32,8 +32,8 @@ enum class LandmarkRule {
 struct LandmarkRules {
   LandmarkPull pull = LandmarkPull::warp;
   LandmarkRule rule = LandmarkRule::by_size;
-  /// The mesh is held where it has come to meet a placed landmark [held_landmarks.h]. The editor's new cases do so;
-  /// older ones, and those of scripts, do not.
+  /// The mesh is held where it has come to meet a placed landmark [held_landmarks.h]. Cases that the window or a verb
+  /// begins do so; older ones do not.
   bool hold = false;
 };
 

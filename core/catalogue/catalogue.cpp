@@ -32,6 +32,16 @@ std::optional<std::string> structure_of_set(const std::string& source) {
   return source.substr(set.size() + 1);
 }
 
+/// "built-in:spine" for "spine", "phantom:spine" or "builtin:spine" where there is no such file; else empty.
+std::string built_in_that_is_meant(const std::string& source) {
+  std::error_code ignored;
+  if (std::filesystem::exists(source, ignored)) return {};
+  const std::string name = source.substr(source.find(':') + 1);
+  if (name == spine) return built_in_set_source();
+  const auto organ = organ_from_name(name);
+  return organ ? built_in_source(*organ) : std::string();
+}
+
 Result<MeshFile> built_in_of_set(const std::string& source, const std::string& structure) {
   if (structure.empty())
     return fail(source, "is a set of templates; name one of them, such as " + built_in_set_source("vertebrae_L3"));
@@ -115,6 +125,8 @@ Result<std::shared_ptr<const Template>> load_template(const std::string& source)
     if (!organ) return fail(organ.error());
     return make_template(built_in_template(*organ), source);
   }
+  if (auto meant = built_in_that_is_meant(source); !meant.empty())
+    return fail(source, "is neither a file nor a built-in template; " + meant + " is one");
   auto file = read_mesh_file(source);
   if (!file) return fail(file.error());
   return make_template(std::move(*file), source);

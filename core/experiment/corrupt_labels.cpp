@@ -129,7 +129,7 @@ void Changing::relabel_bar(const Vec3& from, const Vec3& to, double radius_mm, i
       for (int i = voxels.first[0]; i <= voxels.last[0]; ++i) {
         const Vec3 p = grid_.to_mm(Vec3(i, j, k));
         const double t = std::clamp((p - from).dot(to - from) / length, 0.0, 1.0);
-        int& label = labels_[(index(k) * index(grid_.dims[1]) + index(j)) * index(grid_.dims[0]) + index(i)];
+        int& label = labels_[grid_.index(i, j, k)];
         if (label == old_label && (p - from - t * (to - from)).norm() <= radius_mm) label = new_label;
       }
 }

@@ -156,17 +156,13 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
       return fail("", "the making of the template was cancelled");
     consensus.left_out.clear();
     consensus.doubtful.clear();
-    ShapeMatrix shapes(consensus.mesh.points.size(), 0);
     std::vector<std::size_t> fitted;
-    for (std::size_t k = 0; k < fits.size(); ++k) {
-      if (!fits[k]) {
+    for (std::size_t k = 0; k < fits.size(); ++k)
+      if (fits[k])
+        fitted.push_back(k);
+      else
         consensus.left_out.push_back(order[k]);
-        continue;
-      }
-      shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
-      shapes.rightCols(1) = fits[k]->reshaped<Eigen::RowMajor>();
-      fitted.push_back(k);
-    }
+    const ShapeMatrix shapes = as_columns(fits, consensus.mesh.points.rows());
     if (shapes.cols() < 2) return fail("", "fewer than two subjects could be fitted; check that they are one organ");
     for (const std::size_t k : unlike_among(fitted, doubt, shapes)) consensus.doubtful.push_back(order[k]);
     const Points mean = mean_of(shapes);

@@ -7,6 +7,14 @@
 
 namespace homolog {
 
+ShapeMatrix as_columns(const std::vector<std::optional<Points>>& fits, Eigen::Index vertices) {
+  ShapeMatrix shapes(3 * vertices, std::ranges::count_if(fits, [](const auto& fit) { return fit.has_value(); }));
+  Eigen::Index column = 0;
+  for (const auto& fit : fits)
+    if (fit) shapes.col(column++) = fit->reshaped<Eigen::RowMajor>();
+  return shapes;
+}
+
 std::vector<double> shape_shares(ShapeMatrix fits) {
   align(fits, Alignment::similarity);
   const Eigen::VectorXd mean = fits.rowwise().mean();

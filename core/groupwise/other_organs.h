@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "core/model/procrustes.h"
@@ -12,6 +13,9 @@ struct FitSigns {
   double doubt_share = 0;  ///< share_of_doubt of the fit
   double shape_share = 0;  ///< how far its shape lies from the mean shape of all, of the mean's size [shape_shares]
 };
+
+/// The fits that there are as the columns of one matrix (3n×M), in their order. `vertices`: of each (n).
+ShapeMatrix as_columns(const std::vector<std::optional<Points>>& fits, Eigen::Index vertices);
 
 /// Of each fit (3n×M): the distance of its shape from the mean shape as a share of that one's centroid size, after
 /// generalised Procrustes analysis.

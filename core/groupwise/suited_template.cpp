@@ -47,13 +47,7 @@ Result<std::vector<std::size_t>> nearest_to_mean(const std::vector<Boundary>& su
     if (of_fit) of_fit->report(1);
   });
   if (is_cancelled(progress)) return fail("", cancelled_words);
-  ShapeMatrix shapes(own->mesh.points.size(), 0);
-  for (const auto& fit : fits) {
-    if (!fit) continue;
-    shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
-    shapes.rightCols(1) = fit->reshaped<Eigen::RowMajor>();
-  }
-  const auto distances = shape_shares(std::move(shapes));
+  const auto distances = shape_shares(as_columns(fits, own->mesh.points.rows()));
   std::vector<std::pair<double, std::size_t>> ranked;  // distance from the mean, position in `order`
   for (std::size_t k = 0, fitted = 0; k < order.size(); ++k)
     ranked.emplace_back(fits[k] ? distances[fitted++] : std::numeric_limits<double>::infinity(), k);

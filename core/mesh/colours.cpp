@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "core/base/index.h"
+#include "core/base/statistics.h"
 
 namespace homolog {
 namespace {
@@ -19,12 +20,6 @@ std::vector<std::int32_t> edge_steps(const Topology& topology, const std::vector
   steps.reserve(topology.edges().size());
   for (const auto& [a, b] : topology.edges()) steps.push_back(std::abs(number[index(a)] - number[index(b)]));
   return steps;
-}
-
-std::int32_t median(std::vector<std::int32_t> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// A ring × sector grid steps by 1 around a ring, by the ring's length along the axis, and by one more or less across:
@@ -70,7 +65,7 @@ std::vector<std::int32_t> breadth_first_rank(const Topology& topology, std::int3
 
 bool indices_are_local(const Topology& topology) {
   const auto steps = edge_steps(topology, indices_of(topology));
-  return is_grid(steps) || median(steps) <= 2 * median(edge_steps(topology, breadth_first_rank(topology)));
+  return is_grid(steps) || median_of(steps) <= 2 * median_of(edge_steps(topology, breadth_first_rank(topology)));
 }
 
 Mesh renumbered(const Mesh& mesh, Eigen::Index first) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -11,20 +11,20 @@
 
 namespace homolog {
 
-/// In place of a label: every value but 0.
-inline constexpr int every_label = -1;
+/// In place of a label: every value but 0. No voxel has this one [rounded_label].
+inline constexpr int every_label = std::numeric_limits<int>::min();
 
 /// "label 3", as sentences name it.
 inline std::string label_name(int label) {
   return label == every_label ? "the union of all labels" : "label " + std::to_string(label);
 }
 
-/// Whether a voxel of a label map has a label; floats are rounded, as labels_of() does.
+/// Whether a voxel of a label map has a label, which may be every_label; floats are rounded [rounded_label].
 template <class T>
 bool has_label(T voxel, int label) {
   if (label == every_label) return !has_label(voxel, 0);
   if constexpr (std::is_floating_point_v<T>)
-    return std::rint(voxel) == static_cast<T>(label);
+    return rounded_label(static_cast<double>(voxel)) == label;
   else
     return voxel == label;
 }

@@ -145,6 +145,13 @@ Result<Mesh> sound_mesh(const MeshFile& file) {
   return mesh;
 }
 
+Result<std::shared_ptr<const Topology>> shared_topology(const MeshFile& file, std::shared_ptr<const Topology>& known) {
+  if (known && known->vertices() == file.points.rows() && known->triangles() == file.triangles) return known;
+  auto made = Topology::make(file.points.rows(), file.triangles);
+  if (made) known = *made;
+  return made;
+}
+
 Result<Mesh> read_mesh(const std::filesystem::path& path) {
   const auto file = read_mesh_file(path);
   if (!file) return fail(file.error());

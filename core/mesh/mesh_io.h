@@ -66,6 +66,10 @@ bool keeps_numbers(const std::filesystem::path& path);
 /// The faces of a file as a mesh. Errors: Topology::make's; a seam of duplicate vertices that was never closed.
 Result<Mesh> sound_mesh(const MeshFile& file);
 
+/// The topology of a file's faces: `known` where that has the same, else a new one, which `known` becomes. So meshes of
+/// one kind share theirs. Errors: faces that are no surface.
+Result<std::shared_ptr<const Topology>> shared_topology(const MeshFile& file, std::shared_ptr<const Topology>& known);
+
 /// read_mesh_file, then sound_mesh with the file named in the error.
 Result<Mesh> read_mesh(const std::filesystem::path& path);
 Result<void> write_mesh(const Mesh& mesh, const std::filesystem::path& path);

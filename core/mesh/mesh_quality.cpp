@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/index.h"
+#include "core/mesh/rims.h"
 
 namespace homolog {
 namespace {
@@ -18,13 +19,6 @@ Vec3 centre_of(const std::vector<std::int32_t>& loop, const Points& points) {
   Vec3 sum = Vec3::Zero();
   for (const std::int32_t v : loop) sum += points.row(v);
   return sum / static_cast<double>(loop.size());
-}
-
-double length_of(const std::vector<std::int32_t>& loop, const Points& points) {
-  double length = 0;
-  for (std::size_t i = 0; i < loop.size(); ++i)
-    length += (points.row(loop[(i + 1) % loop.size()]) - points.row(loop[i])).norm();
-  return length;
 }
 
 void measure_edges(const Mesh& mesh, MeshQuality& quality) {
@@ -150,7 +144,7 @@ double enclosed_volume_ml(const Mesh& mesh) {
 Mesh capped(const Mesh& mesh, double longest_mm) {
   std::vector<std::vector<std::int32_t>> loops;
   for (const auto& loop : mesh.topology->rims())
-    if (length_of(loop, mesh.points) <= longest_mm) loops.push_back(loop);
+    if (rim_length_mm(loop, mesh.points) <= longest_mm) loops.push_back(loop);
   if (loops.empty()) return mesh;
   const Eigen::Index vertices = mesh.points.rows(), faces = mesh.topology->triangles().rows();
   Eigen::Index rim = 0;

@@ -42,13 +42,13 @@ struct SelfIntersections {
 /// at all pairs would take long.
 SelfIntersections find_self_intersections(const Mesh& mesh);
 
-/// The pairs alone.
+/// Returns the pairs of find_self_intersections alone.
 std::vector<std::array<std::int32_t, 2>> self_intersections(const Mesh& mesh);
 
 /// Unit area-weighted vertex normals, n×3, pointing outward; zero at a vertex whose faces are all degenerate.
 Points vertex_normals(const Mesh& mesh);
 
-/// Of the parts that hang together, the one with the most area, its vertices renumbered in their order.
+/// Returns the part with the most area of those that hang together, its vertices renumbered in their order.
 Mesh largest_part(const Mesh& mesh);
 
 /// Area of all faces in mm².

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -291,18 +292,21 @@ std::vector<Mesh> neighbouring_parts(const Mesh& mesh) {
     area.push_back(surface_area_mm2(part));
     boxes.push_back(bounds_of(part.points));
   }
+  std::vector<std::size_t> left(parts.size());  // in no group yet, in their order
+  std::iota(left.begin(), left.end(), std::size_t{0});
+  std::vector<std::size_t> by_area = left;
+  std::ranges::stable_sort(by_area, std::greater(), [&](std::size_t p) { return area[p]; });
   std::vector<char> taken(parts.size(), 0);
   std::vector<Mesh> groups;
-  while (std::find(taken.begin(), taken.end(), 0) != taken.end()) {
-    std::size_t largest = parts.size();
-    for (std::size_t p = 0; p < parts.size(); ++p)
-      if (taken[p] == 0 && (largest == parts.size() || area[p] > area[largest])) largest = p;
+  for (const std::size_t largest : by_area) {
+    if (taken[largest] != 0) continue;
     std::vector<Mesh> group;
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      if (taken[p] != 0 || !boxes[p].intersects(boxes[largest])) continue;
+    std::erase_if(left, [&](std::size_t p) {
+      if (!boxes[p].intersects(boxes[largest])) return false;
       taken[p] = 1;
       group.push_back(std::move(parts[p]));
-    }
+      return true;
+    });
     groups.push_back(joined(group));
   }
   return groups;

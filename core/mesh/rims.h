@@ -35,14 +35,14 @@ RimPlace nearest_on_rims(const std::vector<Rim>& rims, const Points& points, con
 /// The lengths of a rim's edges, each from a vertex to the next, mm.
 std::vector<double> rim_edges_mm(const Rim& rim, const Points& points);
 
-/// Of each vertex of a rim a place on another surface's rim, in order along it: about where it is nearest, and spread
-/// as the edges `rest_mm` are [rim_edges_mm]. The nearest places alone leave out what lies in a bay. The nearest places
-/// where a way around the one does not lead around the other. All LPS mm.
+/// Returns a place on the rim `onto` of another surface for each vertex of a rim, in order along it: about where it is
+/// nearest, and spread as the edges `rest_mm` are [rim_edges_mm], since the nearest places alone leave out what lies in
+/// a bay. Where a way around the one does not lead around the other, they are the nearest places. All LPS mm.
 std::vector<Vec3> spread_on_rim(const Rim& rim, const Points& points, const std::vector<double>& rest_mm,
                                 const Rim& onto, const Points& there);
 
-/// Of an open mesh what is to be said where something needs its inside: "is open, so its rim was closed flat to have an
-/// inside"; empty of a closed one.
+/// Returns what is to be said of an open mesh where something needs its inside: "is open, so its rim was closed flat to
+/// have an inside"; empty for a closed one.
 std::string closed_flat(const Topology& topology);
 
 /// How far the rims of two surfaces lie apart, mm: mean over both lengths together, and the larger of the two
@@ -51,7 +51,7 @@ struct RimDistance {
   double mean_mm = 0, p95_mm = 0;
 };
 
-/// Both meshes have rims longer than least_rim_share; those count. LPS mm.
+/// Returns how far the rims longer than least_rim_share of two meshes lie apart; 0 where one has none. LPS mm.
 RimDistance rim_distance(const Mesh& a, const Mesh& b);
 
 }  // namespace homolog

@@ -264,25 +264,6 @@ std::optional<SurfaceSearch::Nearest> SurfaceSearch::first_hit(const Vec3& from,
   return at(best->face, best->weights, from);
 }
 
-std::vector<std::int32_t> SurfaceSearch::faces_near(const Box& box) const {
-  std::vector<std::int32_t> found;
-  Stack<std::int32_t> stack;
-  stack.push(0);
-  while (!stack.empty()) {
-    const Node& node = nodes_[static_cast<std::size_t>(stack.pop())];
-    if (!node.box.intersects(box)) continue;
-    if (node.count == 0) {
-      stack.push(node.first + 1);
-      stack.push(node.first);
-    }
-    for (std::int32_t i = 0; i < node.count; ++i) {
-      const std::int32_t face = face_in(node, i);
-      if (face_box(face).intersects(box)) found.push_back(face);
-    }
-  }
-  return found;
-}
-
 void SurfaceSearch::for_each_near_pair(const std::function<bool(std::int32_t, std::int32_t)>& visit) const {
   std::vector<Box> boxes(order_.size());
   for (std::size_t f = 0; f < boxes.size(); ++f) boxes[f] = face_box(static_cast<std::int32_t>(f));

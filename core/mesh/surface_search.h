@@ -51,8 +51,6 @@ class SurfaceSearch {
   Nearest nearest(const Vec3& p, std::int32_t likely_face = 0) const;
   /// First hit of the ray `from + t · direction`, t ≥ 0 (direction need not be unit), either side of a face.
   std::optional<Nearest> first_hit(const Vec3& from, const Vec3& direction) const;
-  /// Faces whose boxes meet `box`.
-  std::vector<std::int32_t> faces_near(const Box& box) const;
   /// Calls `visit(f, g)` once for each two faces f < g whose boxes meet, until it gives false. All in one walk through
   /// the tree, which takes less time than to ask for every face.
   void for_each_near_pair(const std::function<bool(std::int32_t, std::int32_t)>& visit) const;
@@ -76,7 +74,7 @@ class SurfaceSearch {
   std::vector<std::int32_t> order_;
 };
 
-/// Of each point the nearest place on a surface.
+/// Returns the nearest place on a surface for each of the points, n×3 like these, mm.
 Points closest_places(const Mesh& surface, const Points& points);
 
 /// The surface point nearest to `p`, exactly, found by looking at every face: for one question, which is much less work

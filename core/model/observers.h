@@ -36,8 +36,9 @@ struct ObserverRead {
   ObservedShapes shapes;
   std::vector<std::string> warnings;
 };
-/// Of a study (names as there), of a folder (every case and mesh in it, named as its file), or of one file, whose name
-/// is empty, so that it is compared with one file of any name. Errors: nothing there that could be read.
+/// Reads the shapes of a study (names as there), of a folder (every case and mesh in it, named as its file), or of one
+/// file, whose name is empty, so that it is compared with one file of any name. Errors: nothing there that could be
+/// read.
 Result<ObserverRead> read_observer(const std::filesystem::path& path, Progress* progress = nullptr);
 
 struct ObserverComparison {

@@ -14,11 +14,7 @@ Result<MeasuredStructure> measured_structure(std::string name, const MeshFile& m
                                              std::shared_ptr<const Topology>& faces) {
   MeasuredStructure structure{std::move(name), {nullptr, mesh.points}, mesh.landmarks, mesh.regions};
   if (mesh.triangles.rows() == 0) return structure;
-  if (!faces || faces->vertices() != mesh.points.rows() || faces->triangles() != mesh.triangles) {
-    auto made = Topology::make(mesh.points.rows(), mesh.triangles);
-    if (!made) return fail(made.error());
-    faces = *made;
-  }
+  if (auto shared = shared_topology(mesh, faces); !shared) return fail(shared.error());
   structure.mesh.topology = faces;
   return structure;
 }

@@ -34,11 +34,7 @@ Result<ShapeSizes> sizes_of(const MeshFile& mesh, std::shared_ptr<const Topology
   sizes.landmarks = mesh.landmarks;
   sizes.centroid_size_mm = centroid_size_mm(mesh.points);
   if (mesh.triangles.rows() == 0) return sizes;
-  if (!faces || faces->vertices() != mesh.points.rows() || faces->triangles() != mesh.triangles) {
-    auto made = Topology::make(mesh.points.rows(), mesh.triangles);
-    if (!made) return fail(made.error());
-    faces = *made;
-  }
+  if (auto shared = shared_topology(mesh, faces); !shared) return fail(shared.error());
   const Mesh shape{faces, mesh.points};
   double twice_area = 0;
   for (Eigen::Index face = 0; face < mesh.triangles.rows(); ++face) twice_area += area_normal(shape, face).norm();

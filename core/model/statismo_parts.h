@@ -6,14 +6,14 @@
 namespace homolog::statismo {
 
 /// Adds the structures of a joint model, and where they lie, as groups below /homolog (docs/models.md), which other
-/// programs pass over. Of any other model nothing.
+/// programs pass over. Adds nothing of any other model.
 void add_structures(const ShapeModel& model, HdfTree& tree);
 
 /// Reads them into a model whose mean, faces and names are read. What does not fit the model is left out, since the
 /// model is whole without it.
 void read_structures(const HdfTree& tree, ShapeModel& model);
 
-/// What of a file read_structures needs, added to `parts`.
+/// Adds what read_structures needs of a file to `parts`.
 void add_structure_parts(HdfParts& parts);
 
 }  // namespace homolog::statismo

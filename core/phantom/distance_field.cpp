@@ -51,7 +51,7 @@ std::vector<float> distances(const Mesh& mesh, const VolumeGeometry& grid, doubl
     for (int k = around.first[2]; k < around.first[2] + around.grid.dims[2]; ++k)
       for (int j = around.first[1]; j < around.first[1] + around.grid.dims[1]; ++j)
         for (int i = around.first[0]; i < around.first[0] + around.grid.dims[0]; ++i) {
-          const auto n = static_cast<std::size_t>((k * grid.dims[1] + j) * grid.dims[0] + i);
+          const std::size_t n = grid.index(i, j, k);
           if (known[n]) continue;
           known[n] = true;
           const auto d = search.nearest(grid.to_mm({1.0 * i, 1.0 * j, 1.0 * k}), near_face).distance_mm;
@@ -80,9 +80,9 @@ std::vector<float> distance_field(const std::vector<Mesh>& meshes, const VolumeG
     auto value = parts[m].begin();
     for (int k = 0; k < part.dims[2]; ++k)
       for (int j = 0; j < part.dims[1]; ++j) {
-        const int row = ((k + first[2]) * grid.dims[1] + j + first[1]) * grid.dims[0] + first[0];
-        for (int i = 0; i < part.dims[0]; ++i, ++value) {
-          float& here = field[static_cast<std::size_t>(row + i)];
+        const std::size_t row = grid.index(first[0], j + first[1], k + first[2]);
+        for (std::size_t i = 0; i < static_cast<std::size_t>(part.dims[0]); ++i, ++value) {
+          float& here = field[row + i];
           here = std::min(here, *value);
         }
       }

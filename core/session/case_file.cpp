@@ -1,6 +1,7 @@
 #include "core/session/case_file.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -220,6 +221,7 @@ Result<CaseRead> read_lines(const std::shared_ptr<const LineFile>& file, const R
   if (overrides(options)) adjust = [options](Action& action) { override_settings(options, action); };
   session->read_from(CaseLines(file, whole->begin, whole->whole_bytes, whole->check), std::move(adjust));
   if (auto played = play(*session, *whole, known, *file, options.progress); !played) return fail(played.error());
+  std::ranges::move(session->templates().take_warnings(), std::back_inserter(warnings));
   return CaseRead{std::move(*session), std::move(warnings), whole->whole_bytes};
 }
 

@@ -11,6 +11,7 @@
 #include "core/base/text.h"
 #include "core/case/action_json.h"
 #include "core/catalogue/catalogue.h"
+#include "core/template/template_mark.h"
 
 namespace homolog {
 
@@ -22,6 +23,7 @@ using Json = nlohmann::ordered_json;
 // A case of one structure is of the first format, which every version of Homolog reads.
 constexpr int one_structure = 1, several_structures = 2;
 constexpr const char* templates_folder_key = "templates_folder";
+constexpr const char* mark_key = "template_mark";
 /// "landmarks" in the header, by LandmarkRule; the oldest cases have none.
 constexpr std::array landmark_rules{"", "weighed", "by size"};
 
@@ -91,6 +93,22 @@ Result<void> name_files(const Document& document, const fs::path& labels, const 
     else if (key == std::string_view("labels"))
       header.erase(key);
   }
+  return {};
+}
+
+/// Refuses a template whose vertices lie elsewhere than in the one that the header keeps the mark of.
+Result<void> check_mark(const Json& header, const Template& loaded, std::vector<std::string>& warnings) {
+  const auto found = header.find(mark_key);
+  if (found == header.end()) return {};
+  TemplateMark kept{};
+  try {
+    kept = found->get<TemplateMark>();
+  } catch (const Json::exception&) {
+    return fail("", "line 1: \"" + std::string(mark_key) + "\" is not four numbers; correct it in a text editor");
+  }
+  auto same = check_template_mark(kept, loaded);
+  if (!same) return fail(same.error());
+  if (!same->empty()) warnings.push_back(std::move(*same));
   return {};
 }
 
@@ -166,6 +184,7 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const I
     if (auto same = check(header, "connectivity", the_template->topology->hash(), "a template"); !same) {
       return fail(same.error());
     }
+    if (auto same = check_mark(header, *the_template, warnings); !same) return fail(same.error());
   }
   Document document = new_document(volume_source, std::move(volume), std::move(the_template));
   if (!document.structures.empty())
@@ -185,6 +204,7 @@ Result<std::string> case_header(const Document& document, const fs::path& folder
   if (first != nullptr) {
     header["vertices"] = first->the_template->topology->vertices();
     header["connectivity"] = first->the_template->topology->hash();
+    header[mark_key] = template_mark(*first->the_template);
   }
   if (document.scan.image) {
     const Volume& volume = *document.scan.image;
@@ -205,6 +225,7 @@ Result<CaseTemplates> templates_in_header(const Json& header, const fs::path& fo
   if (found != header.end() && !found->is_string())
     return fail("", "\"" + std::string(templates_folder_key) + "\" is no folder's name; correct it in a text editor");
   const fs::path here = absolute_path(folder.empty() ? fs::path(".") : folder);
+  templates.set_case_folder(here);
   templates.set_folder(found == header.end() ? here : (here / found->get<std::string>()).lexically_normal());
   return templates;
 }

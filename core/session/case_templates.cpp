@@ -1,9 +1,11 @@
 #include "core/session/case_templates.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/paths.h"
 #include "core/catalogue/catalogue.h"
+#include "core/template/template_mark.h"
 
 namespace homolog {
 
@@ -19,19 +21,35 @@ EditStep with_source(EditStep step, const Name& name) {
   return step;
 }
 
+/// A file that is gone, found by the end of its path in a folder or the one above; else the source as it is.
+std::string found_again(const std::string& source, const fs::path& folder) {
+  std::error_code ignored;
+  if (folder.empty() || !names_file(source) || fs::exists(source, ignored)) return source;
+  const fs::path gone(source);
+  fs::path end;
+  for (auto part = gone.end(); part != gone.begin();) {
+    end = end.empty() ? *--part : *--part / end;
+    if (end.is_absolute()) break;
+    for (const fs::path& place : {folder / end, folder.parent_path() / end})
+      if (fs::exists(place, ignored)) return place.string();
+  }
+  return source;
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const Template>> CaseTemplates::load(const std::string& source) const {
-  if (const auto found = known_->find(source); found != known_->end()) return found->second;
-  auto read = load_template(source);
+  auto& known = known_->templates;
+  if (const auto found = known.find(source); found != known.end()) return found->second;
+  auto read = load_template(found_again(source, case_folder_));
   if (!read) return fail(read.error());
-  add(*read);
+  known.insert_or_assign(source, *read);
   return *read;
 }
 
 void CaseTemplates::add(std::shared_ptr<const Template> the_template) const {
   const std::string source = the_template->source;
-  known_->insert_or_assign(source, std::move(the_template));
+  known_->templates.insert_or_assign(source, std::move(the_template));
 }
 
 Result<void> CaseTemplates::complete(EditStep& step) const {
@@ -41,10 +59,21 @@ Result<void> CaseTemplates::complete(EditStep& step) const {
     structure->source = structure->the_template->source;
     add(structure->the_template);
   }
-  if (structure->source.empty() || structure->the_template) return {};
-  auto read = load(structure->source);
-  if (!read) return fail(read.error());
-  structure->the_template = *read;
+  if (structure->source.empty()) return {};
+  if (!structure->the_template) {
+    auto read = load(structure->source);
+    if (!read) return fail(read.error());
+    structure->the_template = *read;
+  }
+  TemplateMark mark = template_mark(*structure->the_template);
+  if (structure->mark.size() == mark.size()) {
+    std::ranges::copy(structure->mark, mark.begin());
+    auto same = check_template_mark(mark, *structure->the_template);
+    if (!same) return fail(same.error());
+    auto& said = known_->warnings;
+    if (!same->empty() && std::ranges::find(said, *same) == said.end()) said.push_back(std::move(*same));
+  }
+  structure->mark.assign(mark.begin(), mark.end());
   return {};
 }
 

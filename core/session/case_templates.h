@@ -5,6 +5,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/result.h"
 #include "core/case/action.h"
@@ -23,7 +25,11 @@ class CaseTemplates {
   bool named() const { return named_; }
   void set_named(bool named) { named_ = named; }
 
-  /// The template of a source, read where it is not known yet. Errors: load_template's.
+  /// Where the case is, and where its templates are looked for that are not in their place.
+  void set_case_folder(std::filesystem::path folder) { case_folder_ = std::move(folder); }
+
+  /// The template of a source, read where it is not known yet. Where the file is gone, as after a folder was moved, the
+  /// end of its path is looked for under the case's folder and the one above. Errors: load_template's.
   Result<std::shared_ptr<const Template>> load(const std::string& source) const;
   /// One that is read already.
   void add(std::shared_ptr<const Template> the_template) const;
@@ -31,17 +37,24 @@ class CaseTemplates {
   /// A source as a line names it. And back.
   std::string name_of(const std::string& source) const;
   std::string source_of(const std::string& name) const;
-  /// A step as it can be applied: a new structure has its template. Errors: load's.
+  /// A step as it can be applied: a new structure has its template and its mark. Errors: load's; the template is not
+  /// the one that the step was made with.
   Result<void> complete(EditStep& step) const;
+  /// What is said of the templates that steps were completed with, each once.
+  std::vector<std::string> take_warnings() const { return std::exchange(known_->warnings, {}); }
   /// A step of a line, whose source becomes that from here. And the step as its line has it.
   EditStep from_line(EditStep step) const;
   EditStep to_line(EditStep step) const;
 
  private:
+  struct Known {
+    std::map<std::string, std::shared_ptr<const Template>> templates;
+    std::vector<std::string> warnings;
+  };
   std::optional<std::filesystem::path> folder_;
+  std::filesystem::path case_folder_;  ///< empty: not known
   bool named_ = false;
-  std::shared_ptr<std::map<std::string, std::shared_ptr<const Template>>> known_ =
-      std::make_shared<std::map<std::string, std::shared_ptr<const Template>>>();
+  std::shared_ptr<Known> known_ = std::make_shared<Known>();
 };
 
 }  // namespace homolog

@@ -17,6 +17,7 @@
 #include "core/mesh/mirror.h"
 #include "core/session/case_lines.h"
 #include "core/session/sound_document.h"
+#include "core/template/template_mark.h"
 
 namespace homolog {
 
@@ -139,6 +140,7 @@ class MemberWriter {
     if (!begun) throw Unusable{};
     Json changes = template_changes(**begun, *now);
     changes["source"] = templates_.name_of(now->source);
+    changes["mark"] = template_mark(**begun);
     return changes;
   }
   Json value(const std::shared_ptr<const Volume>&) { return {}; }  // the first line says it
@@ -280,6 +282,12 @@ class MemberReader {
     if (const Structure* start = document_.structure(id)) return start->the_template;
     auto read = templates_.load(templates_.source_of(structure.at("template").at("source").get<std::string>()));
     if (!read) throw Unusable{};
+    const Json& kept = structure.at("template");
+    // Where it is another one, the line that adds it says so.
+    if (kept.contains("mark")) {
+      const auto same = check_template_mark(kept.at("mark").get<TemplateMark>(), **read);
+      if (!same || !same->empty()) throw Unusable{};
+    }
     return *read;
   }
   std::shared_ptr<const Points> earlier(const std::string& key) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <unordered_set>
 
 #include "core/case/members.h"
 
@@ -65,13 +66,11 @@ void visit_array(const Owner& owner, const auto& visit) {
 
 /// What a document takes that another one does not hold already.
 std::size_t bytes_beside(const Document& document, const Document& other) {
-  std::vector<const void*> known;
-  visit_array(other, [&](const void* array, std::size_t) { known.push_back(array); });
+  std::unordered_set<const void*> known;
+  visit_array(other, [&](const void* array, std::size_t) { known.insert(array); });
   std::size_t sum = 0;
   visit_array(document, [&](const void* array, std::size_t bytes) {
-    if (std::find(known.begin(), known.end(), array) != known.end()) return;
-    known.push_back(array);  // an array may serve twice
-    sum += bytes;
+    if (known.insert(array).second) sum += bytes;  // an array may serve twice
   });
   return sum;
 }

@@ -21,10 +21,7 @@ Result<std::shared_ptr<const LineFile>> LineFile::open(const std::filesystem::pa
   }
   auto file = std::make_shared<const LineFile>(path, std::move(*opened));
   const auto kind = file->file().status().value_or(FileStatus{}).kind;
-  if (kind != FileStatus::Kind::file)
-    return fail(path.string(), kind == FileStatus::Kind::folder
-                                   ? "is a folder, not a file; give the name of a file in it"
-                                   : "is a device or a pipe, not a file; copy what it gives into a file");
+  if (kind != FileStatus::Kind::file) return fail(not_a_file(path, kind));
   return file;
 }
 

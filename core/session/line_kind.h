@@ -13,7 +13,8 @@ struct LineKind {
   bool keeps = false;   ///< a note that says more than its text [history_marks.h]
 };
 
-/// Of a line without its line feed. `unknown` where it is no JSON object, or none that is spelled plainly.
+/// Returns what a line, given without its line feed, means: `unknown` where it is no JSON object, or none that is
+/// spelled plainly.
 LineKind kind_of(std::string_view line);
 
 }  // namespace homolog

@@ -11,6 +11,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/base/guarded.h"
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
 #include "core/session/unsaved_cases.h"
@@ -223,9 +224,9 @@ struct SessionThread::Shared {
       std::rethrow_exception(thrown);
     } catch (const std::bad_alloc&) {
       error = done ? "Memory is almost used up. This edit was done, but the next one may fail; close other programs."
-                   : "Memory ran out, so nothing was changed; close other programs and try again.";
-    } catch (const std::exception& other) {
-      error = std::string("This edit could not be done (") + other.what() + "); save the case and start again.";
+                   : error_of_exception("The edit").sentence();
+    } catch (...) {
+      error = error_of_exception("The edit").sentence();
     }
     publish(std::move(snapshot), std::move(error));
   }

@@ -40,10 +40,8 @@ Result<Try> try_fit(const Template& the_template, const StructureInMap& there, c
   if (!fit) return fail(fit.error());
   FitJudgement judgement = judge_fit(the_template, *boundary, options, *fit);
   OtherClosing first{closing_mm, std::move(*boundary), std::move(*fit), std::move(judgement)};
-  if (!parts.all && first.boundary.parts_alike < 2) {
-    MoreClosing more = try_more_closing(the_template, mask, value, 0, options, first);
-    if (more.better) first = std::move(*more.better);
-  }
+  MoreClosing more = try_more_closing(the_template, mask, value, 0, parts, options, first);
+  if (more.better) first = std::move(*more.better);
   return Try{std::move(first.boundary), std::move(first.fit), std::move(first.judgement), first.closing_mm};
 }
 

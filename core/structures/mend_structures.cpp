@@ -21,11 +21,27 @@ namespace homolog {
 
 namespace {
 
-/// From which share of the voxels something counts; sound structures stay below [docs/measurements/repair.md].
-constexpr double some_islands = 0.0005, some_holes = 0.003, some_bridges = 0.0025, some_tunnels = 0.0085,
-                 some_bars = 0.004, much_lost = 0.04, much_lacking = 0.15, surely_lacking = 0.2, much_beyond = 0.05,
-                 mostly_beyond = 0.5, some_at_border = 0.002, much_smaller = 0.2, usual_dice = 0.98, no_hole = 0.1,
-                 no_bridge = 0.15, hardly_dice = 0.85, near_share = 0.1, large_island = 0.1;
+// What the signs of a structure are compared with [StructureSigns]: shares of its voxels, unless something else is
+// said. Sound structures stay below those from which something counts [docs/measurements/repair.md].
+
+constexpr double some_islands = 0.0005;   ///< `islands`: from here on it has some
+constexpr double large_island = 0.1;      ///< `islands`: from here on nobody knows which part is the right one
+constexpr double some_holes = 0.003;      ///< `holes`: from here on it has some; more where the fit is worse
+constexpr double no_hole = 0.1;           ///< `holes`: from here on it is something else
+constexpr double some_tunnels = 0.0085;   ///< `tunnels`: from here on it has holes
+constexpr double some_bridges = 0.0025;   ///< `bridges`: from here on it has some; more where the fit is worse
+constexpr double no_bridge = 0.15;        ///< `bridges`: from here on it is something else
+constexpr double some_bars = 0.004;       ///< `bars`: from here on it has bridges
+constexpr double much_lost = 0.04;        ///< `lost_to`: from here on the neighbour has what it lost
+constexpr double much_lacking = 0.15;     ///< `lacking`: from here on a part is missing, if it is much_smaller too
+constexpr double surely_lacking = 0.2;    ///< `lacking`: from here on a part is missing
+constexpr double much_smaller = 0.2;      ///< `volume`: from here on below 0
+constexpr double much_beyond = 0.05;      ///< `beyond`: above, the end of the map says why it lacks something
+constexpr double mostly_beyond = 0.5;     ///< `beyond`: above, it is not said to have lost something to a neighbour
+constexpr double some_at_border = 0.002;  ///< `at_border`: above, the scan cuts it
+constexpr double usual_dice = 0.98;       ///< of a fit with the map: what it is below, it is worse by
+constexpr double hardly_dice = 0.85;      ///< of a fit with the map: below, something is wrong
+constexpr double near_share = 0.1;        ///< of a structure's size: so far from its shape voxels are given back
 
 /// The work on one map.
 class Mending {
@@ -171,7 +187,6 @@ void Mending::take_from_layer(std::size_t k, std::size_t other, const std::vecto
   if (label_around(result_.subject, k, other) >= 0) return;
   const auto [volume, first] = voxels_of(other);
   const VoxelBox box = voxels_around(grid.bounds_mm(), volume->geometry, 1);
-  const auto& dims = volume->geometry.dims;
   Volume gone;
   gone.geometry = grid;
   gone.data = taken;
@@ -181,8 +196,7 @@ void Mending::take_from_layer(std::size_t k, std::size_t other, const std::vecto
     for (int y = box.first[1]; y <= box.last[1]; ++y)
       for (int x = box.first[0]; x <= box.last[0]; ++x)
         if (is_gone.label_at(volume->geometry.to_mm(Vec3(x, y, z))) != 0)
-          changes.push_back({(index(z) * index(dims[1]) + index(y)) * index(dims[0]) + index(x),
-                             result_.subject.structures[other].segment.value, 0});
+          changes.push_back({volume->geometry.index(x, y, z), result_.subject.structures[other].segment.value, 0});
   change(other, changes);
 }
 

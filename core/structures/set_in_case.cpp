@@ -7,6 +7,7 @@
 #include "core/base/text.h"
 #include "core/case/placing.h"
 #include "core/structures/keep_apart.h"
+#include "core/template/template_mark.h"
 
 namespace homolog {
 
@@ -18,13 +19,17 @@ bool is_untouched(const Structure& structure) {
          std::ranges::all_of(structure.shapes, [](const auto& shape) { return shape.second->strokes == 0; });
 }
 
+/// Whether points of one template are points of the other.
+bool same_template(const Template& a, const Template& b) {
+  return a.topology->hash() == b.topology->hash() && check_template_mark(template_mark(a), b);
+}
+
 /// The structure of the case that a template of a set is; null: it has none yet.
 const Structure* same_structure(const Document& document, const std::string& name, const Template& the_template) {
   for (const auto& one : document.structures)
-    if (lower_case(one->name) == lower_case(name) && one->the_template->points.rows() == the_template.points.rows())
-      return one.get();
+    if (lower_case(one->name) == lower_case(name) && same_template(*one->the_template, the_template)) return one.get();
   for (const auto& one : document.structures)
-    if (is_untouched(*one) && one->the_template->source == the_template.source) return one.get();
+    if (is_untouched(*one) && same_template(*one->the_template, the_template)) return one.get();
   return nullptr;
 }
 
@@ -87,7 +92,7 @@ std::optional<SetPoints> apart_from_others(const Document& document, const std::
 std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfTemplates& set, const SetInMap& subject,
                                           const FittedSet& fitted, const std::vector<std::string>& found) {
   std::vector<EditStep> steps;
-  std::vector<std::string> used;
+  std::vector<std::string> used, names;
   for (std::size_t k = 0; k < fitted.structures.size(); ++k) {
     const FittedStructure& one = fitted.structures[k];
     if (!one.fit) continue;
@@ -97,6 +102,7 @@ std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfT
     if (there != nullptr && std::ranges::find(used, there->id) != used.end()) there = nullptr;
     const std::string id = there != nullptr ? there->id : free_structure_id(document, used);
     used.push_back(id);
+    names.push_back(lower_case(name));
     SetStructure action = described(id, name, subject.structures[k].segment, one);
     if (!action.colour) action.colour = set.set.structures[k].colour;
     if (!found.empty() && !found[k].empty()) action.doubt = found[k];
@@ -113,7 +119,8 @@ std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfT
   }
   if (steps.empty()) return steps;
   for (const auto& one : document.structures) {
-    if (std::ranges::find(used, one->id) != used.end() || !is_untouched(*one)) continue;
+    const bool has_name_of_new = std::ranges::find(names, lower_case(one->name)) != names.end();
+    if (std::ranges::find(used, one->id) != used.end() || !(is_untouched(*one) || has_name_of_new)) continue;
     steps.insert(steps.end() - 1, EditStep{RemoveStructure{one->id}, {}, true});
   }
   steps.front().joined = false;

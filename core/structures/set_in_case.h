@@ -12,9 +12,9 @@ namespace homolog {
 
 /// The steps that bring what was fitted of a set into a case, as its structures at the shown frame: each with its name,
 /// label, colour, confidence and mesh (LPS mm). They are one step to undo. A structure of the case that has the name
-/// and as many vertices gets the new mesh. So does one without a name that nobody edited, where it has the same
-/// template; others of that kind go. Empty where nothing was fitted. `found`: of each structure of the set what a
-/// repair found, which a person has to look at; may be empty.
+/// and the template gets the new mesh. So does one without a name that nobody edited, where it has the same
+/// template; others of that kind go, and one that has the name and another template. Empty where nothing was fitted.
+/// `found`: of each structure of the set what a repair found, which a person has to look at; may be empty.
 std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfTemplates& set, const SetInMap& subject,
                                           const FittedSet& fitted, const std::vector<std::string>& found = {});
 

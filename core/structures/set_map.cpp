@@ -27,7 +27,7 @@ std::size_t fill(Voxels& voxels, const Mesh& mesh, const VolumeGeometry& grid, i
   std::size_t at = 0, taken = 0;
   for (int k = box.first[2]; k <= box.last[2]; ++k)
     for (int j = box.first[1]; j <= box.last[1]; ++j) {
-      const std::size_t row = (index(k) * index(grid.dims[1]) + index(j)) * index(grid.dims[0]);
+      const std::size_t row = grid.index(0, j, k);
       for (int i = box.first[0]; i <= box.last[0]; ++i, ++at) {
         if (inside[at] == 0) continue;
         if (is_held(row + index(i)))

@@ -32,7 +32,9 @@ double form_confidence(const FittedStructure& one, const StructureSigns& signs, 
                    0.6 * has(found, {taken_from_neighbour}) -
                    2.1 * has(found, {half_missing, doubled, sides_exchanged, other}) -
                    1.3 * part(signs.lacking, 0.15, 3) - 1.5 * part(signs.tunnels + signs.bars, 0.02, 3);
-  return 1 / (1 + std::exp(-x));
+  const double confidence = 1 / (1 + std::exp(-x));
+  // Without a neighbour that says where it belongs a half that is missing is not seen.
+  return one.off_place < 0 ? std::min(usual, confidence) : confidence;
 }
 
 }  // namespace

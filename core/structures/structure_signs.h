@@ -66,7 +66,8 @@ struct StructureSigns {
 std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
                                                  const FittedSet& fitted);
 
-/// Of each structure of a set that has a fit; of the others the values above.
+/// Returns the signs of each structure of a set, in its order: of those that have a fit as they are found in the map,
+/// of the others the values above.
 std::vector<StructureSigns> structure_signs(const SetOfTemplates& set, const VolumeRead& map, int frame,
                                             const SetInMap& subject, const FittedSet& fitted,
                                             const std::vector<std::optional<Mesh>>& expected);

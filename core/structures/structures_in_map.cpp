@@ -24,6 +24,12 @@ NameLikeness likest_name(const std::vector<Segment>& segments, const std::string
   return most;
 }
 
+int first_free_value(const std::set<int>& used) {
+  int value = 1;
+  while (used.contains(value)) ++value;
+  return value;
+}
+
 /// Of the voxels of a structure, the share that another one has too.
 double share_held_by(const StructureInMap& one, const StructureInMap& other) {
   const Volume &mask = *one.mask, &theirs = *other.mask;
@@ -110,9 +116,7 @@ int free_value(const VolumeRead& map, int frame, const SetInMap& subject) {
   }
   for (const Segment& segment : map.segmentation.segments) used.insert(segment.value);
   for (const StructureInMap& one : subject.structures) used.insert(one.segment.value);
-  int value = 1;
-  while (used.contains(value)) ++value;
-  return value;
+  return first_free_value(used);
 }
 
 std::string value_and_layer(const Segment& segment, bool has_layers) {
@@ -169,13 +173,18 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
     if (!there.segment.colour) there.segment.colour = one.colour;
     found.structures.push_back(std::move(there));
   }
+  std::set<int> used;  // every label of the map is that of a segment
+  for (const Segment& segment : segments) used.insert(segment.value);
+  for (const StructureInMap& one : found.structures) used.insert(one.segment.value);
   for (StructureInMap& one : found.structures) {
     if (one.is_there()) continue;
     const int value = one.segment.value;
     const bool is_taken = std::ranges::any_of(segments, [&](const Segment& other) {
       return other.value == value && name_likeness(other.name, one.segment.name) == NameLikeness::none;
     });
-    if (is_taken) one.segment.value = free_value(map, frame, found);
+    if (!is_taken) continue;
+    one.segment.value = first_free_value(used);
+    used.insert(one.segment.value);
   }
   for (const Segment& segment : segments) {
     const auto box = boxes[segment.layer].find(segment.value);

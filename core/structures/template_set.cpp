@@ -103,9 +103,17 @@ Result<TemplateOfSet> parsed_structure(Json json, std::size_t number, const fs::
     return fail("", where + " has no \"name\" or no \"template\"; give both, or make the set again");
   one.file = names_file(file) ? (folder / file).lexically_normal() : fs::path(file);
   one.side = side == "left" ? Side::left : side == "right" ? Side::right : Side::none;
+  if (!side.empty() && one.side == Side::none)
+    return fail("",
+                where + " has the side \"" + excerpt(side) + "\", and there are \"left\" and \"right\"; correct it");
   one.partner = text("partner");
   one.colour = colour_from_hex(colour);
-  if (const auto value = json.find("value"); value != json.end() && value->is_number_integer()) {
+  if (!colour.empty() && !one.colour)
+    return fail("", where + " has the colour \"" + excerpt(colour) + "\", which is none like \"#60a5d6\"; correct it");
+  if (const auto value = json.find("value"); value != json.end()) {
+    if (!value->is_number_integer() || *value < 0 || *value > std::numeric_limits<int>::max())
+      return fail("", where + " has the value " + excerpt(value->dump()) +
+                          ", which no label can have; give a whole number from 0");
     one.value = value->get<int>();
     json.erase(value);
   }
@@ -189,11 +197,16 @@ Result<TemplateSet> parsed_set(Json json, const fs::path& folder) {
     json.erase("shared");
   }
   std::set<std::string> names;
+  std::map<std::pair<std::size_t, int>, std::string> of_value;
   for (const Json& entry : structures) {
     auto one = parsed_structure(entry, set.structures.size() + 1, folder);
     if (!one) return fail(one.error());
     if (!names.insert(lower_case(one->name)).second)
       return fail("", "has two structures named \"" + excerpt(one->name) + "\"; rename one of them");
+    const auto [same, is_new] = of_value.emplace(std::pair(one->layer, one->value), one->name);
+    if (!is_new && one->value != 0)
+      return fail("", "gives " + excerpt(same->second) + " and " + excerpt(one->name) + " the value " +
+                          std::to_string(one->value) + "; give one of them another");
     set.structures.push_back(std::move(*one));
   }
   json.erase(std::string(record_key));  // of the file as it was made

@@ -57,8 +57,7 @@ class VoxelGrid {
     for (Eigen::Index a = 0; a < 3; ++a)
       if (!(at[a] >= 0) || at[a] >= dims[index(a)]) return std::nullopt;
     return first_ +
-           (static_cast<std::size_t>(at[2]) * index(dims[1]) + static_cast<std::size_t>(at[1])) * index(dims[0]) +
-           static_cast<std::size_t>(at[0]);
+           labels_.get().geometry.index(static_cast<int>(at[0]), static_cast<int>(at[1]), static_cast<int>(at[2]));
   }
   int label_at(const Vec3& p_mm) const {
     const auto voxel = voxel_at(p_mm);
@@ -83,7 +82,7 @@ struct Neighbourhood {
     const std::size_t row = index(grid.dims[0]), plane = row * index(grid.dims[1]);
     const std::size_t i = v % row + index(box.first[0]), j = v % plane / row + index(box.first[1]),
                       k = v / plane + index(box.first[2]);
-    return (k * index(map.dims[1]) + j) * index(map.dims[0]) + i;
+    return map.index(i, j, k);
   }
 };
 

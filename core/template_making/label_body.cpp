@@ -23,13 +23,12 @@ constexpr double face_share = 2.0 / 3.0;
 /// Calls `visit(i, j, k)` for every voxel that has the label.
 template <class Visit>
 void for_each_voxel(const Volume& mask, int label, int frame, const LabelExtent& box, Visit visit) {
-  const auto& dims = mask.geometry.dims;
+  const std::size_t first = index(frame) * mask.geometry.voxels();
   std::visit(
       [&](const auto& voxels) {
         for (int k = box.first[2]; k <= box.last[2]; ++k)
           for (int j = box.first[1]; j <= box.last[1]; ++j) {
-            const std::size_t row =
-                ((index(frame) * index(dims[2]) + index(k)) * index(dims[1]) + index(j)) * index(dims[0]);
+            const std::size_t row = first + mask.geometry.index(0, j, k);
             for (int i = box.first[0]; i <= box.last[0]; ++i)
               if (has_label(voxels[row + index(i)], label)) visit(i, j, k);
           }
@@ -41,6 +40,7 @@ void for_each_voxel(const Volume& mask, int label, int frame, const LabelExtent&
 struct Blocks {
   std::array<int, 3> size{}, first{}, dims{};  ///< voxels a block; the voxel that the first block begins with; blocks
   double count() const { return 1.0 * dims[0] * dims[1] * dims[2]; }
+  std::size_t voxels_of_one() const { return index(size[0]) * index(size[1]) * index(size[2]); }
   int holding(int voxel, std::size_t axis) const { return (voxel - first[axis]) / size[axis]; }
 };
 
@@ -119,10 +119,7 @@ std::map<int, double> label_sizes_mm(const Volume& mask, int frame) {
           if (other != 0) area[other] += mm2;
           if ((one == 0) != (other == 0)) area[every_label] += mm2;
         };
-        const auto label_at = [&](std::size_t v) {
-          const double value = std::rint(static_cast<double>(data[v]));
-          return std::abs(value) < 0x1p31 ? static_cast<int>(value) : 0;
-        };
+        const auto label_at = [&](std::size_t v) { return rounded_label(static_cast<double>(data[v])); };
         for (int k = 0; k < dims[2]; ++k)
           for (int j = 0; j < dims[1]; ++j)
             for (int i = 0; i < dims[0]; ++i) {
@@ -157,7 +154,7 @@ std::vector<float> mean_shares(const Volume& mask, int frame, const Blocks& bloc
   const auto& dims = mask.geometry.dims;
   const float* shares = std::get<std::vector<float>>(mask.data).data() + index(frame) * mask.geometry.voxels();
   std::vector<float> means(index(blocks.dims[0]) * index(blocks.dims[1]) * index(blocks.dims[2]));
-  const auto all_of_block = static_cast<double>(blocks.size[0] * blocks.size[1] * blocks.size[2]);
+  const auto all_of_block = static_cast<double>(blocks.voxels_of_one());
   std::size_t at = 0;
   std::array<int, 3> first{}, last{};  // the voxels of a block that the mask has
   const auto take = [&](std::size_t axis, int block) {
@@ -171,8 +168,7 @@ std::vector<float> mean_shares(const Volume& mask, int frame, const Blocks& bloc
         double sum = 0;
         for (int k = first[2]; k <= last[2]; ++k)
           for (int j = first[1]; j <= last[1]; ++j)
-            for (int i = first[0]; i <= last[0]; ++i)
-              sum += static_cast<double>(shares[(index(k) * index(dims[1]) + index(j)) * index(dims[0]) + index(i)]);
+            for (int i = first[0]; i <= last[0]; ++i) sum += static_cast<double>(shares[mask.geometry.index(i, j, k)]);
         means[at] = static_cast<float>(sum / all_of_block);
       }
   return means;
@@ -210,17 +206,14 @@ Result<LabelBody> label_cut_out(const Volume& mask, int label, int frame, const 
   }
   region.grid.origin_mm = whole.to_mm(origin);
 
-  const std::size_t row = index(blocks.dims[0]), slice = row * index(blocks.dims[1]);
-  std::vector<std::uint16_t> count(region.grid.voxels(), 0);
+  std::vector<std::uint32_t> count(region.grid.voxels(), 0);
   for_each_voxel(mask, label, frame, extent, [&](int i, int j, int k) {
-    auto& n =
-        count[index(blocks.holding(i, 0)) + index(blocks.holding(j, 1)) * row + index(blocks.holding(k, 2)) * slice];
-    if (n < std::numeric_limits<std::uint16_t>::max()) ++n;
+    ++count[region.grid.index(blocks.holding(i, 0), blocks.holding(j, 1), blocks.holding(k, 2))];
   });
-  const int half = std::min((blocks.size[0] * blocks.size[1] * blocks.size[2] + 1) / 2, 65535);
+  const std::size_t half = (blocks.voxels_of_one() + 1) / 2;
   region.inside.resize(count.size());
   std::transform(count.begin(), count.end(), region.inside.begin(),
-                 [half](std::uint16_t n) { return static_cast<std::uint8_t>(n >= half); });
+                 [half](std::uint32_t n) { return static_cast<std::uint8_t>(n >= half); });
   if (mask.soft) {
     region.shares = mean_shares(mask, frame, blocks);
     std::transform(region.shares.begin(), region.shares.end(), region.inside.begin(),
@@ -253,9 +246,7 @@ std::size_t voxels_off(const LabelBody& region, const Mesh& mesh) {
   const std::vector<std::uint8_t> covered = voxelise(mesh, region.grid);
   const SurfaceSearch search(mesh);
   const double far_mm = 2 * region.grid.spacing_mm.maxCoeff();
-  const auto at = [&](int i, int j, int k) {
-    return (index(k) * index(dims[1]) + index(j)) * index(dims[0]) + index(i);
-  };
+  const auto at = [&](int i, int j, int k) { return region.grid.index(i, j, k); };
   // Whether the mesh holds a voxel at most two away along an axis: then it is near, and need not be searched for.
   const auto near = [&](int i, int j, int k) {
     for (int d = -2; d <= 2; ++d) {
@@ -291,9 +282,7 @@ LevelSet signed_distance(const LabelBody& region) {
   const SurfaceSearch search(*surface);
   const auto& dims = region.grid.dims;
   std::vector<float> values = by_voxels.values();
-  const auto at = [&](int i, int j, int k) {
-    return (index(k) * index(dims[1]) + index(j)) * index(dims[0]) + index(i);
-  };
+  const auto at = [&](int i, int j, int k) { return region.grid.index(i, j, k); };
   const auto is_beside = [&](int i, int j, int k) {
     for (int c = std::max(0, k - 1); c <= std::min(dims[2] - 1, k + 1); ++c)
       for (int b = std::max(0, j - 1); b <= std::min(dims[1] - 1, j + 1); ++b)
@@ -313,26 +302,27 @@ LevelSet signed_distance(const LabelBody& region) {
   return {region.grid, std::move(values)};
 }
 
+std::optional<std::string> PartsLeftOut::warning(int label, const std::string& taken,
+                                                 const std::string& command) const {
+  constexpr double said_share = 0.01;  // crumbs below this are left out without a word
+  if (count == 0 || share < said_share) return std::nullopt;
+  char percent[32];
+  std::snprintf(percent, sizeof percent, "%.0f %%", 100 * share);
+  std::string text = label_name(label) + " has " + std::to_string(count + 1) + " parts";
+  if (alike > 1) text += ", " + std::to_string(alike) + " of about one size";
+  return text + "; " + taken + " was taken, and the others with " + percent + " of its volume are left out; " +
+         command + "--parts all keeps them";
+}
+
 std::optional<std::string> several_parts(const LabelBody& region, int label) {
   const auto& islands = region.body.islands;
-  if (islands.empty()) return std::nullopt;
-  if (2 * islands.front() <= region.body.body) {
-    constexpr double said_share = 0.01;  // crumbs below this are left out without a word
-    const auto others = static_cast<double>(std::accumulate(islands.begin(), islands.end(), std::size_t{0}));
-    const double share = others / (others + static_cast<double>(region.body.body));
-    if (share < said_share) return std::nullopt;
-    char percent[32];
-    std::snprintf(percent, sizeof percent, "%.0f %%", 100 * share);
-    return label_name(label) + " has " + std::to_string(islands.size() + 1) +
-           " parts; the largest was taken, and the others with " + percent +
-           " of its volume are left out; homolog template --parts all keeps them";
-  }
-  const double voxel_ml = region.grid.voxel_volume_mm3() / 1000;
-  char sizes[64];
-  std::snprintf(sizes, sizeof sizes, "(%.1f and %.1f ml)", voxel_ml * static_cast<double>(region.body.body),
-                voxel_ml * static_cast<double>(islands.front()));
-  return label_name(label) + " has several parts of about one size " + sizes +
-         "; the largest was taken; homolog template --parts all keeps them, or give them labels of their own";
+  const auto others = static_cast<double>(std::accumulate(islands.begin(), islands.end(), std::size_t{0}));
+  const auto alike = static_cast<std::size_t>(
+      std::count_if(islands.begin(), islands.end(), [&](std::size_t voxels) { return 2 * voxels > region.body.body; }));
+  const PartsLeftOut parts{islands.size(), others / (others + static_cast<double>(region.body.body)), 1 + alike};
+  auto said = parts.warning(label, "the largest", "homolog template ");
+  if (said && alike > 0) *said += ", or give them labels of their own";
+  return said;
 }
 
 std::vector<MapSide> sides_that_cut(const LabelBody& body, const VolumeGeometry& map) {

@@ -80,7 +80,21 @@ Result<Mesh> boundary_of(const LabelBody& region);
 /// The signed distance to the boundary of a region's voxels. Of a soft mask: to its surface between the voxels.
 LevelSet signed_distance(const LabelBody& region);
 
-/// The warning that parts of the label are left out, which are a hundredth of it or more; none where they are not.
+/// Of fewer nobody can tell a shape: two in each direction.
+inline constexpr std::size_t fewest_voxels_of_shape = 8;
+
+/// Parts of a label, where one was taken.
+struct PartsLeftOut {
+  std::size_t count = 0;  ///< without the one that was taken
+  double share = 0;       ///< of the label's voxels, in these
+  std::size_t alike = 1;  ///< the largest of all parts, and those more than half as large
+
+  /// That they are left out, how many and how much; none where it is less than a hundredth of the label. `taken`: which
+  /// part was, as "the largest"; `command`: of which `--parts all` keeps them, with a space behind it; may be empty.
+  std::optional<std::string> warning(int label, const std::string& taken, const std::string& command) const;
+};
+
+/// The warning that all parts of the label but the largest are left out; none where they are hardly any of it.
 std::optional<std::string> several_parts(const LabelBody& region, int label);
 
 }  // namespace homolog

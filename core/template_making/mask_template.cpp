@@ -66,8 +66,7 @@ class Making {
  private:
   Result<void> resample() {
     const LabelExtent extent = label_extent(mask_, options_.label, options_.frame);
-    constexpr std::size_t fewest_voxels = 8;  // two in each direction: of fewer nobody can tell a shape
-    if (extent.voxels > 0 && extent.voxels < fewest_voxels)
+    if (extent.voxels > 0 && extent.voxels < fewest_voxels_of_shape)
       return fail("", label_name(options_.label) + " has " + std::to_string(extent.voxels) +
                           (extent.voxels == 1 ? " voxel" : " voxels") +
                           ", too few for a shape; name another label, or use a finer label map");
@@ -116,7 +115,7 @@ class Making {
     const float deepest = *std::min_element(surface_.values().begin(), surface_.values().end());
     surface_ = opened_by(surface_, made_.opening_mm);
     if (!(*std::min_element(surface_.values().begin(), surface_.values().end()) < 0))
-      return fail("", "nothing of label " + std::to_string(options_.label) + " is left after the opening by " +
+      return fail("", "nothing of " + label_name(options_.label) + " is left after the opening by " +
                           number(made_.opening_mm) + " mm, since it is at most " + number(-2.0 * deepest) +
                           " mm thick; use an opening radius below " + number(std::max(0.0, -1.0 * deepest)) + " mm");
     if (auto shown = show(TemplateStage::opened, 0.4); !shown) return shown;
@@ -273,11 +272,10 @@ class Making {
     made_.missed_ml = missed * region_.grid.voxel_volume_mm3() / 1000;
     made_.missed_share = missed / voxels;
     if (made_.missed_share < missed_worth_saying) return;
-    made_.warnings.push_back(number(100 * made_.missed_share) + " % of label " + std::to_string(options_.label) + " (" +
-                             number(made_.missed_ml) +
-                             " ml) lies more than two voxels from the mesh: parts thinner than the opening of " +
-                             number(made_.opening_mm) + " mm or the edges of " + number(edge_mm_) +
-                             " mm; use a smaller opening radius or more vertices");
+    made_.warnings.push_back(
+        number(100 * made_.missed_share) + " % of " + label_name(options_.label) + " (" + number(made_.missed_ml) +
+        " ml) lies more than two voxels from the mesh: parts thinner than the opening of " + number(made_.opening_mm) +
+        " mm or the edges of " + number(edge_mm_) + " mm; use a smaller opening radius or more vertices");
   }
 
   void fill_pores() {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/mesh/isosurface.h"
+#include "core/mesh/mesh_repair.h"
 #include "core/template_making/label_body.h"
 #include "core/template_making/voxel_components.h"
 
@@ -19,8 +20,7 @@ namespace homolog {
 
 namespace {
 
-constexpr std::size_t fewest_voxels = 8;  // of fewer nobody can tell a shape
-constexpr double smallest_share = 0.01;   // of the label's voxels
+constexpr double smallest_share = 0.01;  // of the label's voxels
 constexpr double fewest_vertices_a_part = 50;
 
 /// The label's parts in the map's own voxels.
@@ -47,7 +47,7 @@ struct Parts {
     const auto total = static_cast<double>(std::accumulate(found.sizes.begin(), found.sizes.end(), std::size_t{0}));
     for (const std::size_t part : order) {
       const std::size_t voxels = found.sizes[part];
-      const bool is_crumb = voxels < fewest_voxels || static_cast<double>(voxels) < smallest_share * total;
+      const bool is_crumb = voxels < fewest_voxels_of_shape || static_cast<double>(voxels) < smallest_share * total;
       (is_crumb ? crumbs : kept).push_back(part);
     }
   }
@@ -76,22 +76,6 @@ struct Parts {
   }
 };
 
-void append(Mesh& whole, const Mesh& part) {
-  const Eigen::Index points = whole.points.rows();
-  Triangles faces = part.topology->triangles();
-  if (points > 0) {
-    const Triangles before = whole.topology->triangles();
-    Triangles both(before.rows() + faces.rows(), 3);
-    both << before, (faces.array() + static_cast<std::int32_t>(points)).matrix();
-    faces = std::move(both);
-  }
-  Points all(points + part.points.rows(), 3);
-  all.topRows(points) = whole.points;
-  all.bottomRows(part.points.rows()) = part.points;
-  whole.points = std::move(all);
-  whole.topology = *Topology::make(whole.points.rows(), faces);  // of two that are surfaces one is made
-}
-
 /// `of_all`: how much of the surface the distance is a mean over.
 void add_distance(SurfaceDistance& all, const SurfaceDistance& part, double of_all) {
   all.mean_mm += of_all * part.mean_mm;
@@ -109,6 +93,8 @@ Result<MaskTemplate> make_parts_template(const Volume& mask, const MaskTemplateO
     areas_mm2.push_back(label_extent(parts.map_of(part, mask, options.frame), parts.label, 0).area_mm2);
   const double total_mm2 = std::accumulate(areas_mm2.begin(), areas_mm2.end(), 0.0);
   MaskTemplate whole;
+  std::vector<Mesh> meshes;
+  std::int32_t vertices = 0;  // of these
   double volume = 0, missed = 0;
   for (std::size_t k = 0; k < parts.kept.size(); ++k) {
     const double share = areas_mm2[k] / total_mm2;
@@ -125,9 +111,9 @@ Result<MaskTemplate> make_parts_template(const Volume& mask, const MaskTemplateO
     auto made = make_mask_template(parts.map_of(parts.kept[k], mask, options.frame), making, own ? &*own : nullptr);
     if (!made)
       return fail("", "part " + std::to_string(k + 1) + " of " + label_name(options.label) + ": " + made.error().what);
-    const auto first = static_cast<std::int32_t>(whole.mesh.points.rows());
-    for (const std::int32_t vertex : made->cut) whole.cut.push_back(first + vertex);
-    append(whole.mesh, made->mesh);
+    for (const std::int32_t vertex : made->cut) whole.cut.push_back(vertices + vertex);
+    vertices += static_cast<std::int32_t>(made->mesh.points.rows());
+    meshes.push_back(std::move(made->mesh));
     add_distance(whole.to_mask, made->to_mask, share);
     add_distance(whole.from_mask, made->from_mask, share);
     std::ranges::move(made->tunnels, std::back_inserter(whole.tunnels));
@@ -142,6 +128,7 @@ Result<MaskTemplate> make_parts_template(const Volume& mask, const MaskTemplateO
     volume += voxels;
     missed += voxels * made->missed_share;
   }
+  whole.mesh = joined(meshes);
   whole.missed_share = missed / volume;
   for (const std::size_t crumb : parts.crumbs)
     whole.islands_ml.push_back(static_cast<double>(parts.found.sizes[crumb]) * mask.geometry.voxel_volume_mm3() / 1000);

@@ -86,11 +86,11 @@ void add_inside(const Mesh& part, const VolumeGeometry& grid, std::vector<std::u
   const std::size_t ni = index(own.dims[0]), nj = index(own.dims[1]), nk = index(own.dims[2]);
   for (std::size_t k = 0; k < nk; ++k)
     for (std::size_t j = 0; j < nj; ++j) {
-      const std::size_t row = (index(first[2]) + k) * index(grid.dims[1]) + index(first[1]) + j;
+      const std::size_t row = grid.index(index(first[0]), index(first[1]) + j, index(first[2]) + k);
       for (std::size_t i = 0; i < ni; ++i) {
         const int votes =
             along[0][i + ni * (j + nj * k)] + along[1][j + nj * (k + nk * i)] + along[2][k + nk * (i + ni * j)];
-        set[row * index(grid.dims[0]) + index(first[0]) + i] |= static_cast<std::uint8_t>(votes >= 2);
+        set[row + i] |= static_cast<std::uint8_t>(votes >= 2);
       }
     }
 }
@@ -111,8 +111,7 @@ void add_passed(const std::array<Vec3, 3>& corners, const VolumeGeometry& grid, 
     const int steps = std::max(1, static_cast<int>(std::ceil(2 * (1 - up) * length)));
     for (int step = 0; step <= steps; ++step) {
       const Vec3 p = from + static_cast<double>(step) / steps * (to - from);
-      set[index(std::lround(p[0])) +
-          index(grid.dims[0]) * (index(std::lround(p[1])) + index(grid.dims[1]) * index(std::lround(p[2])))] = 1;
+      set[grid.index(std::lround(p[0]), std::lround(p[1]), std::lround(p[2]))] = 1;
     }
   }
 }

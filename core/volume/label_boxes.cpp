@@ -103,7 +103,7 @@ Volume cropped(const Volume& volume, const VoxelBox& box, int margin, int frame)
         const std::size_t start = volume.geometry.voxels() * index(frame);
         for (int k = wide.first[2]; k <= wide.last[2]; ++k)
           for (int j = wide.first[1]; j <= wide.last[1]; ++j) {
-            const std::size_t row = start + (index(k) * index(dims[1]) + index(j)) * index(dims[0]);
+            const std::size_t row = start + volume.geometry.index(0, j, k);
             const auto from = voxels.begin() + static_cast<std::ptrdiff_t>(row);
             kept.insert(kept.end(), from + wide.first[0], from + wide.last[0] + 1);
           }

@@ -37,7 +37,7 @@ std::vector<fs::path> files_beside(const fs::path& path) {
   const fs::path folder = path.parent_path();
   const std::string stem = file_stem(path);
   std::vector<fs::path> files{folder / (path.filename().string() + ".json")};
-  static constexpr std::array endings{".json", ".csv", ".tsv", ".label", ".txt", ".ctbl"};
+  static constexpr std::array endings{".json", ".csv", ".tsv", ".label", ".txt", ".ctbl", ".ctab"};
   for (const char* ending : endings) files.push_back(folder / (stem + ending));
   for (const char* name : {"labels", "label_map", "class_map"})
     for (const char* ending : endings) files.push_back(folder / (std::string(name) + ending));

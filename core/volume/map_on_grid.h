@@ -17,7 +17,7 @@ struct VoxelMapping {
   std::array<std::int64_t, 3> at(std::int64_t i, std::int64_t j, std::int64_t k) const;
 };
 
-/// Nothing where the voxels of the map are no voxels of the grid within a hundredth of one, or leave it.
+/// Nothing where the voxels of the map are no voxels of the grid [near_voxels, dicom_lattice.h], or leave it.
 std::optional<VoxelMapping> mapping_of(const VolumeGeometry& grid, const VolumeGeometry& map);
 
 /// Puts a label map whose voxels are voxels of a grid onto that, each layer, in the grid's axes; voxels that it lacks

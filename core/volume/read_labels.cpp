@@ -53,13 +53,18 @@ std::string layer_words(const Segmentation& segmentation) {
   return words.empty() ? "without labels" : listed(words, ", ");
 }
 
+template <class T>
+bool has_any_label(T voxel) {
+  return rounded_label(static_cast<double>(voxel)) != 0;
+}
+
 /// Sets the voxels that have a label in `from`: this one, or any where none is given.
 void put_over(const Volume& from, std::optional<int> label, Volume& to) {
   std::visit(
       [&]<class T>(std::vector<T>& voxels) {
         const auto& source = std::get<std::vector<T>>(from.data);
         for (std::size_t i = 0; i < voxels.size(); ++i) {
-          const auto value = std::rint(static_cast<double>(source[i]));
+          const int value = rounded_label(static_cast<double>(source[i]));
           if (label ? value == *label : value != 0) voxels[i] = source[i];
         }
       },
@@ -73,7 +78,7 @@ bool overlap(const Volume& a, const Volume& b) {
       [&]<class T>(const std::vector<T>& voxels) {
         const auto& others = std::get<std::vector<T>>(b.data);
         for (std::size_t i = 0; i < voxels.size(); ++i)
-          if (voxels[i] != 0 && others[i] != 0) return true;
+          if (has_any_label(voxels[i]) && has_any_label(others[i])) return true;
         return false;
       },
       a.data);
@@ -149,9 +154,9 @@ void take_layers(const fs::path& path, VolumeRead& read) {
                             " layers that nowhere overlap; they are read as one label map");
     return;
   }
-  read.warnings.push_back(path.string() + ": holds its segments in " + count +
-                          " layers, not frames: " + layer_words(read.segmentation) +
-                          "; the first is taken unless you choose another (--label; in the window: Case, Layer)");
+  read.warnings.push_back(
+      path.string() + ": holds its segments in " + count + " layers, not frames: " + layer_words(read.segmentation) +
+      "; what takes one layer takes the first, unless you choose another (--label; in the window: Case, Layer)");
 }
 
 Result<std::vector<Segment>> choose_segments(const fs::path& path, const std::string& asked, VolumeRead& read) {

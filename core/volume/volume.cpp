@@ -26,12 +26,9 @@ std::array<Vec3, 8> corners(const VolumeGeometry& geometry, double margin_vox) {
 }
 
 std::size_t index_of(const VolumeGeometry& geometry, int i, int j, int k, int frame) {
-  const auto [ni, nj, nk] = geometry.dims;
-  assert(i >= 0 && j >= 0 && k >= 0 && frame >= 0 && i < ni && j < nj && k < nk);
-  const auto row = (static_cast<std::size_t>(frame) * static_cast<std::size_t>(nk) + static_cast<std::size_t>(k)) *
-                       static_cast<std::size_t>(nj) +
-                   static_cast<std::size_t>(j);
-  return row * static_cast<std::size_t>(ni) + static_cast<std::size_t>(i);
+  assert(i >= 0 && j >= 0 && k >= 0 && frame >= 0);
+  assert(i < geometry.dims[0] && j < geometry.dims[1] && k < geometry.dims[2]);
+  return static_cast<std::size_t>(frame) * geometry.voxels() + geometry.index(i, j, k);
 }
 
 constexpr std::size_t most_labels = 65535;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -26,6 +27,12 @@ struct VolumeGeometry {
 
   std::size_t voxels() const {
     return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
+  }
+  /// The position of a voxel of the grid among all, i fastest.
+  template <std::integral Index>
+  std::size_t index(Index i, Index j, Index k) const {
+    const auto row = static_cast<std::size_t>(k) * static_cast<std::size_t>(dims[1]) + static_cast<std::size_t>(j);
+    return row * static_cast<std::size_t>(dims[0]) + static_cast<std::size_t>(i);
   }
   Vec3 to_mm(const Vec3& voxel) const { return origin_mm + direction * spacing_mm.cwiseProduct(voxel); }
   Vec3 to_voxel(const Vec3& p_mm) const { return (direction.inverse() * (p_mm - origin_mm)).cwiseQuotient(spacing_mm); }

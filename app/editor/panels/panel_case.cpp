@@ -37,7 +37,8 @@ void draw_volume_figures(const UiContext& ui) {
 void draw_window_presets(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto& volume = ui.document().scan.image;
-  const bool ct = volume && (volume->modality == "CT" || volume->range_min < -500);
+  // Fat and air lie below zero, which no other modality stores.
+  const bool ct = volume && (volume->modality == "CT" || (volume->range_min < -100 && volume->range_max > 150));
   const std::string refusal = !volume ? ui.needs_volume() : ct ? "" : "Only for CT images: their values are in HU.";
   const double centre = (ui.state.look.window_low + ui.state.look.window_high) / 2;
   const double window_width = ui.state.look.window_high - ui.state.look.window_low;

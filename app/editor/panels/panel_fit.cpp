@@ -133,18 +133,20 @@ void draw_free_all(const UiContext& ui, Outbox& out) {
 
 void draw_last_fit(const Theme& theme, const Fitted& fitted) {
   const bool partial = fitted.missing_share.has_value();
-  figure(theme, "Distance to the label", format("%.2f mm", partial ? fitted.target.mean_mm : fitted.agreement.assd_mm),
+  figure(theme, "Distance to the label", format("%.2f mm", fitted.mean_mm),
          partial ? "Mean distance from the label to the mesh. Flat cuts through the organ do not count"
                  : "Mean distance between mesh and label, both ways");
-  figure(theme, "95 % of it within", format("%.2f mm", partial ? fitted.target.p95_mm : fitted.agreement.hd95_mm),
+  figure(theme, "95 % of it within", format("%.2f mm", fitted.p95_mm),
          "The 95th percentile of that distance: only 5 % of the surface is farther away");
   if (partial)
     figure(theme, "Missing in the label", format("%.0f %%", 100 * *fitted.missing_share),
            "Share of the mesh that lies where the label lacks the organ. The mesh is grey there");
   else
-    figure(theme, "Dice", format("%.3f", fitted.agreement.dice),
-           "Overlap with the closed label. 1 means that both are the same. Openings of the mesh count as closed flat",
-           fitted.agreement.dice < 0.9 ? palette::amber : palette::text);
+    figure(theme, "Dice", fitted.dice ? format("%.3f", *fitted.dice) : "\xe2\x80\x93",
+           fitted.dice
+               ? "Overlap with the closed label. 1 means that both are the same"
+               : "A mesh with a rim encloses nothing that could overlap. Its warnings say how far the rims lie apart",
+           fitted.dice.value_or(1) < 0.9 ? palette::amber : palette::text);
   std::string said;
   for (const auto* sentences : {&fitted.warnings, &fitted.remarks})
     for (const std::string& sentence : *sentences) said += (said.empty() ? "" : " ") + sentence;

@@ -13,9 +13,9 @@ namespace {
 
 /// The stages before the last have far more vertices than can be told apart; the finished mesh shows its edges.
 constexpr Eigen::Index wireframe_below = 12000;
-constexpr float label_opacity = 0.35f;    // of a label's surface: the mesh is compared with it
-constexpr float other_outline_px = 1.2f;  // of a structure that is not worked on
-constexpr Rgb as_read_colour{1, 1, 1};    // of one before its repair
+constexpr float label_surface_opacity = 0.35f;  // of a label's surface: the mesh is compared with it
+constexpr float other_outline_px = 1.2f;        // of a structure that is not worked on
+constexpr Rgb as_read_colour{1, 1, 1};          // of one before its repair
 
 }  // namespace
 
@@ -48,42 +48,39 @@ void SceneBuilder::update(const Input& input) {
 
 void SceneBuilder::update_mesh(const Input& input) {
   const ShapeView shown = *active_shape(input.state, *input.document);
-  const auto response = input.preview ? input.preview->response : nullptr;
-  const bool stopped = input.preview && input.preview->stopped_by_guard;
   const Shape& shape = shown.shape;
   const Paint& paint = shown.paint();
-  const bool moved = shape.points != points_;
-  if (moved) {
+  if (shape.points != points_) {
     points_ = shape.points;
     ++points_revision_;
   }
-  const Colouring colouring = shown_colouring(input.state);
-  // Frames may share their points but differ in what these are compared with, and in which of them are decided.
-  const bool other_shape = moved || decided_ != shape.decided || doubt_mm_ != shape.doubt_mm ||
-                           placed_ != shape.placed || compared_ != shape.reference;
-  const bool same = colours_ && colouring_ == colouring && response_ == response && stopped_ == stopped &&
-                    stiffness_ == paint.stiffness && regions_ == paint.regions && confirmed_ == shape.confirmed &&
-                    outlier_ == shape.outlier && confidence_ == input.state.found.confidence &&
-                    z_ == input.state.scoring.z && !(other_shape && kind_of(colouring).follows_shape);
-  if (same) return;
-  colouring_ = colouring;
-  response_ = response;
-  stopped_ = stopped;
-  stiffness_ = paint.stiffness;
-  regions_ = paint.regions;
-  confirmed_ = shape.confirmed;
-  decided_ = shape.decided;
-  doubt_mm_ = shape.doubt_mm;
-  outlier_ = shape.outlier;
-  placed_ = shape.placed;
-  compared_ = shape.reference;
-  confidence_ = input.state.found.confidence;
-  z_ = input.state.scoring.z;
-  auto outline = mesh_colours(shown, colouring_, hues_, 1, confidence_.get(), z_.get());
-  if (response) outline = tinted(std::move(outline), *response, stopped);
+  ColouredBy by{.colouring = shown_colouring(input.state),
+                .response = input.preview ? input.preview->response : nullptr,
+                .stiffness = paint.stiffness,
+                .confirmed = shape.confirmed,
+                .outlier = shape.outlier,
+                .confidence = input.state.found.confidence,
+                .z = input.state.scoring.z,
+                .regions = paint.regions,
+                .stopped = input.preview && input.preview->stopped_by_guard};
+  if (kind_of(by.colouring).follows_shape) {
+    // Frames may share their points but differ in what these are compared with, and in which of them are decided.
+    by.points = shape.points;
+    by.placed = shape.placed;
+    by.reference = shape.reference;
+    by.decided = shape.decided;
+    by.doubt_mm = shape.doubt_mm;
+  }
+  if (colours_ && coloured_by_ == by) return;
+  coloured_by_ = std::move(by);
+  const auto colours = [&](float saturation) {
+    return mesh_colours(shown, coloured_by_.colouring, hues_, saturation, coloured_by_.confidence.get(),
+                        coloured_by_.z.get());
+  };
+  auto outline = colours(1);
+  if (coloured_by_.response) outline = tinted(std::move(outline), *coloured_by_.response, coloured_by_.stopped);
   outline_colours_ = std::make_shared<const std::vector<Rgb>>(std::move(outline));
-  colours_ = std::make_shared<const std::vector<Rgb>>(
-      mesh_colours(shown, colouring_, hues_, 0.4f, confidence_.get(), z_.get()));
+  colours_ = std::make_shared<const std::vector<Rgb>>(colours(0.4f));
   ++colours_revision_;
 }
 
@@ -198,7 +195,7 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     label.points = label_points_;
     label.colours = label_colours_;
     label.outline = false;
-    label.surface_opacity = label_opacity;
+    label.surface_opacity = label_surface_opacity;
     scene.meshes.push_back(std::move(label));
   }
   scene.glyphs = glyph_layer(input);

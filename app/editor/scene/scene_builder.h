@@ -48,13 +48,18 @@ class SceneBuilder {
   std::shared_ptr<const std::vector<Rgb>> colours_;          ///< of the surface
   std::shared_ptr<const std::vector<Rgb>> outline_colours_;  ///< of the outlines: more saturated, tinted by a drag
   std::uint64_t colours_revision_ = 0;
-  // What the colours were made for.
-  std::shared_ptr<const VertexScalars> response_, stiffness_, confirmed_, decided_, confidence_, doubt_mm_, outlier_,
-      z_;
-  std::shared_ptr<const Points> placed_, compared_;  ///< the shape's `placed` and `reference`
-  std::shared_ptr<const Regions> regions_;
-  Colouring colouring_ = Colouring::vertex_hue;
-  bool stopped_ = false;
+  /// What the colours depend on.
+  struct ColouredBy {
+    Colouring colouring = Colouring::vertex_hue;
+    std::shared_ptr<const VertexScalars> response, stiffness, confirmed, outlier, confidence, z;
+    std::shared_ptr<const Regions> regions;
+    bool stopped = false;
+    /// Of the shape; null where the colouring does not follow it [kind_of].
+    std::shared_ptr<const Points> points, placed, reference;
+    std::shared_ptr<const VertexScalars> decided, doubt_mm;
+    bool operator==(const ColouredBy&) const = default;
+  };
+  ColouredBy coloured_by_;
   std::shared_ptr<const Mesh> making_;
   std::shared_ptr<const Points> making_points_;
   std::shared_ptr<const Mesh> label_surface_;

@@ -19,12 +19,11 @@ namespace homolog {
 /// A finished fit or refinement: the edit, and what it is judged by.
 struct Fitted {
   SetPoints edit;
-  Agreement agreement;                         ///< of a fit, with the boundary
+  double mean_mm = 0, p95_mm = 0;  ///< distance between mesh and label; of a partial fit, from the label
+  std::optional<double> dice;      ///< of a fit with the closed label; none of a partial one, or one with a rim
   std::vector<std::string> warnings, remarks;  ///< each a sentence
   bool doubtful = false;                       ///< a fit that a person has to look at
-  /// Of a partial fit: what the label lacks of the mesh, and how far the label lies from the mesh.
-  std::optional<double> missing_share;
-  TargetDistance target;
+  std::optional<double> missing_share;         ///< of a partial fit: what the label lacks of the mesh
 };
 
 /// What a snap found.

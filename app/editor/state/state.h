@@ -123,9 +123,6 @@ struct LastPress {
   bool played = false;
 };
 
-/// Radius of the ball that shows a placed landmark.
-inline constexpr double landmark_radius_mm = 1.5;
-
 /// A number of the case that is being changed in the panel: what it is now, whatever the screen shows yet.
 struct PanelEdit {
   std::string control;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cstdarg>
 #include <cstdio>
 #include <optional>
@@ -18,12 +17,15 @@ constexpr const char* left_out = "\xe2\x80\xa6";
 }
 
 std::string format(const char* pattern, ...) {
-  std::array<char, 512> text{};
-  va_list arguments;
+  va_list arguments, measured;
   va_start(arguments, pattern);
-  std::vsnprintf(text.data(), text.size(), pattern, arguments);
+  va_copy(measured, arguments);
+  const int length = std::vsnprintf(nullptr, 0, pattern, measured);
+  va_end(measured);
+  std::string text(static_cast<std::size_t>(std::max(0, length)), '\0');
+  std::vsnprintf(text.data(), text.size() + 1, pattern, arguments);
   va_end(arguments);
-  return text.data();
+  return text;
 }
 
 ImVec2 text_size(ImFont* font, const std::string& text) {

@@ -1,7 +1,6 @@
 #include "app/editor/work/fitter.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -10,6 +9,7 @@
 #include "app/editor/work/models/model_help.h"
 #include "core/adapt/choose_closing.h"
 #include "core/adapt/judge_fit.h"
+#include "core/adapt/likeliest_part.h"
 #include "core/assist/assist.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_quality.h"
@@ -19,12 +19,6 @@
 namespace homolog {
 
 namespace {
-
-/// "the fit is poor" as it stands alone.
-std::string as_sentence(std::string text) {
-  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  return text.ends_with('.') || text.ends_with('?') ? text : text + '.';
-}
 
 /// The model mirrored left for right. A template of the other side has its faces turned too.
 ShapeModel of_other_side(ShapeModel model, const Topology& of_template) {
@@ -93,9 +87,9 @@ int label_at_mesh(const Volume& labels, int frame, const Points& points) {
     for (int axis = 0; axis < 3; ++axis)
       inside = inside && voxel[axis] >= 0 && voxel[axis] < dims[static_cast<std::size_t>(axis)];
     if (!inside) continue;
-    const auto value = std::lround(labels.at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()),
-                                             static_cast<int>(voxel.z()), std::min(frame, labels.frames - 1)));
-    if (value != 0) ++votes[static_cast<int>(value)];
+    const int value = rounded_label(labels.at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()),
+                                              static_cast<int>(voxel.z()), std::min(frame, labels.frames - 1)));
+    if (value != 0) ++votes[value];
   }
   int best = 0, most = 0;
   for (const auto& [label, count] : votes)
@@ -114,15 +108,19 @@ Result<Fitted> fit_to_labels(const ShapeView& shown, const NamedLabels& labels, 
   const int label = settings.all_labels ? every_label : settings.label;
   const double closing_mm = settings.closing_mm.value_or(
       closing_kept_with(the_template.source).value_or(usual_closing_mm(*labels.volume, label, frame)));
-  auto boundary = label_boundary(*labels.volume, label, frame, closing_mm, the_template.points.rows(),
-                                 {.all = settings.partial || parts_for(*the_template.topology).all});
+  const LabelParts parts{settings.partial || parts_for(*the_template.topology).all};
+  const auto part = [&](std::size_t rank) {
+    return label_boundary(*labels.volume, label, frame, closing_mm, the_template.points.rows(), {parts.all, rank});
+  };
+  auto boundary = part(0);
+  if (boundary && !parts.all) boundary = likeliest_part(the_template, std::move(*boundary), part, options);
   if (!boundary) return fail(labels.name, boundary.error().what);
   auto fit = fit_shape(shown, *boundary, settings.as_placed, options);
   if (!fit) return fail(labels.name, fit.error().what);
   FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
   Fitted done;
   if (!settings.closing_mm && !settings.partial && judgement.doubtful) {
-    auto more = try_more_closing(the_template, *labels.volume, label, frame, options,
+    auto more = try_more_closing(the_template, *labels.volume, label, frame, parts, options,
                                  {closing_mm, *boundary, fit->result, judgement});
     if (more.better) {
       auto again = fit_shape(shown, more.better->boundary, settings.as_placed, options);
@@ -138,7 +136,9 @@ Result<Fitted> fit_to_labels(const ShapeView& shown, const NamedLabels& labels, 
       judgement.warnings.push_back(tried_in_vain(more));
     }
   }
-  done.agreement = judgement.inside_scan;
+  done.mean_mm = judgement.inside_scan.assd_mm;
+  done.p95_mm = judgement.inside_scan.hd95_mm;
+  if (!settings.partial && !judgement.rim) done.dice = judgement.inside_scan.dice;
   done.doubtful = judgement.doubtful;
   for (const std::string& warning : judgement.warnings) done.warnings.push_back(as_sentence(warning));
   if (fit->result.allowed.size() > 0) {
@@ -161,19 +161,19 @@ Result<Fitted> fit_to_labels(const ShapeView& shown, const NamedLabels& labels, 
   if (settings.partial) {
     done.missing_share =
         static_cast<double>(fit->result.outliers.size()) / static_cast<double>(the_template.points.rows());
-    done.target = judgement.target;
+    done.mean_mm = judgement.target.mean_mm;
+    done.p95_mm = judgement.target.p95_mm;
   }
   done.edit = std::move(fit->action);
   return done;
 }
 
 FitFigures figures_of(const Fitted& fitted) {
-  const bool partial = fitted.missing_share.has_value();
   FitFigures figures;
   figures.mesh = mesh_hash(*fitted.edit.points);
-  figures.mean_mm = partial ? fitted.target.mean_mm : fitted.agreement.assd_mm;
-  figures.p95_mm = partial ? fitted.target.p95_mm : fitted.agreement.hd95_mm;
-  if (!partial) figures.dice = fitted.agreement.dice;
+  figures.mean_mm = fitted.mean_mm;
+  figures.p95_mm = fitted.p95_mm;
+  figures.dice = fitted.dice;
   figures.missing_share = fitted.missing_share;
   figures.warnings = fitted.warnings;
   figures.remarks = fitted.remarks;
@@ -184,9 +184,9 @@ Fitted fitted_of(const FitFigures& figures, std::shared_ptr<const Points> made) 
   Fitted fitted;
   fitted.edit.by = by_fit;
   fitted.edit.points = std::move(made);
-  fitted.agreement.assd_mm = fitted.target.mean_mm = figures.mean_mm;
-  fitted.agreement.hd95_mm = fitted.target.p95_mm = figures.p95_mm;
-  fitted.agreement.dice = figures.dice.value_or(0);
+  fitted.mean_mm = figures.mean_mm;
+  fitted.p95_mm = figures.p95_mm;
+  fitted.dice = figures.dice;
   fitted.missing_share = figures.missing_share;
   fitted.warnings = figures.warnings;
   fitted.remarks = figures.remarks;

@@ -49,7 +49,7 @@ Result<bool> begin_anew(const StudyCase& one, const std::shared_ptr<const Templa
     labels = session.kept().labels;
     const Document& before = session.document();
     fresh = new_document(before.scan.source, before.scan.image, the_template);
-    fresh->change({}, [](Structure& first) { first.landmarks.hold = true; });
+    fresh->hold_landmarks();
   }
   auto made = create_case(std::move(*fresh), one.file);
   if (!made) return fail(made.error());

@@ -7,15 +7,14 @@
 
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/work/fitter.h"
-#include "app/editor/work/opening/opener.h"
 #include "app/editor/work/waiting_case.h"
 #include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
-#include "core/base/listed.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
+#include "core/mesh/isosurface.h"
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
 #include "core/volume/label_likeness.h"
@@ -196,7 +195,7 @@ Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const CaseStart
   if (pair.map != nullptr) one.labels = absolute_path(pair.map->path);
   if (fs::exists(one.file, ignored)) return one;
   Document document = new_document(image.string(), pair.image->grid, start.the_template);
-  document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
+  document.hold_landmarks();
   std::vector<fs::path> scan{image};
   if (pair.map != nullptr && pair.map != pair.image) scan.push_back(one.labels);
   auto record = start.record ? start.record(one.file, scan) : Result<std::string>(std::string());

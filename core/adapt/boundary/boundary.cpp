@@ -85,10 +85,10 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::o
     boundary.warnings.push_back(
         label_name(label) +
         " is cut off by the border of the label map; the mesh beyond the border follows the template");
-  boundary.parts_left_out = cut_out->left_out;
-  boundary.share_left_out = cut_out->share_left_out;
-  boundary.parts_alike = cut_out->alike;
-  if (auto said = cut_out->warning(label)) boundary.warnings.push_back(std::move(*said));
+  boundary.parts_left_out = cut_out->left_out.count;
+  boundary.share_left_out = cut_out->left_out.share;
+  boundary.parts_alike = cut_out->left_out.alike;
+  if (auto said = cut_out->left_out.warning(label, "one", "")) boundary.warnings.push_back(std::move(*said));
   return boundary;
 }
 

@@ -29,6 +29,17 @@ struct Moments {
   double size_mm = 0;            ///< root mean square distance from the centre
 };
 
+/// `spread`: the mean of (p − centre)·(p − centre)ᵀ, mm².
+Moments moments_about(const Vec3& centre, const Mat3& spread) {
+  Moments moments;
+  moments.centre = centre;
+  moments.size_mm = std::sqrt(spread.trace());
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(spread);
+  moments.axes = solver.eigenvectors().rowwise().reverse();
+  if (moments.axes.determinant() < 0) moments.axes.col(2) *= -1;
+  return moments;
+}
+
 /// `keeps`: whether a face with this middle counts.
 template <class Keeps>
 Moments moments_of(const Mesh& mesh, const Keeps& keeps) {
@@ -46,14 +57,8 @@ Moments moments_of(const Mesh& mesh, const Keeps& keeps) {
     first += part * middle;
     second += part * middle * middle.transpose();
   }
-  Moments moments;
-  moments.centre = first / area;
-  const Mat3 spread = second / area - moments.centre * moments.centre.transpose();
-  moments.size_mm = std::sqrt(spread.trace());
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(spread);
-  moments.axes = solver.eigenvectors().rowwise().reverse();
-  if (moments.axes.determinant() < 0) moments.axes.col(2) *= -1;
-  return moments;
+  const Vec3 centre = first / area;
+  return moments_about(centre, second / area - centre * centre.transpose());
 }
 
 Moments moments_of(const Mesh& mesh) {
@@ -62,15 +67,9 @@ Moments moments_of(const Mesh& mesh) {
 
 /// Moments of points that count alike.
 Moments moments_of(const Points& points) {
-  Moments moments;
-  moments.centre = points.colwise().mean().transpose();
-  const Points from = points.rowwise() - moments.centre.transpose();
-  const Mat3 spread = from.transpose() * from / static_cast<double>(points.rows());
-  moments.size_mm = std::sqrt(spread.trace());
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(spread);
-  moments.axes = solver.eigenvectors().rowwise().reverse();
-  if (moments.axes.determinant() < 0) moments.axes.col(2) *= -1;
-  return moments;
+  const Vec3 centre = points.colwise().mean().transpose();
+  const Points from = points.rowwise() - centre.transpose();
+  return moments_about(centre, from.transpose() * from / static_cast<double>(points.rows()));
 }
 
 /// The moments of what may be left of a template: the whole, and without its ends along axes and diagonals.

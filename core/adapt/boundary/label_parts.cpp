@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
-#include "core/base/index.h"
 #include "core/mesh/isosurface.h"
 #include "core/template_making/voxel_components.h"
 
 namespace homolog {
 
 namespace {
-
-constexpr double said_share = 0.01;  ///< of a label: crumbs below this are left out without a word
 
 /// Fills what no path of voxels outside joins to the grid's first corner, which lies in the margin.
 void fill_cavities(std::vector<std::uint8_t>& inside, const std::array<int, 3>& dims) {
@@ -31,7 +27,7 @@ void keep_touches(LabelBody& region, const VolumeGeometry& whole) {
   for (int k = 0; k < dims[2]; ++k)
     for (int j = 0; j < dims[1]; ++j)
       for (int i = 0; i < dims[0]; ++i) {
-        if (region.inside[(index(k) * index(dims[1]) + index(j)) * index(dims[0]) + index(i)] == 0) continue;
+        if (region.inside[region.grid.index(i, j, k)] == 0) continue;
         const Vec3 at = whole.to_voxel(region.grid.to_mm(Vec3(i, j, k)));
         for (std::size_t axis = 0; axis < 3; ++axis) {
           const auto a = static_cast<Eigen::Index>(axis);
@@ -45,21 +41,11 @@ void keep_touches(LabelBody& region, const VolumeGeometry& whole) {
 
 }  // namespace
 
-std::optional<std::string> CutOutParts::warning(int label) const {
-  if (!one || share_left_out < said_share) return std::nullopt;
-  char share[32];
-  std::snprintf(share, sizeof share, "%.0f %%", 100 * share_left_out);
-  std::string text = label_name(label) + " has " + std::to_string(left_out + 1) + " parts";
-  if (alike > 1) text += ", " + std::to_string(alike) + " of about one size";
-  return text + "; one was taken, and the other " + std::to_string(left_out) + " with " + share +
-         " of its volume are left out; --parts all keeps them";
-}
-
 Result<CutOutParts> label_parts(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
                                 double margin_mm, const LabelParts& parts) {
   auto whole = whole_label(mask, label, frame, extent, spacing_mm, margin_mm);
   if (!whole) return fail(whole.error());
-  CutOutParts cut{std::move(*whole), 0, 0, 1, !parts.all};
+  CutOutParts cut{std::move(*whole), {}};
   LabelBody& region = cut.region;
   const VoxelComponents found = connected_components(region.inside, region.grid.dims, Touching::faces);
   std::vector<std::size_t> order(found.sizes.size());
@@ -68,7 +54,7 @@ Result<CutOutParts> label_parts(const Volume& mask, int label, int frame, const 
                    [&](std::size_t a, std::size_t b) { return found.sizes[a] > found.sizes[b]; });
   if (parts.rank >= order.size())
     return fail("", label_name(label) + " has only " + std::to_string(order.size()) + " parts; name a larger one");
-  cut.alike = static_cast<std::size_t>(std::count_if(
+  cut.left_out.alike = static_cast<std::size_t>(std::count_if(
       found.sizes.begin(), found.sizes.end(), [&](std::size_t size) { return 2 * size > found.sizes[order.front()]; }));
   if (parts.all) {
     fill_cavities(region.inside, region.grid.dims);
@@ -76,8 +62,8 @@ Result<CutOutParts> label_parts(const Volume& mask, int label, int frame, const 
   }
   const auto total = std::accumulate(found.sizes.begin(), found.sizes.end(), std::size_t{0});
   const std::size_t kept = order[parts.rank];
-  cut.left_out = order.size() - 1;
-  cut.share_left_out = 1 - static_cast<double>(found.sizes[kept]) / static_cast<double>(total);
+  cut.left_out.count = order.size() - 1;
+  cut.left_out.share = 1 - static_cast<double>(found.sizes[kept]) / static_cast<double>(total);
   for (std::size_t v = 0; v < region.inside.size(); ++v)
     region.inside[v] = found.part[v] == static_cast<std::int32_t>(kept) ? 1 : 0;
   region.body = make_one_body(region.inside, region.grid.dims);

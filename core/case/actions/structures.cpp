@@ -34,6 +34,7 @@ void spell_structure(Fields& line, SetStructure& action) {
   structure.optional("doubt", action.doubt);
   structure.optional("template", action.source, !action.source.empty());
   structure.optional("placement", action.placement);
+  structure.optional("template_mark", action.mark, !action.mark.empty());
 }
 
 std::string quoted(const std::string& id) {
@@ -95,11 +96,12 @@ const ActionKind<SetStructure>& action_kind(const SetStructure&) {
   static constexpr ActionKind<SetStructure> kind{
       .key = "structure",
       .example =
-          R"({"structure":{"id":"s2","name":"left kidney","label":"left kidney","layer":0,"colour":[96,165,214],"confidence":0.97,"template":"kidney.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[12,-40,310]}}})",
+          R"({"structure":{"id":"s2","name":"left kidney","label":"left kidney","layer":0,"colour":[96,165,214],"confidence":0.97,"template":"kidney.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[12,-40,310]},"template_mark":[1.5,-2,0.25,10]}})",
       .meaning =
           "adds a structure: its template (a path as in the first line) and where it lies, what it is called, its "
           "label in the label map, its colour. `confidence` is the probability (0 to 1) that its mesh is right, and "
-          "`doubt` a sentence that says why it has to be looked at. All but the id and the template may be missing. "
+          "`doubt` a sentence that says why it has to be looked at. `template_mark` tells the template from others of "
+          "its faces (above). All but the id and the template may be missing. "
           "The same id again, "
           "without template and placement, renames or recolours it. Lines of this structure have `\"of\":\"s2\"`",
       .needs_mesh = false,

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/case/actions/kind.h"
 
@@ -21,13 +22,14 @@ struct SetStructure {
   /// Where the template of a new structure is, as Template::source; empty for one that is there.
   std::string source{};
   std::optional<Similarity> placement{};  ///< of a new one; without it in the middle of the image
+  std::vector<double> mark{};  ///< of a new one's template [template_mark.h]; lines of older versions have none
   /// The template of a new one. A line holds its source alone: who reads the line loads it [case_templates.h].
   std::shared_ptr<const Template> the_template{};
 
   bool operator==(const SetStructure& other) const {
     return id == other.id && name == other.name && label == other.label && layer == other.layer &&
            colour == other.colour && confidence == other.confidence && doubt == other.doubt && source == other.source &&
-           placement == other.placement;
+           placement == other.placement && mark == other.mark;
   }
 };
 const ActionKind<SetStructure>& action_kind(const SetStructure&);

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/base/file_stem.h"
-#include "core/base/index.h"
 #include "core/base/memory.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/label_boxes.h"
@@ -60,7 +59,7 @@ void each_voxel(const VolumeGeometry& part, const VoxelAt& first, const Work& wo
 }
 
 std::size_t index_in(const VolumeGeometry& grid, const VoxelAt& at) {
-  return (index(at[2]) * index(grid.dims[1]) + index(at[1])) * index(grid.dims[0]) + index(at[0]);
+  return grid.index(at[0], at[1], at[2]);
 }
 
 bool is_in(const VolumeGeometry& grid, const VoxelAt& at) {

@@ -75,7 +75,7 @@ TEST_CASE("a fit shows its steps and gives the shape of the label") {
   const auto done = fitter.take();
   REQUIRE(done);
   const Fitted& fitted = test::must(*done);
-  CHECK(fitted.agreement.dice > 0.97);
+  CHECK(fitted.dice.value() > 0.97);
   CHECK(fitted.remarks.empty());
   CHECK(fitted.warnings.empty());
   const VertexScalars radii = (fitted.edit.points->rowwise() - Vec3::Constant(60).transpose()).rowwise().norm();

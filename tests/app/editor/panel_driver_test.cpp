@@ -179,8 +179,8 @@ TEST_CASE("a fit to an organ that the scan cuts marks what is missing in grey") 
   CHECK_FALSE(driver.shows("Dice"));
   const Fitted& fitted = *driver.state().found.last_fit;
   CHECK(*fitted.missing_share > 0.1);
-  CHECK(fitted.target.mean_mm < 0.5);  // the flat cut does not count
-  CHECK(fitted.target.p95_mm < 1.6);
+  CHECK(fitted.mean_mm < 0.5);  // the flat cut does not count
+  CHECK(fitted.p95_mm < 1.6);
   CHECK(driver.shows("the scan lacks this part"));
 
   const Shape shape = driver.document().view()->shape;

@@ -156,6 +156,30 @@ TEST_CASE("a consensus set does not depend on which map comes first") {
     if (!one["missing"].get<bool>()) CHECK(one["dice"].get<double>() > 0.95);
 }
 
+TEST_CASE("a consensus takes one organ for one whatever the order of the words of its name") {
+  const SubjectsFolder folder;
+  VolumeGeometry grid;
+  grid.spacing_mm.setConstant(2);
+  grid.dims = {100, 40, 40};
+  grid.origin_mm = Vec3(-40, -35, -40);
+  const auto write = [&](const std::string& name, const std::string& first, const std::string& second) {
+    const std::vector<MeshOfSegment> meshes{{{.name = first, .value = 4}, SubjectsFolder::egg(1, Vec3::Zero(), 1)},
+                                            {{.name = second, .value = 5}, SubjectsFolder::egg(2, Vec3::Zero(), 1)}};
+    REQUIRE(write_segmentation(map_of_meshes(meshes, grid).map, folder.path / name));
+  };
+  write("x.seg.nrrd", "left kidney", "spleen");
+  write("y.seg.nrrd", "Kidney_Left", "spleen");
+  const Ran made = run(folder, "set make x.seg.nrrd y.seg.nrrd --all --consensus --vertices 120 -o k.set.json --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  const Json structures = made.json()["structures"];
+  REQUIRE(structures.size() == 2);
+  for (const Json& one : structures) CHECK(one["subjects"] == 2);
+  // One label that is asked for by two names is one structure.
+  const Ran asked =
+      run(folder, "set make x.seg.nrrd --labels \"left kidney,kidney left\" --vertices 120 -o a.set.json");
+  CHECK_MESSAGE(asked.status == 0, asked.errors);
+}
+
 TEST_CASE("set make of several maps refuses what it cannot use before it fits") {
   const SubjectsFolder folder;
   const auto refused = [&](const std::string& arguments, const std::string& says) {
@@ -167,6 +191,7 @@ TEST_CASE("set make of several maps refuses what it cannot use before it fits") 
   };
   refused("one.seg.nrrd three.seg.nrrd --labels a,spleen", "spleen");
   refused("one.seg.nrrd nothing.nii.gz --all", "nothing.nii.gz");
+  refused("one.seg.nrrd ./one.seg.nrrd --all", "is given twice");
   CHECK(run(folder, "set make one.seg.nrrd --all --consensus -o x.set.json").status == 2);
   CHECK(run(folder, "set make one.seg.nrrd two.seg.nrrd --all --consensus --like two.seg.nrrd -o x.set.json").status ==
         2);
@@ -500,6 +525,9 @@ TEST_CASE("a fit of a set refuses what it cannot use, in a sentence") {
   CHECK(run(folder, "fit body.set.json --mask body.seg.nrrd -o fits --partial").status == 2);
   CHECK(run(folder, "fit body.set.json --mask body.seg.nrrd -o fits.ply").status == 2);
   CHECK(run(folder, "fit body.set.json -o fits").status == 2);
+  const Ran meant = run(folder, "fit spine --mask body.seg.nrrd -o fits");
+  CHECK(meant.status == 1);
+  CHECK(meant.errors.find("built-in:spine is one") != std::string::npos);
   // One template is gone: the other is fitted.
   fs::remove(folder.path / "body" / "kidney_left.ply");
   const Ran one = run(folder, "fit body.set.json --mask body.seg.nrrd -o fits --json");

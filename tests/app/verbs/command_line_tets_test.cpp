@@ -38,6 +38,26 @@ TEST_CASE("tetrahedra of a template are written in the shape of each case") {
   CHECK(run(folder, "tets t.ply a.ply --template t.ply -o out2").status == 1);
 }
 
+TEST_CASE("tetrahedra are not carried into a shape of another numbering") {
+  const TemporaryFolder folder;
+  const Mesh ball = icosphere(2, 20);
+  REQUIRE(write_mesh(ball, folder.path / "t.ply"));
+  std::ofstream(folder.path / "t.vtu") << BallOfTetrahedra(ball, 3).vtu();
+  const Eigen::Index count = ball.points.rows();
+  Points points(count, 3);
+  Triangles faces = ball.topology->triangles();
+  for (Eigen::Index k = 0; k < count; ++k) points.row((k + 7) % count) = ball.points.row(k);
+  for (auto& corner : faces.reshaped()) corner = (corner + 7) % static_cast<std::int32_t>(count);
+  REQUIRE(write_mesh({Topology::make(count, faces).value(), points}, folder.path / "turned.ply"));
+  REQUIRE(write_mesh(ball, folder.path / "same.ply"));
+  const Ran ran = run(folder, "tets t.vtu same.ply turned.ply --template t.ply -o out");
+  CHECK(ran.status == 1);
+  INFO(ran.errors);
+  CHECK(ran.errors.find("turned.ply: has other faces (or another numbering) than the template") != std::string::npos);
+  CHECK(fs::exists(folder.path / "out/same.vtu"));
+  CHECK_FALSE(fs::exists(folder.path / "out/turned.vtu"));
+}
+
 TEST_CASE("tetrahedra are not written over a file that they are made of") {
   const TemporaryFolder folder;
   const Mesh ball = icosphere(2, 20);

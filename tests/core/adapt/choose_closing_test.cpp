@@ -69,10 +69,10 @@ TEST_CASE("a doubtful fit is made sound by a wider closing and mirrored ones are
   first.fit = fit_to_boundary(*own, first.boundary).value();
   first.judgement = judge_fit(*own, first.boundary, {}, first.fit);
   REQUIRE(first.judgement.doubtful);
-  const MoreClosing more = try_more_closing(*own, deep, every_label, 0, {}, first);
+  const MoreClosing more = try_more_closing(*own, deep, every_label, 0, {}, {}, first);
   REQUIRE(more.better);
   CHECK_FALSE(more.better->judgement.doubtful);
   CHECK(more.better->closing_mm > first.closing_mm);
   first.fit.mirrored = true;
-  CHECK(try_more_closing(*own, deep, every_label, 0, {}, first).tried.empty());
+  CHECK(try_more_closing(*own, deep, every_label, 0, {}, {}, first).tried.empty());
 }

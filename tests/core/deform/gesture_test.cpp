@@ -74,8 +74,7 @@ TEST_CASE("an anchored edit is the minimiser for the implied targets pushed by t
   const VertexScalars u = solver.solve(g);
   const Vec3 d = stroke.to - Vec3(q.interpolate(*big_ball.topology, big_ball.points).transpose());
   const double at_q = q.interpolate(*big_ball.topology, u)[0];
-  const Points targets =
-      implied_targets(*big_ball.topology, w, big_ball.points, big_ball.points) + g / at_q * d.transpose();
+  const Points targets = big_ball.points + g / at_q * d.transpose();  // its own shape implies its own points
   const Points minimiser = solver.solve(Points(targets + shape_laplacian(*big_ball.topology, w) * big_ball.points));
   CHECK(largest_difference(outcome.points, minimiser) < 1e-9);
 }

@@ -162,14 +162,14 @@ TEST_CASE("what is thrown in a job ends neither the thread nor the case") {
   };
   CHECK(told([](const Document&, const std::string&) -> Result<std::optional<Action>> {
           throw std::bad_alloc();
-        }).find("Memory ran out") != std::string::npos);
+        }).find("needs more memory") != std::string::npos);
   CHECK(told([](const Document&, const std::string&) -> Result<std::optional<Action>> {
           throw std::runtime_error("no more threads");
         }).find("no more threads") != std::string::npos);
   thread.preview(std::nullopt, {[](const Document&, const std::string&) -> Result<std::optional<Action>> {
                    throw std::bad_alloc();
                  }});
-  REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.error.find("Memory ran out") != std::string::npos; }));
+  REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.error.find("needs more memory") != std::string::npos; }));
   CHECK(thread.snapshot()->committed == jobs);
   thread.apply(pull(50));
   REQUIRE(wait_for(thread, [&](const Snapshot& s) { return s.committed == jobs + 1; }));

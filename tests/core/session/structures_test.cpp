@@ -2,7 +2,9 @@
 
 #include <random>
 
+#include "core/base/files.h"
 #include "core/base/json.h"
+#include "core/mesh/mesh_io.h"
 #include "core/session/case_keeping.h"
 #include "core/session/session_thread.h"
 #include "tests/case_steps.h"
@@ -131,6 +133,82 @@ TEST_CASE("a case of several structures finds their templates where it goes on a
   REQUIRE_MESSAGE(after, after.error().sentence());
   CHECK(points_of(after->session, "s3") == *done->view("s3")->shape.points);
   fs::rename(moved, folder.folder.path);
+}
+
+TEST_CASE("a template file that became another mesh is refused, and one with another stiffness is told of") {
+  const CaseFolder folder;
+  const fs::path other = folder.folder.path / "other.ply";
+  fs::copy_file(folder.template_path, other);
+  {
+    EditSession session = create_case(folder.document(), folder.case_path, checkpoints_often).value();
+    SetStructure action = second(folder);
+    action.source = other.string();
+    REQUIRE(session.apply(std::move(action)));
+    const Vec3 small_pole = aside.apply(pole);
+    for (int k = 0; k < 25; ++k) REQUIRE(session.apply(of_second(pull(small_pole, small_pole + Vec3(0.1 * k, 0, 1)))));
+  }
+  ReplayOptions every_line;
+  every_line.from_checkpoint = false;
+  for (const fs::path& file : {folder.template_path, other}) {
+    CAPTURE(file);
+    const MeshFile as_it_was = read_mesh_file(file).value();
+    MeshFile changed = as_it_was;
+    const auto now = [&](const ReplayOptions& options) {
+      REQUIRE(write_mesh_file(changed, file));
+      return read_case(folder.case_path, options);
+    };
+    for (const ReplayOptions& options : {ReplayOptions{}, every_line}) {
+      // Nothing that rounding in a file does, and less than two subjects differ by.
+      changed.points = as_it_was.points.array() + 1e-5;
+      CHECK(now(options));
+      changed.points = as_it_was.points.array() + 0.05;
+      CHECK(says(now(options), file.filename().string()));
+      CHECK(says(now(options), "put the original back"));
+      changed.points = as_it_was.points;
+      changed.points.row(3) += Eigen::RowVector3d(0, 0, 1);
+      CHECK(says(now(options), "its vertices lie elsewhere"));
+      changed.points = as_it_was.points;
+      changed.stiffness = VertexScalars::Ones(changed.points.rows());
+      (*changed.stiffness)[5] = 20;
+      const auto stiff = now(options);
+      REQUIRE(stiff);
+      REQUIRE(stiff->warnings.size() == 1);
+      CHECK(stiff->warnings.front().find("has another stiffness") != std::string::npos);
+      changed = as_it_was;
+    }
+    REQUIRE(write_mesh_file(as_it_was, file));
+  }
+  CHECK(read_case(folder.case_path)->warnings.empty());
+}
+
+TEST_CASE("a case that was begun without a file finds its templates where its folder was moved to") {
+  const CaseFolder folder;
+  const fs::path project = folder.folder.path / "project";
+  fs::create_directories(project / "set");
+  fs::copy_file(folder.template_path, project / "set" / "s.ply");
+  const fs::path begun = folder.folder.path / "state" / "homolog" / "begun.homolog";
+  fs::create_directories(begun.parent_path());
+  std::optional<Document> done;
+  {
+    auto session = create_case(folder.document(), begun).value();
+    SetStructure action = second(folder);
+    action.source = (project / "set" / "s.ply").string();
+    REQUIRE(session.apply(std::move(action)));
+    fs::copy_file(folder.template_path, project / folder.template_path.filename());
+    REQUIRE(save_case_as(session, project / "saved.homolog"));
+    done = session.document();
+  }
+  fs::create_directories(folder.folder.path / "elsewhere" / "deep");
+  fs::rename(project, folder.folder.path / "elsewhere" / "deep" / "project");
+  const fs::path moved = folder.folder.path / "elsewhere" / "deep" / "project" / "saved.homolog";
+  // The first line names the first template from where it was saved.
+  std::string text = read_whole_file(moved).value();
+  const std::string name = folder.template_path.filename().string();
+  text.replace(text.find("\"../" + name), name.size() + 4, "\"" + name);
+  REQUIRE(write_whole_file(moved, text));
+  const auto after = read_case(moved);
+  REQUIRE_MESSAGE(after, after.error().sentence());
+  CHECK(points_of(after->session, "s2") == *done->view("s2")->shape.points);
 }
 
 TEST_CASE("what no case can do with structures is refused in a sentence") {

@@ -2,7 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <random>
+#include <vector>
 
 #include "core/base/rotation.h"
 #include "core/deform/local_rotations.h"
@@ -25,6 +27,30 @@ Points random_points(Eigen::Index n, double size_mm, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-size_mm, size_mm);
   return Points::NullaryExpr(n, 3, [&] { return uniform(random); });
+}
+
+/// A of the paper's overdetermined system A p = b [Erdt 2009, §2.2], stacked: n rows of E_force, then √w_i (p_i − p_j)
+/// for every i and every j in its one-ring. AᵀA = I + Λ exactly; the solver assembles that directly.
+Eigen::SparseMatrix<double> stacked_system(const Topology& topology, const VertexScalars& w) {
+  const Eigen::Index n = topology.vertices();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index i = 0; i < n; ++i) entries.emplace_back(i, i, 1.0);
+  Eigen::Index row = n;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (const std::int32_t j : topology.one_ring(i)) {
+      entries.emplace_back(row, i, std::sqrt(w[i]));
+      entries.emplace_back(row, j, -std::sqrt(w[i]));
+      ++row;
+    }
+  }
+  Eigen::SparseMatrix<double> a(row, n);
+  a.setFromTriplets(entries.begin(), entries.end());
+  return a;
+}
+
+/// S(P) = (I + Λ) P − Λ R: the only force targets whose minimiser is `p`.
+Points implied_targets(const Topology& topology, const VertexScalars& w, const Points& p, const Points& r) {
+  return p + shape_laplacian(topology, w) * (p - r);
 }
 
 struct Solved {

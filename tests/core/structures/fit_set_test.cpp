@@ -3,13 +3,16 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <map>
 
+#include "core/case/placing.h"
 #include "core/measure/compare.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/structures/keep_apart.h"
+#include "core/structures/set_in_case.h"
 #include "core/structures/set_map.h"
 #include "tests/must.h"
 
@@ -130,6 +133,36 @@ TEST_CASE("what is told of a structure is of its mesh as it was kept apart, and 
   REQUIRE(near != wide.apart.end());
   CHECK(near->mm < 4.9);
   CHECK(near->mm > 0);
+}
+
+TEST_CASE("what was fitted of another template takes the place of a structure and never its numbering") {
+  const SetOfTemplates set = eggs();
+  const VolumeRead map = map_of_eggs();
+  const SetInMap subject = find_in_map(set.set, map);
+  const FittedSet fitted = test::must(fit_set(set, subject));
+  Document document;
+  for (std::size_t k = 0; k < 2; ++k) {
+    // "a" of the set's own template; "b" of one with as many vertices in another order.
+    MeshFile file = to_mesh_file(*set.templates[k]);
+    if (k == 1) {
+      file.points = file.points.colwise().reverse().eval();
+      const auto last = static_cast<std::int32_t>(file.points.rows()) - 1;
+      file.triangles = Triangles(last - file.triangles->array());
+    }
+    Structure structure = new_structure(test::must(make_template(file, "t" + std::to_string(k))), Similarity{});
+    structure.id = "s" + std::to_string(k + 1);
+    structure.name = k == 0 ? "a" : "b";
+    document.structures.push_back(std::make_shared<const Structure>(std::move(structure)));
+  }
+  std::map<std::string, std::string> brought, removed;
+  for (const EditStep& step : steps_of_fitted_set(document, set, subject, fitted)) {
+    if (const auto* one = std::get_if<SetStructure>(&step.action)) brought[*one->name] = one->id;
+    if (const auto* one = std::get_if<RemoveStructure>(&step.action)) removed[one->id] = one->id;
+  }
+  CHECK(brought["a"] == "s1");
+  CHECK(brought["b"] == "s3");
+  CHECK(removed.size() == 1);
+  CHECK(removed.contains("s2"));
 }
 
 TEST_CASE("a structure that the map lacks is missing, and one without template is named") {

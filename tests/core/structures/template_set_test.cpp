@@ -106,6 +106,19 @@ TEST_CASE("what is no set is refused with what to do") {
   refused(R"({"homolog_set":1,"structures":[{"name":"a"}]})", "\"template\"");
   refused(R"({"homolog_set":1,"structures":[{"name":"a","template":"a.ply"},{"name":"A","template":"b.ply"}]})",
           "rename one");
+  const auto one = [](const std::string& more) {
+    return R"({"homolog_set":1,"structures":[{"name":"a","template":"a.ply",)" + more + "}]}";
+  };
+  refused(one(R"("value":4294967300)"), "no label can have");
+  refused(one(R"("value":"4")"), "no label can have");
+  refused(one(R"("value":-1)"), "no label can have");
+  refused(one(R"("side":"Left")"), "\"left\" and \"right\"");
+  refused(one(R"("colour":"blue")"), "#60a5d6");
+  const std::string twice =
+      R"({"homolog_set":1,"structures":[{"name":"a","template":"a.ply","value":4},{"name":"b","template":"b.ply","value":4)";
+  refused(twice + "}]}", "a and b the value 4");
+  REQUIRE(write_whole_file(path, twice + ",\"layer\":1}]}"));
+  CHECK(read_template_set(path));
 }
 
 }  // namespace homolog

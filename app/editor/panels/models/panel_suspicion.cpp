@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <variant>
 
 #include "app/editor/panels/models/models_panel.h"
 #include "app/editor/state/icons.h"
@@ -15,20 +16,54 @@ namespace {
 constexpr std::size_t most_rows = 6;    ///< of a case; the worst come first
 constexpr std::size_t most_cases = 30;  ///< the worst come first
 
-/// One thing to look at.
+/// One thing to look at, in words.
 struct Doubt {
   std::string where, value, tip;
   ImU32 colour = palette::amber;
   std::optional<Eigen::Index> vertex;  ///< its place; none: the whole case
-  double weight = 0;                   ///< how many times the usual
 };
+
+/// Why a case is to be looked at. Put into words only where it is shown: a study may have thousands.
+using Reason =
+    std::variant<const StudyCase*, const SuspiciousShape*, const SuspiciousVertex*, const SuspiciousTriangle*>;
+
+Doubt in_words(const StudyCase& doubtful, const StudyModel&) {
+  return {"doubtful fit", "", doubtful.doubt, palette::amber, {}};
+}
+
+Doubt in_words(const SuspiciousShape& one, const StudyModel&) {
+  const bool far = one.suspicion == Suspicion::far_outside;
+  return {"far from the mean",
+          format("%.2f mm", one.distance_mm),
+          far ? "Very unusual: more than 3 interquartile ranges above the upper quartile (Tukey's outer fence)"
+              : "Unusual: more than 1.5 interquartile ranges above the upper quartile (Tukey's fence)",
+          far ? palette::bad : palette::amber,
+          {}};
+}
+
+Doubt in_words(const SuspiciousVertex& one, const StudyModel&) {
+  return {format("vertex %td", one.vertex), format("%.2f mm", one.deviation_mm),
+          format("Vertex %td lies %.2f mm from where the model of the other shapes expects it. The usual distance is "
+                 "%.2f mm.",
+                 one.vertex, one.deviation_mm, one.usual_mm),
+          palette::amber, one.vertex};
+}
+
+Doubt in_words(const SuspiciousTriangle& one, const StudyModel& model) {
+  return {format("triangle %td", one.triangle), format("%.2f\xc3\x97", one.stretch),
+          format("Triangle %td is stretched or shrunk by a factor of %.2f from the mean shape. The usual factor is "
+                 "%.2f.",
+                 one.triangle, one.stretch, one.usual),
+          palette::amber, model.topology->triangles()(one.triangle, 0)};
+}
 
 /// All that is to be looked at in one case.
 struct CaseDoubts {
   std::size_t shape = 0;
   bool doubtful_fit = false;
-  double weight = 0;  ///< of the worst
-  std::vector<Doubt> doubts;
+  double weight = 0;      ///< how many times the usual the worst is
+  std::size_t count = 0;  ///< of all reasons
+  std::vector<Reason> shown;
 };
 
 /// One thing to look at; its place is looked at in the gallery, and its case opened there by a double click.
@@ -61,48 +96,28 @@ void draw_entry(const UiContext& ui, int id, std::size_t shape, const Doubt& dou
 std::vector<CaseDoubts> doubts_by_case(const ModelsState& state) {
   const StudyModel& model = *state.model;
   std::map<std::size_t, CaseDoubts> cases;
-  const auto add = [&](Eigen::Index shape, Doubt doubt) {
+  const auto add = [&](Eigen::Index shape, const auto& reason, double weight) {
     CaseDoubts& one = cases[static_cast<std::size_t>(shape)];
     one.shape = static_cast<std::size_t>(shape);
-    one.weight = std::max(one.weight, doubt.weight);
-    one.doubts.push_back(std::move(doubt));
+    one.weight = std::max(one.weight, weight);
+    if (one.count++ < most_rows) one.shown.push_back(&reason);
   };
   const CasesByName by_name(state.study);
   for (std::size_t k = 0; k < model.names.size(); ++k) {
     const StudyCase* known = by_name.find(model.names[k]);
     if (known == nullptr || known->doubt.empty() || known->state == CaseState::done) continue;
-    add(static_cast<Eigen::Index>(k), {"doubtful fit", "", known->doubt, palette::amber, {}, 0});
+    add(static_cast<Eigen::Index>(k), *known, 0);
     cases[k].doubtful_fit = true;
   }
   double median_mm = 0;
   if (!model.distances_mm.empty()) median_mm = median_of({model.distances_mm.begin(), model.distances_mm.end()});
-  for (const SuspiciousShape& one : model.suspicious_shapes) {
-    const bool far = one.suspicion == Suspicion::far_outside;
-    add(one.shape,
-        {"far from the mean",
-         format("%.2f mm", one.distance_mm),
-         far ? "Very unusual: more than 3 interquartile ranges above the upper quartile (Tukey's outer fence)"
-             : "Unusual: more than 1.5 interquartile ranges above the upper quartile (Tukey's fence)",
-         far ? palette::bad : palette::amber,
-         {},
-         median_mm > 0 ? one.distance_mm / median_mm : 1});
-  }
+  for (const SuspiciousShape& one : model.suspicious_shapes)
+    add(one.shape, one, median_mm > 0 ? one.distance_mm / median_mm : 1);
   static const Suspicions none;
   const Suspicions& inside = state.suspicions ? *state.suspicions : none;
   for (const SuspiciousVertex& one : inside.vertices)
-    add(one.shape,
-        {format("vertex %td", one.vertex), format("%.2f mm", one.deviation_mm),
-         format("Vertex %td lies %.2f mm from where the model of the other shapes expects it. The usual distance is "
-                "%.2f mm.",
-                one.vertex, one.deviation_mm, one.usual_mm),
-         palette::amber, one.vertex, one.usual_mm > 0 ? one.deviation_mm / one.usual_mm : 1});
-  for (const SuspiciousTriangle& one : inside.triangles)
-    add(one.shape,
-        {format("triangle %td", one.triangle), format("%.2f\xc3\x97", one.stretch),
-         format(
-             "Triangle %td is stretched or shrunk by a factor of %.2f from the mean shape. The usual factor is %.2f.",
-             one.triangle, one.stretch, one.usual),
-         palette::amber, model.topology->triangles()(one.triangle, 0), one.stretch / one.usual});
+    add(one.shape, one, one.usual_mm > 0 ? one.deviation_mm / one.usual_mm : 1);
+  for (const SuspiciousTriangle& one : inside.triangles) add(one.shape, one, one.stretch / one.usual);
   std::vector<CaseDoubts> sorted;
   for (auto& [shape, one] : cases) sorted.push_back(std::move(one));
   std::stable_sort(sorted.begin(), sorted.end(), [](const CaseDoubts& a, const CaseDoubts& b) {
@@ -132,11 +147,12 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
     const CaseDoubts& one = cases[k];
     gap(theme, 8);
     const std::string count =
-        one.doubts.size() > most_rows ? format(": the worst %zu of %zu", most_rows, one.doubts.size()) : std::string();
+        one.count > most_rows ? format(": the worst %zu of %zu", most_rows, one.count) : std::string();
     const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(count.c_str()).x;
     caption(theme, (shortened_among(state.model->names[one.shape], state.model->names, room) + count).c_str());
-    for (std::size_t row = 0; row < std::min(most_rows, one.doubts.size()); ++row)
-      draw_entry(ui, id++, one.shape, one.doubts[row], out);
+    for (const Reason& reason : one.shown)
+      draw_entry(ui, id++, one.shape, std::visit([&](const auto* why) { return in_words(*why, *state.model); }, reason),
+                 out);
   }
   if (cases.size() > most_cases) {
     gap(theme, 8);

@@ -249,6 +249,15 @@ void import_template_landmarks(Editing& editing, const std::filesystem::path& pa
 }
 
 void save_template(Editing& editing, const std::filesystem::path& path) {
+  // Strokes before the painting are played with the template as it was.
+  for (const auto& structure : editing.shown.snapshot().document->structures) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(path, structure->the_template->source, ignored))
+      return add_notice(editing.state,
+                        path.filename().string() +
+                            " is the template that this case began with, and has to stay as it is. Save the painted "
+                            "template under another name.");
+  }
   // Read back beside the window: the next image comes with what the file holds.
   const auto saved = std::make_shared<std::shared_ptr<const Template>>();
   const auto write = [file = painted_template(*active_structure(editing.state, *editing.shown.snapshot().document)),

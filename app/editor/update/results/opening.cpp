@@ -47,8 +47,7 @@ void show_labels(Editing& editing, const Opened& opened, std::optional<int> fitt
 }
 
 void start_document(Editing& editing, Document document) {
-  for (const auto& structure : std::vector(document.structures))
-    document.change(structure->id, [](Structure& held) { held.landmarks.hold = true; });
+  document.hold_landmarks();
   const bool edited = editing.shown.snapshot().can_undo;
   const std::filesystem::path before = editing.shown.snapshot().file;
   auto session = create_unsaved_case(document);

@@ -271,7 +271,8 @@ bool lies_in(const Volume& labels, const VolumeGeometry& image) {
         for (int k = 0; k < grid.dims[2]; ++k)
           for (int j = 0; j < grid.dims[1]; ++j)
             for (int i = 0; i < grid.dims[0]; ++i)
-              if (std::lround(*voxel++) != 0 && image.holds(grid.to_mm(Vec3(i, j, k)))) return true;
+              if (rounded_label(static_cast<double>(*voxel++)) != 0 && image.holds(grid.to_mm(Vec3(i, j, k))))
+                return true;
         return false;
       },
       labels.data);

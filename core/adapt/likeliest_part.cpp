@@ -1,4 +1,4 @@
-#include "app/verbs/fit_parts.h"
+#include "core/adapt/likeliest_part.h"
 
 #include <cmath>
 #include <limits>

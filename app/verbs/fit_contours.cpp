@@ -45,9 +45,20 @@ Result<const ContourRoi*> structure_of(const fs::path& path, const Contours& rea
 /// `scan`: the volume that is used with them, null where there is none.
 Result<DrawnOrgan> read_organ(const FitJob& options, const fs::path& scan_path, const Volume* scan) {
   DrawnOrgan organ;
+  std::string space;
+  fs::path of_space;
   for (const fs::path& path : options.contours) {
     const auto read = read_curves(path);
     if (!read) return fail(read.error());
+    const std::string& own = read->frame_of_reference;
+    if (!space.empty() && !own.empty() && own != space)
+      return fail(path.string(), "was drawn on another scan than " + of_space.string() + " (frames of reference " +
+                                     excerpt(own) + " and " + excerpt(space) +
+                                     "); fit to the contours of one scan at a time");
+    if (space.empty()) {
+      space = own;
+      of_space = path;
+    }
     if (scan != nullptr) {
       auto other = check_scan(path, read->frame_of_reference, read->referenced, scan_path, *scan);
       if (!other) return fail(other.error());

@@ -20,6 +20,8 @@ namespace {
 
 /// How far the points of a contour may lie off the slice, in slices: what decimals and rounded places leave.
 constexpr double off_slice = 0.1;
+/// How far a voxel's centre may lie off a contour that goes through it, in voxels.
+constexpr double on_path = 1e-3;
 
 using Polygon = std::vector<Vec3>;  ///< in voxels
 
@@ -27,46 +29,61 @@ using Polygon = std::vector<Vec3>;  ///< in voxels
 struct SlicedRoi {
   int axis = 2;
   std::map<int, std::vector<std::pair<Polygon, bool>>> slices;  ///< with whether it is combined by exclusive or
+  std::size_t closed = 0, off_slices = 0;                       ///< how many there are, and lie on no slice
 };
 
 std::string about_roi(const ContourRoi& roi) {
   return "structure " + std::to_string(roi.number) + " (" + excerpt(roi.name) + ")";
 }
 
-/// The slice on which a polygon lies, and the axis across it. Nothing where there is none.
-std::optional<std::pair<int, int>> slice_of(const Polygon& polygon) {
-  Vec3 low = polygon.front(), high = polygon.front();
+/// The slice across an axis on which a polygon lies. Nothing where there is none.
+std::optional<int> slice_of(const Polygon& polygon, int axis) {
+  double low = polygon.front()[axis], high = low;
   for (const Vec3& point : polygon) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
+    low = std::min(low, point[axis]);
+    high = std::max(high, point[axis]);
   }
-  for (const int axis : {2, 1, 0}) {
-    const double slice = std::rint(0.5 * (low[axis] + high[axis]));
-    if (std::abs(slice) < 1e9 && low[axis] >= slice - off_slice && high[axis] <= slice + off_slice)
-      return std::pair(axis, static_cast<int>(slice));
-  }
-  return {};
+  const double slice = std::rint(0.5 * (low + high));
+  if (!(std::abs(slice) < 1e9) || low < slice - off_slice || high > slice + off_slice) return {};
+  return static_cast<int>(slice);
 }
 
-Result<SlicedRoi> sliced(const fs::path& path, const ContourRoi& roi, const fs::path& image_path,
-                         const VolumeGeometry& grid) {
-  SlicedRoi result;
+/// The contours of a structure on the slices across the axis where most of them lie on some.
+SlicedRoi sliced(const ContourRoi& roi, const VolumeGeometry& grid) {
+  std::vector<std::pair<Polygon, bool>> polygons;
   const Mat3 back = grid.direction.inverse();
-  std::optional<int> axis;
   for (const Contour& contour : roi.contours) {
     if (!contour.closed) continue;
     Polygon polygon;
     for (const Vec3& point : contour.points)
       polygon.push_back((back * (point - grid.origin_mm)).cwiseQuotient(grid.spacing_mm));
-    const auto place = slice_of(polygon);
-    if (!place || axis.value_or(place->first) != place->first)
-      return fail(path.string(), "draws its " + about_roi(roi) + " on planes that are no slices of " +
-                                     image_path.string() + "; give the series that it was drawn on by --like");
-    axis = place->first;
-    result.slices[place->second].emplace_back(std::move(polygon), contour.cuts_out);
+    polygons.emplace_back(std::move(polygon), contour.cuts_out);
   }
-  result.axis = axis.value_or(2);
+  SlicedRoi result;
+  result.closed = polygons.size();
+  std::ptrdiff_t most = 0;
+  for (const int axis : {2, 1, 0}) {
+    const auto on =
+        std::ranges::count_if(polygons, [&](const auto& one) { return slice_of(one.first, axis).has_value(); });
+    if (on > most) result.axis = axis;
+    most = std::max(most, on);
+  }
+  for (auto& [polygon, cuts_out] : polygons) {
+    if (const auto slice = slice_of(polygon, result.axis))
+      result.slices[*slice].emplace_back(std::move(polygon), cuts_out);
+    else
+      ++result.off_slices;
+  }
   return result;
+}
+
+/// That contours lie on no slices: a sentence without its file.
+std::string off_slices_words(const ContourRoi& roi, const SlicedRoi& sliced, const fs::path& image_path) {
+  const std::string some = sliced.off_slices == sliced.closed ? "its "
+                                                              : std::to_string(sliced.off_slices) + " of " +
+                                                                    std::to_string(sliced.closed) + " contours of its ";
+  return "draws " + some + about_roi(roi) + " on planes that are no slices of " + image_path.string() +
+         "; give the series that it was drawn on by --like, and not resampled";
 }
 
 /// Where a line of voxel centres crosses the edges of a polygon, ascending. An edge holds its lower end alone, so that
@@ -82,6 +99,36 @@ std::vector<double> crossings(const Polygon& polygon, int along, int across, dou
   }
   std::sort(places.begin(), places.end());
   return places;
+}
+
+/// Calls `see(p, line)` for the voxel centres of a slice that lie on an edge of a polygon.
+template <class See>
+void for_each_on_path(const Polygon& polygon, int along, int across, int columns, int lines, const See& see) {
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Vec3 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+    const double da = b[along] - a[along], dc = b[across] - a[across], length = std::hypot(da, dc);
+    const auto range = [](double u, double v, int count) {
+      return std::pair(static_cast<int>(std::clamp(std::ceil(std::min(u, v) - on_path), 0.0, count + 0.0)),
+                       static_cast<int>(std::clamp(std::floor(std::max(u, v) + on_path), -1.0, count - 1.0)));
+    };
+    const auto [first_line, last_line] = range(a[across], b[across], lines);
+    for (int line = first_line; line <= last_line; ++line) {
+      // Of a steep edge only a short piece lies near the line.
+      double from = a[along], to = b[along];
+      if (std::abs(dc) > on_path) {
+        const double at = a[along] + (line - a[across]) / dc * da, reach = on_path * length / std::abs(dc);
+        from = std::max(std::min(a[along], b[along]), at - reach);
+        to = std::min(std::max(a[along], b[along]), at + reach);
+        if (from > to) from = to = std::clamp(at, std::min(a[along], b[along]), std::max(a[along], b[along]));
+      }
+      const auto [first, last] = range(from, to, columns);
+      for (int p = first; p <= last; ++p) {
+        const double share =
+            length > 0 ? std::clamp(((p - a[along]) * da + (line - a[across]) * dc) / (length * length), 0.0, 1.0) : 0;
+        if (std::hypot(a[along] + share * da - p, a[across] + share * dc - line) <= on_path) see(p, line);
+      }
+    }
+  }
 }
 
 /// A mask of one structure, and what is to be said of it.
@@ -126,6 +173,13 @@ void draw_slice(const VolumeGeometry& grid, int axis, int slice, const std::vect
     }
   }
   mask.nested_slices += nested ? 1 : 0;
+  // Points along the path of a contour are part of the structure [DICOM PS3.3, C.8.8.6.3], those around a hole too.
+  for (const auto& [polygon, cuts_out] : polygons)
+    for_each_on_path(polygon, along, across, dims(along), dims(across), [&](int p, int line) {
+      mask.inside[static_cast<std::size_t>(slice) * step(axis) + static_cast<std::size_t>(line) * step(across) +
+                  static_cast<std::size_t>(p) * step(along)] = 1;
+      mask.any = true;
+    });
 }
 
 DrawnMask drawn_mask(const VolumeGeometry& grid, const SlicedRoi& roi) {
@@ -198,19 +252,20 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
     const ContourRoi& roi = contours.rois[r];
     if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
     if (progress) progress->report(static_cast<double>(r) / static_cast<double>(contours.rois.size()));
-    const auto on_slices = sliced(path, roi, image_path, grid);
-    if (!on_slices) {  // the other structures go on
-      result.warnings.push_back(on_slices.error().sentence() + " (left out)");
-      if (!off_slices) off_slices = on_slices.error();
-      continue;
+    const SlicedRoi on_slices = sliced(roi, grid);
+    if (on_slices.off_slices > 0) {  // the others go on
+      const std::string words = off_slices_words(roi, on_slices, image_path);
+      result.warnings.push_back(path.string() + ": " + words + " (left out)");
+      if (!off_slices && on_slices.slices.empty()) off_slices = Error{path.string(), words};
+      if (on_slices.slices.empty()) continue;
     }
-    if (on_slices->slices.empty()) {
+    if (on_slices.slices.empty()) {
       if (roi.all_points() > 0)
         result.warnings.push_back(path.string() + ": its " + about_roi(roi) +
                                   " has points or lines alone, which hold no voxels");
       continue;
     }
-    const DrawnMask mask = drawn_mask(grid, *on_slices);
+    const DrawnMask mask = drawn_mask(grid, on_slices);
     warn_of(path, roi, mask, image_path, result.warnings);
     const int label = are_labels ? roi.number : static_cast<int>(r) + 1;
     result.segmentation.add(

@@ -9,6 +9,7 @@
 #include "core/base/text.h"
 #include "core/volume/contours.h"
 #include "core/volume/dicom_set.h"
+#include "core/volume/dicom_text.h"
 #include "core/volume/segmentation.h"
 
 namespace homolog {
@@ -82,15 +83,17 @@ ReferencedImages drawn_images(const DicomItem& data) {
   return drawn;
 }
 
-/// The structures as they are described, without contours.
-Result<std::vector<ContourRoi>> described_rois(const DicomSet& set) {
+/// The structures as they are described, without contours. `warnings`: names that cannot be read.
+Result<std::vector<ContourRoi>> described_rois(const DicomSet& set, std::vector<std::string>& warnings) {
+  const DicomAlphabets alphabets(set.elements);
+  bool unread = false;
   std::vector<ContourRoi> rois;
   std::set<int> numbers;
   bool numbered = true;
   for_each_item(set.elements, rt::rois, [&](const DicomItem& item) {
     const auto number = whole_number(item, rt::number);
     numbered = numbered && number && numbers.insert(*number).second;
-    rois.push_back({.name = segment_name(text_of(item, rt::name)), .number = number.value_or(0), .type = {}});
+    rois.push_back({.name = alphabets.name_of(item, rt::name, unread), .number = number.value_or(0), .type = {}});
   });
   if (!numbered) return fail(set.path.string(), "describes structures without a number of their own; export it again");
   if (rois.empty()) return fail(set.path.string(), "describes no structures; export it again");
@@ -100,6 +103,7 @@ Result<std::vector<ContourRoi>> described_rois(const DicomSet& set) {
       if (number == roi.number) roi.type = segment_name(text_of(item, rt::type));
   });
   std::sort(rois.begin(), rois.end(), [](const ContourRoi& a, const ContourRoi& b) { return a.number < b.number; });
+  if (unread) warnings.push_back(unread_names(set.path.string(), alphabets));
   return rois;
 }
 
@@ -248,7 +252,8 @@ Result<Contours> read_contours(const fs::path& path) {
   if (!set) return fail(set.error());
   if (!is_structure_set(*set))
     return fail(path.string(), "holds no contours (a DICOM structure set, RTSTRUCT); name the file that does");
-  auto rois = described_rois(*set);
+  std::vector<std::string> warnings;
+  auto rois = described_rois(*set, warnings);
   if (!rois) return fail(rois.error());
   const auto spaces = spaces_of(set->elements);
   if (spaces.empty())
@@ -262,8 +267,8 @@ Result<Contours> read_contours(const fs::path& path) {
   Contours contours{.rois = std::move(*rois),
                     .frame_of_reference = *spaces.begin(),
                     .referenced = drawn_images(set->elements),
-                    .warnings = {}};
-  contours.warnings = doubts_about(path, contours.rois);
+                    .warnings = std::move(warnings)};
+  for (std::string& doubt : doubts_about(path, contours.rois)) contours.warnings.push_back(std::move(doubt));
   return contours;
 }
 
@@ -284,6 +289,10 @@ std::vector<std::string> doubts_about(const fs::path& path, const std::vector<Co
 }
 
 Result<const ContourRoi*> roi_of(const Contours& contours, const std::string& asked) {
+  // A number may be 0 here, which no label is.
+  if (const auto number = as_number<int>(trimmed(asked)))
+    for (const ContourRoi& roi : contours.rois)
+      if (roi.number == *number) return &roi;
   Segmentation known;
   for (const ContourRoi& roi : contours.rois) known.add({.name = roi.name, .value = roi.number});
   const auto segments = asked_segments(asked, known);

@@ -21,7 +21,8 @@ constexpr DicomTag image_type = 0x00080008, instance_uid = 0x00080018, modality 
                    increment_pointer = 0x00280009, rows = 0x00280010, columns = 0x00280011, pixel_spacing = 0x00280030,
                    bits_allocated = 0x00280100, bits_stored = 0x00280101, high_bit = 0x00280102,
                    pixel_representation = 0x00280103, window_centre = 0x00281050, window_width = 0x00281051,
-                   rescale_intercept = 0x00281052, rescale_slope = 0x00281053, modality_table = 0x00283000,
+                   rescale_intercept = 0x00281052, rescale_slope = 0x00281053, lossy = 0x00282110,
+                   lossy_ratio = 0x00282112, lossy_method = 0x00282114, modality_table = 0x00283000,
                    slice_vector = 0x00540080, slice_locations = 0x00182005, grid_offsets = 0x3004000c,
                    dose_scaling = 0x3004000e;
 // Sequences within the functional groups of enhanced files [DICOM PS3.3, C.7.6.16].
@@ -182,6 +183,9 @@ DicomHeader dicom_header(const DicomSet& set) {
   const auto table = data.find(tag::modality_table);
   header.steps_through = steps_through(data);
   header.has_modality_table = table != data.end() && !table->second.items.empty();
+  header.lossy = text_of(data, tag::lossy);
+  header.lossy_ratio = text_of(data, tag::lossy_ratio);
+  header.lossy_method = text_of(data, tag::lossy_method);
   header.rows = small_number(tag::rows, 0);
   header.columns = small_number(tag::columns, 0);
   header.samples_per_pixel = small_number(tag::samples, 1);

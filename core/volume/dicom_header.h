@@ -53,6 +53,8 @@ struct DicomHeader {
   double frame_ms = 0;          ///< time between the planes of a cine; 0 where they are not a cine
   bool planes_are_frames = false;  ///< the file's planes follow one another in time, not in space
   bool has_modality_table = false;
+  /// Whether its pixels were compressed with loss at some time ("01"), how much, and how.
+  std::string lossy, lossy_ratio, lossy_method;
   std::string steps_through;  ///< what its planes are of besides slices, such as "time slots"; empty: nothing
   std::vector<DicomPlane> planes;
   std::vector<std::string> warnings;

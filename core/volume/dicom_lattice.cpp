@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/volume/dicom_stack.h"
 #include "core/volume/readers.h"
@@ -26,23 +27,37 @@ std::vector<double> heights_of(const PlacedFrames& frames, const Vec3& normal) {
   return heights;
 }
 
+/// How far two places may differ along a direction since their coordinates were rounded to tenths: 0 where some are
+/// not.
+double rounded_by_mm(const PlacedFrames& frames, const Vec3& direction) {
+  constexpr double exactly_tenths = 1e-5;
+  for (const Vec3& position : frames.positions_mm)
+    if ((10 * position - (10 * position).array().rint().matrix()).cwiseAbs().maxCoeff() > exactly_tenths) return 0;
+  return 0.1 * direction.cwiseAbs().sum();
+}
+
+/// Whether all heights are different multiples of a step within a tolerance.
+bool are_multiples(const std::vector<double>& heights, double step, double tolerance_mm) {
+  double last = -1;
+  for (const double height : heights) {
+    const double slice = std::rint(height / step);
+    if (std::abs(height - slice * step) > tolerance_mm || slice == last) return false;
+    last = slice;
+  }
+  return true;
+}
+
 /// A step near `wanted` of which all heights are multiples within a tolerance; 0 where there is none.
 double even_step(const std::vector<double>& heights, double wanted, double tolerance_mm) {
   const double count = std::rint(heights.back() / wanted);
   if (count < 1) return 0;
   const double step = heights.back() / count;
-  double last = -1;
-  for (const double height : heights) {
-    const double slice = std::rint(height / step);
-    if (std::abs(height - slice * step) > tolerance_mm || slice == last) return 0;
-    last = slice;
-  }
-  return step;
+  return are_multiples(heights, step, tolerance_mm) ? step : 0;
 }
 
-/// Files round places to a tenth of a millimetre at worst.
-double given_tolerance(double step_mm) {
-  return std::min(0.25 * step_mm, std::max(0.06, 0.02 * step_mm));
+/// Files round places to a tenth of a millimetre at worst, which is more across oblique slices (`rounded_mm`).
+double given_tolerance(double step_mm, double rounded_mm) {
+  return std::min(0.25 * step_mm, std::max({0.06, 0.02 * step_mm, rounded_mm}));
 }
 
 double smallest_gap(const std::vector<double>& heights) {
@@ -52,23 +67,23 @@ double smallest_gap(const std::vector<double>& heights) {
 }
 
 /// Whether most frames follow one another by the smallest gap, as those of a structure do that no slice leaves out.
-bool mostly_next_to_another(const std::vector<double>& heights) {
+bool mostly_next_to_another(const std::vector<double>& heights, double rounded_mm) {
   constexpr std::ptrdiff_t least = 3;
-  const double smallest = smallest_gap(heights), tolerance = given_tolerance(smallest);
+  const double smallest = smallest_gap(heights), tolerance = given_tolerance(smallest, rounded_mm);
   std::ptrdiff_t next = 0;
   for (std::size_t k = 1; k < heights.size(); ++k) next += heights[k] - heights[k - 1] < smallest + tolerance ? 1 : 0;
   return next >= least && 2 * next > static_cast<std::ptrdiff_t>(heights.size()) - 1;
 }
 
 /// The largest step of which all heights are multiples; 0 where there is none.
-double common_step(const std::vector<double>& heights) {
+double common_step(const std::vector<double>& heights, double rounded_mm) {
   constexpr int most_parts = 8;
   constexpr double least_mm = 0.1;
   const double smallest = smallest_gap(heights);
   for (int parts = 1; parts <= most_parts && smallest / parts >= least_mm; ++parts) {
     const double wanted = smallest / parts;
     // A step that no gap shows must fit closely: by chance some small one nearly always does.
-    const double tolerance = parts == 1 ? given_tolerance(wanted) : std::min(same_place_mm, 0.01 * wanted);
+    const double tolerance = parts == 1 ? given_tolerance(wanted, rounded_mm) : std::min(same_place_mm, 0.01 * wanted);
     if (const double step = even_step(heights, wanted, tolerance); step > 0) return step;
   }
   return 0;
@@ -76,7 +91,7 @@ double common_step(const std::vector<double>& heights) {
 
 /// The distance between slices. Errors: there is none.
 Result<double> step_between(const fs::path& path, const PlacedFrames& frames, const std::vector<double>& heights,
-                            std::vector<std::string>& warnings) {
+                            double rounded_mm, std::vector<std::string>& warnings) {
   const auto& spacing = frames.spacing_mm;
   if (heights.size() == 1) {
     if (!spacing && !frames.thickness_mm)
@@ -84,14 +99,17 @@ Result<double> step_between(const fs::path& path, const PlacedFrames& frames, co
     return spacing.value_or(frames.thickness_mm.value_or(1));
   }
   const auto fits = [&](const std::optional<double>& given) {
-    const double step = given ? even_step(heights, *given, given_tolerance(*given)) : 0;
-    return step > 0 && std::abs(step - *given) <= 0.02 * *given ? step : 0;
+    const double tolerance = given ? given_tolerance(*given, rounded_mm) : 0;
+    const double step = given ? even_step(heights, *given, tolerance) : 0;
+    if (step > 0 && std::abs(step - *given) <= 0.02 * *given) return step;
+    // Over few slices what places are rounded by is a large part of a step.
+    return given && are_multiples(heights, *given, tolerance) ? *given : 0;
   };
   if (const double step = fits(spacing); step > 0) return step;
   // Thickness is not distance: slices overlap, or leave gaps.
-  const bool next = mostly_next_to_another(heights);
+  const bool next = mostly_next_to_another(heights, rounded_mm);
   const double thickness = next ? 0 : fits(frames.thickness_mm);
-  const double step = thickness > 0 ? thickness : common_step(heights);
+  const double step = thickness > 0 ? thickness : common_step(heights, rounded_mm);
   if (step == 0)
     return fail(path.string(),
                 "has frames whose distances are no multiples of one another, so that they lie on no even slices; "
@@ -105,6 +123,10 @@ Result<double> step_between(const fs::path& path, const PlacedFrames& frames, co
   else if (thickness == 0 && !next)
     warnings.push_back(path.string() + ": does not say how far its slices lie apart; " + mm_text(step) +
                        ", of which the distances of its frames are multiples, was assumed");
+  else if (thickness == 0 && frames.thickness_mm && *frames.thickness_mm < 0.98 * step)
+    warnings.push_back(path.string() + ": does not say how far its slices lie apart; " + mm_text(step) +
+                       ", as far as its frames do, was taken, though its slices are " + mm_text(*frames.thickness_mm) +
+                       " thick");
   return step;
 }
 
@@ -118,7 +140,9 @@ Result<void> check_beside(const fs::path& path, const PlacedFrames& frames, cons
     const Vec3 way = position - first;
     worst = std::max(worst, (way - way.dot(normal) * normal).norm());
   }
-  if (worst <= std::max(0.1 * pixel, std::min(0.15, 0.25 * pixel))) return {};
+  const double rounded =
+      std::hypot(rounded_by_mm(frames, frames.axes.first), rounded_by_mm(frames, frames.axes.second));
+  if (worst <= std::max({0.1 * pixel, std::min(0.15, 0.25 * pixel), std::min(rounded, 0.5 * pixel)})) return {};
   return fail(path.string(), "has frames that are shifted sideways against one another, by up to " + mm_text(worst) +
                                  "; export it on slices that lie straight behind one another");
 }
@@ -129,7 +153,7 @@ Result<FrameLattice> lattice_of(const fs::path& path, const PlacedFrames& frames
   const Vec3 normal = frames.axes.first.cross(frames.axes.second).normalized();
   if (auto straight = check_beside(path, frames, normal); !straight) return fail(straight.error());
   const auto heights = heights_of(frames, normal);
-  const auto step = step_between(path, frames, heights, warnings);
+  const auto step = step_between(path, frames, heights, rounded_by_mm(frames, normal), warnings);
   if (!step) return fail(step.error());
   const auto lowest = *std::min_element(frames.positions_mm.begin(), frames.positions_mm.end(),
                                         [&](const Vec3& a, const Vec3& b) { return a.dot(normal) < b.dot(normal); });
@@ -149,22 +173,33 @@ Result<FrameLattice> lattice_of(const fs::path& path, const PlacedFrames& frames
   return lattice;
 }
 
+Vec3 near_voxels(const Vec3& spacing_mm) {
+  constexpr double rounded_mm = 0.2, share = 0.01, most_share = 0.25;
+  return (rounded_mm * spacing_mm.cwiseInverse()).cwiseMax(share).cwiseMin(most_share);
+}
+
 std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeometry& grid) {
-  constexpr double close = 0.01;
   if (grid.dims[0] != frames.columns || grid.dims[1] != frames.rows) return {};
   FrameLattice lattice{grid, {}};
   const auto [columns, rows] = frames.pixel_mm;
   // How far the last voxel of a frame goes beside that of the grid, in voxels.
   const Vec3 last_step =
       columns * (frames.columns - 1) * frames.axes.first + rows * (frames.rows - 1) * frames.axes.second;
+  const Vec3 normal = grid.direction.col(2), close = near_voxels(grid.spacing_mm);
+  std::map<int, double> heights;
   for (const Vec3& position : frames.positions_mm) {
     const Vec3 first = grid.to_voxel(position), last = grid.to_voxel(position + last_step);
     const double slice = std::rint(first.z());
     const Vec3 last_wanted(frames.columns - 1, frames.rows - 1, slice);
-    if ((first - Vec3(0, 0, slice)).cwiseAbs().maxCoeff() > close || (last - last_wanted).cwiseAbs().maxCoeff() > close)
+    if (((first - Vec3(0, 0, slice)).cwiseAbs() - close).maxCoeff() > 0 ||
+        ((last - last_wanted).cwiseAbs() - close).maxCoeff() > 0)
       return {};
     if (slice < 0 || slice >= grid.dims[2]) return {};
     lattice.slices.push_back(static_cast<int>(slice));
+    // Two places in one slice are no places of its series.
+    const double height = position.dot(normal);
+    const auto known = heights.try_emplace(lattice.slices.back(), height).first;
+    if (std::abs(known->second - height) > std::max(same_place_mm, 0.02 * grid.spacing_mm.z())) return {};
   }
   return lattice;
 }

@@ -35,8 +35,12 @@ struct FrameLattice {
 Result<FrameLattice> lattice_of(const std::filesystem::path& path, const PlacedFrames& frames,
                                 std::vector<std::string>& warnings);
 
+/// How far voxels may lie from those of a grid to be taken for them, in voxels: a hundredth, and up to a quarter where
+/// 0.2 mm are as much. By that the places of slices that are taken for even may be rounded or uneven.
+Vec3 near_voxels(const Vec3& spacing_mm);
+
 /// The slices on a known grid, such as that of the series that was segmented; nothing where the frames do not lie on
-/// it within a hundredth of a voxel.
+/// it [near_voxels], or where two of different places lie on one slice.
 std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeometry& grid);
 
 }  // namespace homolog

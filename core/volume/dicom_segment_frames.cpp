@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/base/text.h"
+#include "core/volume/dicom_text.h"
 
 namespace homolog {
 
@@ -71,9 +72,11 @@ std::optional<std::array<std::uint8_t, 3>> palette_colour(const DicomItem& data,
   return colour;
 }
 
-/// The segments that the file describes, by number.
-Result<std::vector<Segment>> described_segments(const DicomSet& set) {
+/// The segments that the file describes, by number. `warnings`: names that cannot be read.
+Result<std::vector<Segment>> described_segments(const DicomSet& set, std::vector<std::string>& warnings) {
   Segmentation known;
+  const DicomAlphabets alphabets(set.elements);
+  bool unread = false;
   const std::string name = set.path.string();
   for (std::size_t k = 0;; ++k) {
     const DicomItem* item = item_of(set.elements, seg::segments, k);
@@ -81,14 +84,18 @@ Result<std::vector<Segment>> described_segments(const DicomSet& set) {
     const auto number = binary_number_of(*item, seg::number, set.big_endian);
     if (!number || *number < 0 || *number > 65535)
       return fail(name, "describes a segment without a number; export it again");
-    Segment segment{.name = segment_name(text_of(*item, seg::label)), .value = static_cast<int>(*number)};
+    Segment segment{.name = alphabets.name_of(*item, seg::label, unread), .value = static_cast<int>(*number)};
     if (const auto lab = three_shorts(*item, seg::colour, set.big_endian)) segment.colour = colour_of_lab(*lab);
     if (!segment.colour) segment.colour = palette_colour(set.elements, segment.value, set.big_endian);
-    if (!known.add(std::move(segment)))
+    const bool twice = known.find(segment.value, 0) != nullptr;
+    if (!known.add(std::move(segment)) && !twice)
+      return fail(name, "describes more than 16,384 segments, the most that are read; export fewer of them");
+    if (twice)
       return fail(name, "describes its segment " + std::to_string(static_cast<int>(*number)) +
                             " twice; export it again with a number for each");
   }
   if (known.segments.empty()) return fail(name, "describes no segments; export it again");
+  if (unread) warnings.push_back(unread_names(name, alphabets));
   return known.segments;
 }
 
@@ -208,7 +215,7 @@ Result<SegmentFrames> segment_frames(const DicomSet& set, const DicomHeader& hea
   const auto kind = kind_of(set);
   if (!kind) return fail(kind.error());
   frames.kind = *kind;
-  auto segments = described_segments(set);
+  auto segments = described_segments(set, frames.warnings);
   if (!segments) return fail(segments.error());
   frames.segments = std::move(*segments);
   if (frames.kind == SegmentFrames::Kind::fractional) {

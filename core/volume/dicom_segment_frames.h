@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/base/result.h"
@@ -18,6 +19,7 @@ struct SegmentFrames {
   std::vector<Segment> segments;  ///< as described, by number, in `value`
   std::vector<int> numbers;       ///< the segment of each frame; of a label map 0
   PlacedFrames placed;
+  std::vector<std::string> warnings{};  ///< names that cannot be read
 };
 
 /// Reads it. Errors: those of read_dicom_segmentation that are not about pixels.

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/base/memory.h"
+#include "core/base/text.h"
 #include "core/volume/dicom_pixels.h"
 #include "core/volume/dicom_segment_frames.h"
 #include "core/volume/stored_voxels.h"
@@ -166,6 +167,21 @@ Result<std::vector<Volume>> binary_layers(const SegmentationFile& file, const Fr
   return result;
 }
 
+/// The segments by names that tell them apart: of a name that others have, or none, the number is a part. Soft masks
+/// are chosen by their names alone, since each is label 1.
+std::vector<Segment> told_apart(std::vector<Segment> segments) {
+  std::map<std::string, int> times;
+  for (const Segment& segment : segments) ++times[lower_case(segment.name)];
+  for (Segment& segment : segments) {
+    const std::string number = "segment " + std::to_string(segment.value);
+    if (segments.size() > 1 && segment.name.empty())
+      segment.name = number;
+    else if (times[lower_case(segment.name)] > 1)
+      segment.name += " (" + number + ")";
+  }
+  return segments;
+}
+
 /// Fractional segments, each a soft mask.
 Result<std::vector<Volume>> soft_layers(const SegmentationFile& file, const FramePixels& pixels,
                                         Segmentation& segmentation) {
@@ -174,7 +190,7 @@ Result<std::vector<Volume>> soft_layers(const SegmentationFile& file, const Fram
   const auto count = static_cast<double>(file.frames.segments.size());
   if (auto enough = file.room_for(count, sizeof(float)); !enough) return fail(enough.error());
   std::vector<Volume> layers;
-  for (Segment segment : file.frames.segments) {
+  for (Segment& segment : told_apart(file.frames.segments)) {
     if (auto on = file.go_on(layers.size(), file.frames.segments.size()); !on) return fail(on.error());
     std::vector<float> shares(file.lattice.geometry.voxels());
     double most = 0;
@@ -328,6 +344,7 @@ Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optio
   if (!frames) return fail(frames.error());
   VolumeRead result;
   result.referenced = segmented_images(set);
+  result.warnings = frames->warnings;
   auto lattice = series ? on_grid(frames->placed, *series) : std::nullopt;
   const bool on_series = lattice.has_value();
   if (!lattice) {

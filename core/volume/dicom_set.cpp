@@ -37,6 +37,11 @@ constexpr std::array<DicomTag, 30> known_sequences{
     0x00289145, 0x00480008, 0x0048021a, 0x00620002, 0x0062000a,    0x30060010,  0x30060012, 0x30060014,
     0x30060020, 0x30060039, 0x30060040, 0x30060080, shared_groups, plane_groups};
 
+/// The red, green or blue of a palette: of at most 65,536 entries of two bytes.
+bool is_palette(DicomTag tag) {
+  return tag >= 0x00281201 && tag <= 0x00281203;
+}
+
 bool is_known_sequence(DicomTag tag) {
   return std::find(known_sequences.begin(), known_sequences.end(), tag) != known_sequences.end();
 }
@@ -121,11 +126,32 @@ class Parser {
     if (type == "SQ" || *length == undefined_length || (!explicit_vr_ && is_known_sequence(tag)))
       return read_sequence(*length, end, into[tag], depth + 1, type == "UN");
     if (*length > end - position_) return false;
-    if (*length > longest_value && tag != contour_data) return skip(*length, end);
+    if (type == "UN" && is_known_sequence(tag) && begins_item(*length)) {
+      const std::uint64_t begin = position_;
+      if (read_sequence(*length, end, into[tag], depth + 1, true)) return true;
+      // Its items have types, against the standard.
+      into.erase(tag);
+      explicit_vr_ = true;
+      position_ = begin;
+      in_.clear();
+      return skip(*length, end);
+    }
+    const std::uint32_t longest = is_palette(tag) ? 2 * longest_value : longest_value;
+    if (*length > longest && tag != contour_data) return skip(*length, end);
     DicomElement& element = into[tag];
     element.value.resize(*length);
     position_ += *length;
     return *length == 0 || static_cast<bool>(in_.read(element.value.data(), *length));
+  }
+
+  /// Whether what follows is an item of a little-endian file: a program that does not know a sequence may have written
+  /// it with the length that it has.
+  bool begins_item(std::uint32_t length) {
+    std::array<char, 4> start{};
+    if (swap_ != (std::endian::native == std::endian::big) || length < 8 || !in_.read(start.data(), start.size()))
+      return false;
+    in_.seekg(static_cast<std::streamoff>(position_));
+    return std::string_view(start.data(), start.size()) == std::string_view("\xfe\xff\x00\xe0", 4);
   }
 
   bool read_sequence(std::uint32_t length, std::uint64_t end, DicomElement& into, int depth, bool unknown) {
@@ -181,16 +207,15 @@ class Parser {
 /// transfer as text, or a version control that takes it for text, makes of one.
 bool has_converted_line_ends(const fs::path& path) {
   constexpr std::uintmax_t enough = std::uintmax_t{1} << 22;
-  constexpr int least = 2;
   std::ifstream in(path, std::ios::binary);
-  int feeds = 0;
+  bool any = false;
   char before = 0, c = 0;
   for (std::uintmax_t at = 0; at < enough && in.get(c); ++at) {
     if (c == '\n' && before != '\r') return false;
-    feeds += c == '\n' ? 1 : 0;
+    any = any || c == '\n';
     before = c;
   }
-  return feeds >= least;
+  return any;
 }
 
 tl::unexpected<Error> cut_short(const fs::path& path) {
@@ -269,7 +294,7 @@ Result<DicomSet> parse_dicom(const fs::path& path) {
     // Without the mark only the type of the first element tells; its letters are no plausible length.
     const bool typed = marked ? set.transfer_syntax != implicit_syntax : start[4] >= 'A' && start[5] >= 'A';
     if (!parser.read_data_set(typed, set.big_endian)) {
-      if (!set.pixels && set.elements.empty()) return no_dicom(path);
+      if (!set.pixels && set.elements.empty() && !(marked && has_converted_line_ends(path))) return no_dicom(path);
       return cut_short(path);
     }
   }

@@ -18,7 +18,8 @@ using DicomTag = std::uint32_t;
 struct DicomElement;
 using DicomItem = std::map<DicomTag, DicomElement>;
 
-/// A value of up to 64 KiB as it lies in the file (the points of a contour: of any length), or the items of a sequence.
+/// A value of up to 64 KiB as it lies in the file (a palette: of up to 128 KiB, the points of a contour: of any
+/// length), or the items of a sequence.
 struct DicomElement {
   std::string value;
   std::vector<DicomItem> items;

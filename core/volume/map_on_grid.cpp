@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/volume/dicom_lattice.h"
+
 namespace homolog {
 
 namespace {
@@ -27,9 +29,8 @@ Volume layer_on_grid(const Volume& layer, const VolumeGeometry& grid, const Voxe
                 const auto at = mapping.at(i, j, k);
                 bool inside = true;
                 for (std::size_t a = 0; a < 3; ++a) inside = inside && at[a] >= 0 && at[a] < dims[a];
-                const auto voxel = static_cast<std::size_t>((at[2] * dims[1] + at[1]) * dims[0] + at[0]);
                 const std::size_t before = layer.geometry.voxels() * static_cast<std::size_t>(frame);
-                result.push_back(inside ? voxels[before + voxel] : T{});
+                result.push_back(inside ? voxels[before + layer.geometry.index(at[0], at[1], at[2])] : T{});
               }
         return result;
       },
@@ -46,23 +47,30 @@ std::array<std::int64_t, 3> VoxelMapping::at(std::int64_t i, std::int64_t j, std
 }
 
 std::optional<VoxelMapping> mapping_of(const VolumeGeometry& grid, const VolumeGeometry& map) {
-  constexpr double close = 0.01;
+  constexpr double nearly_one_step = 0.1;
   const Vec3 first = map.to_voxel(grid.to_mm(Vec3::Zero()));
   VoxelMapping mapping;
+  Mat3 steps;  // of the axes of the grid in voxels of the map, whole
   for (int a = 0; a < 3; ++a) {
     const auto at = static_cast<std::size_t>(a);
-    mapping.first[at] = std::llround(first[a]);
     const Vec3 step = map.to_voxel(grid.to_mm(Vec3::Unit(a))) - first;
+    steps.col(a) = step.array().rint();
     for (int b = 0; b < 3; ++b) mapping.steps[at][static_cast<std::size_t>(b)] = std::llround(step[b]);
-    // At the last voxel too, where differences add up.
-    const double far = std::max(grid.dims[at] - 1, 1);
-    if ((step - step.array().round().matrix()).cwiseAbs().maxCoeff() * far > close) return {};
-    if (std::abs(step.cwiseAbs().sum() - 1) > close) return {};
+    if ((step - steps.col(a)).cwiseAbs().maxCoeff() > nearly_one_step || steps.col(a).cwiseAbs().sum() != 1) return {};
   }
-  if ((first - first.array().round().matrix()).cwiseAbs().maxCoeff() > close) return {};
+  if (std::abs(steps.determinant()) != 1) return {};
+  // From a voxel of the map that lies near the grid, since steps that differ a little add up.
   const Vec3 last(map.dims[0] - 1, map.dims[1] - 1, map.dims[2] - 1);
-  for (const Vec3& corner : {Vec3(Vec3::Zero()), last})
-    if (!grid.holds(map.to_mm(corner))) return {};
+  const Vec3 at_grid = grid.to_voxel(map.to_mm(Vec3::Zero())).array().rint();
+  const Vec3 whole_first = -steps * at_grid;
+  const Vec3 close = near_voxels(grid.spacing_mm);
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 voxel((corner & 1) != 0 ? last.x() : 0, (corner & 2) != 0 ? last.y() : 0,
+                     (corner & 4) != 0 ? last.z() : 0);
+    const Vec3 there = grid.to_voxel(map.to_mm(voxel)), wanted = steps.transpose() * (voxel - whole_first);
+    if (((there - wanted).cwiseAbs() - close).maxCoeff() > 0 || !grid.holds(map.to_mm(voxel))) return {};
+  }
+  for (int b = 0; b < 3; ++b) mapping.first[static_cast<std::size_t>(b)] = std::llround(whole_first[b]);
   return mapping;
 }
 

@@ -10,10 +10,12 @@
 
 #include "core/base/files.h"
 #include "core/base/hash.h"
+#include "core/base/listed.h"
 #include "core/base/memory.h"
 #include "core/base/text.h"
 #include "core/volume/dicom_elements.h"
 #include "core/volume/dicom_series.h"
+#include "core/volume/dicom_text.h"
 #include "core/volume/map_on_grid.h"
 
 namespace homolog {
@@ -174,13 +176,17 @@ DicomElements referenced_image(const DicomSeries& series, int slice, bool with_f
   return image;
 }
 
-DicomElements frame_group(const DicomSeries& series, int number, int slice) {
+/// `rank`: which of the slices that have frames it is, from 1.
+DicomElements frame_group(const DicomSeries& series, int number, int slice, std::uint32_t rank) {
   DicomElements source = referenced_image(series, slice, true);
   source.put_items(0x0040a170, {coded("121322", "DCM", "Source image for image processing operation")});
-  const Vec3 place = series.grid.to_mm(Vec3(0, 0, slice));
+  const DicomPlaneSource& plane = series.arrangement.planes[static_cast<std::size_t>(slice)];
+  // The image's own place: rounded, it may lie a little off the grid.
+  const Vec3 place =
+      series.headers[plane.file].planes[plane.plane_in_file].position_mm.value_or(series.grid.to_mm(Vec3(0, 0, slice)));
   DicomElements derivation, content, position, identification, group;
   derivation.put_items(0x00082112, {source}).put_items(0x00089215, {coded("113076", "DCM", "Segmentation")});
-  content.put_longs(0x00209157, {static_cast<std::uint32_t>(number), static_cast<std::uint32_t>(slice) + 1});
+  content.put_longs(0x00209157, {static_cast<std::uint32_t>(number), rank});
   position.put_decimals(0x00200032, {place.x(), place.y(), place.z()});
   identification.put_shorts(0x0062000b, {static_cast<std::uint16_t>(number)});
   group.put_items(0x00089124, {derivation})
@@ -201,29 +207,38 @@ DicomElements shared_groups_of(const VolumeGeometry& grid) {
   return shared;
 }
 
-/// Patient and study, as the series has them. Text in an alphabet that is not known here would be wrong; its elements
-/// stay empty.
-void put_patient_and_study(const DicomItem& about, DicomElements& data) {
-  const std::string alphabet = text_of(about, 0x00080005);
-  const bool known = alphabet.empty() || alphabet == "ISO_IR 6" || alphabet == "ISO_IR 100" || alphabet == "ISO_IR 192";
-  const auto copied = [&](DicomTag tag, const char* vr, bool text) {
-    const std::string value = text_of(about, tag);
-    data.put(tag, vr, !text ? value : known ? segment_name(value) : "");
+/// Patient and study, as the series has them, in UTF-8. Elements in letters that are not known here stay empty, and are
+/// named in `lost`.
+void put_patient_and_study(const DicomItem& about, DicomElements& data, std::vector<std::string>& lost) {
+  const DicomAlphabets alphabets(about);
+  const auto copied = [&](DicomTag tag, const char* vr) { data.put(tag, vr, text_of(about, tag)); };
+  const auto copied_text = [&](DicomTag tag, const char* vr, const char* name) {
+    const auto text = alphabets.read(text_of(about, tag));
+    data.put(tag, vr, text.value_or(""));
+    if (!text) lost.emplace_back(name);
   };
-  copied(0x00080020, "DA", false);
-  copied(0x00080030, "TM", false);
-  copied(0x00080050, "SH", true);
-  copied(0x00080090, "PN", true);
-  copied(0x00100010, "PN", true);
-  copied(0x00100020, "LO", true);
-  copied(0x00100030, "DA", false);
-  copied(0x00100040, "CS", false);
-  copied(0x0020000d, "UI", false);
-  copied(0x00200010, "SH", true);
-  copied(0x00200052, "UI", false);
+  copied(0x00080020, "DA");
+  copied(0x00080030, "TM");
+  copied_text(0x00080050, "SH", "accession number");
+  copied_text(0x00080090, "PN", "referring physician");
+  copied_text(0x00100010, "PN", "patient's name");
+  copied_text(0x00100020, "LO", "patient's ID");
+  copied(0x00100030, "DA");
+  copied(0x00100040, "CS");
+  copied(0x0020000d, "UI");
+  copied_text(0x00200010, "SH", "study ID");
+  copied(0x00200052, "UI");
   // The same input gives the same bytes, so that no clock is asked.
   const std::string date = text_of(about, 0x00080020), time = text_of(about, 0x00080030);
   data.put(0x00080023, "DA", date.empty() ? "19700101" : date).put(0x00080033, "TM", time.empty() ? "000000" : time);
+}
+
+std::vector<std::string> lost_texts(const fs::path& path, const DicomSeries& series,
+                                    const std::vector<std::string>& lost) {
+  if (lost.empty()) return {};
+  return {path.string() + ": lacks the " + listed(lost, " and ") + ", which " + series.headers.front().path.string() +
+          " gives in letters that cannot be read (its character set is " +
+          excerpt(DicomAlphabets(series.about).words()) + "); add them where the file is kept"};
 }
 
 void put_dimensions(const std::string& uid, DicomElements& data) {
@@ -256,21 +271,37 @@ void put_image(const VolumeGeometry& grid, const WrittenFrames& frames, DicomEle
       .put_shorts(0x00280100, {1})
       .put_shorts(0x00280101, {1})
       .put_shorts(0x00280102, {0})
-      .put_shorts(0x00280103, {0})
-      .put(0x00282110, "CS", "00")
-      .put(0x7fe00010, "OB", frames.bits);
+      .put_shorts(0x00280103, {0});
 }
 
+/// That images were compressed with loss holds for what is made of them [DICOM PS3.3, C.7.6.1.1.5].
+void put_loss(const DicomSeries& series, DicomElements& data) {
+  const auto lossy = std::ranges::find_if(series.headers, [](const DicomHeader& one) { return one.lossy == "01"; });
+  data.put(0x00282110, "CS", lossy != series.headers.end() ? "01" : "00");
+  if (lossy == series.headers.end()) return;
+  if (!lossy->lossy_ratio.empty()) data.put(0x00282112, "DS", lossy->lossy_ratio);
+  if (!lossy->lossy_method.empty()) data.put(0x00282114, "CS", lossy->lossy_method);
+}
+
+void add_text(const std::string& text, Hash& hash) {
+  for (const char c : text + '\n') hash.add(static_cast<unsigned char>(c));
+}
+
+/// All elements but the UID of the instance and the pixels. `of_series`: what makes UIDs the series' own.
 DicomElements data_set(const DicomSeries& series, const std::vector<WrittenSegment>& segments,
-                       const WrittenFrames& frames, const std::string& instance) {
+                       const WrittenFrames& frames, const Hash& of_series, std::vector<std::string>& lost) {
   DicomElements data;
-  put_patient_and_study(series.about, data);
+  put_patient_and_study(series.about, data, lost);
   put_equipment(data);
-  put_dimensions(made_uid(frames.hash, "dimensions"), data);
+  put_dimensions(made_uid(of_series, "dimensions"), data);
   put_image(series.grid, frames, data);
+  put_loss(series, data);
   std::vector<DicomElements> described_ones, groups, images;
   for (const WrittenSegment& one : segments) described_ones.push_back(described(one));
-  for (const auto& [number, slice] : frames.of) groups.push_back(frame_group(series, number, slice));
+  std::map<int, std::uint32_t> ranks;  // of the slices that have frames
+  for (const auto& [number, slice] : frames.of) ranks[slice] = 0;
+  for (std::uint32_t next = 1; auto& [slice, rank] : ranks) rank = next++;
+  for (const auto& [number, slice] : frames.of) groups.push_back(frame_group(series, number, slice, ranks.at(slice)));
   if (series.headers.size() == 1)
     images.push_back(referenced_image(series, 0, false));
   else
@@ -280,11 +311,10 @@ DicomElements data_set(const DicomSeries& series, const std::vector<WrittenSegme
   data.put(0x00080005, "CS", "ISO_IR 192")
       .put(0x00080008, "CS", "DERIVED\\PRIMARY")
       .put(0x00080016, "UI", segmentation_storage)
-      .put(0x00080018, "UI", instance)
       .put(0x00080060, "CS", "SEG")
       .put(0x0008103e, "LO", "Segmentation")
       .put_items(0x00081115, {referenced})
-      .put(0x0020000e, "UI", made_uid(frames.hash, "series"))
+      .put(0x0020000e, "UI", made_uid(of_series, "series"))
       .put(0x00200011, "IS", "900")
       .put(0x00200013, "IS", "1")
       .put(0x00201040, "LO", "")
@@ -349,11 +379,15 @@ Result<std::vector<std::string>> write_dicom_segmentation(const VolumeRead& map,
   if (progress && progress->cancelled()) return fail(path.string(), "was not written: cancelled");
   if (frames.bits.size() > std::numeric_limits<std::uint32_t>::max() - 2)
     return fail(path.string(), "would be larger than a DICOM file can be; choose fewer labels");
-  Hash of = frames.hash;
-  for (const WrittenSegment& one : segments)
-    for (const char c : label_text(one.segment) + '\n') of.add(static_cast<unsigned char>(c));
-  for (const char c : series->headers.front().series_uid) of.add(static_cast<unsigned char>(c));
-  const std::string instance = made_uid(of, "instance");
+  Hash of_series = frames.hash;
+  add_text(text_of(series->about, 0x0020000d), of_series);
+  add_text(series->headers.front().series_uid, of_series);
+  std::vector<std::string> lost;
+  DicomElements data = data_set(*series, segments, frames, of_series, lost);
+  Hash of_all = of_series;
+  add_text(data.bytes(), of_all);
+  const std::string instance = made_uid(of_all, "instance");
+  data.put(0x00080018, "UI", instance).put(0x7fe00010, "OB", frames.bits);
   DicomElements meta;
   meta.put(0x00020001, "OB", std::string("\0\1", 2))
       .put(0x00020002, "UI", segmentation_storage)
@@ -363,10 +397,11 @@ Result<std::vector<std::string>> write_dicom_segmentation(const VolumeRead& map,
   const std::string head = meta.bytes();
   DicomElements length;
   length.put_longs(0x00020000, {static_cast<std::uint32_t>(head.size())});
-  const std::string content =
-      std::string(128, '\0') + "DICM" + length.bytes() + head + data_set(*series, segments, frames, instance).bytes();
+  const std::string content = std::string(128, '\0') + "DICM" + length.bytes() + head + data.bytes();
   if (auto written = write_whole_file(path, content); !written) return fail(written.error());
-  return numbered_anew(path, segments);
+  std::vector<std::string> warnings = lost_texts(path, *series, lost);
+  for (std::string& one : numbered_anew(path, segments)) warnings.push_back(std::move(one));
+  return warnings;
 }
 
 }  // namespace homolog

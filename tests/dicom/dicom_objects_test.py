@@ -342,18 +342,211 @@ for oblique in (False, True):
     check("written series", ds.ReferencedSeriesSequence[0].SeriesInstanceUID == make.SERIES and
           images == [f"{make.SERIES}.{k + 1}" for k in range(9)], images)
     bits = numpy.unpackbits(numpy.frombuffer(ds.PixelData, numpy.uint8), bitorder="little")[:ds.NumberOfFrames * 35].reshape(-1, 5, 7)
+    held = [k for k in range(9) if any(mask[k].any() for mask in over.values())]  # counted from 1 without gaps
     for group, frame in zip(ds.PerFrameFunctionalGroupsSequence, bits):
         number, place = group.SegmentIdentificationSequence[0].ReferencedSegmentNumber, group.PlanePositionSequence[0].ImagePositionPatient
-        k = group.FrameContentSequence[0].DimensionIndexValues[1] - 1
+        image = group.DerivationImageSequence[0].SourceImageSequence[0].ReferencedSOPInstanceUID
+        k = int(image.rsplit(".", 1)[1]) - 1
         check("written frame", numpy.array_equal(frame, over[number][k] > 0), (number, k))
         check("written place", numpy.abs(numpy.array(place, float) - grid.position(k)).max() < 1e-3, place)
-        image = group.DerivationImageSequence[0].SourceImageSequence[0].ReferencedSOPInstanceUID
-        check("written reference", image == f"{make.SERIES}.{k + 1}", image)
+        check("written index", list(group.FrameContentSequence[0].DimensionIndexValues) == [number, held.index(k) + 1], (number, k))
     check("every frame", ds.NumberOfFrames == sum(mask.any(axis=(1, 2)).sum() for mask in over.values()), ds.NumberOfFrames)
 ran = run("convert", folder / "map.seg.nrrd", folder / "no.dcm", "--like", folder / "series straight", status=1)
 check("another grid", "does not lie on the voxels" in ran.stderr and not (folder / "no.dcm").exists(), ran.stderr)
 ran = run("convert", folder / "map.seg.nrrd", folder / "no.dcm", status=1)
 check("no series", "--like" in ran.stderr, ran.stderr)
+
+
+# Written: patient and study in whatever alphabet they are, as UTF-8; names in it are read, too.
+ALPHABETS = (("ISO_IR 192", "Leber", "Yamada"), ("ISO_IR 144", "Почка", "Иванов^Иван"), ("ISO 2022 IR 100", "Größe", "Müller^Jörg"),
+             ("GB18030", "肝脏", "王^小东"), (["", "ISO 2022 IR 87"], "肝臓", "Yamada^Tarou=山田^太郎"), ("ISO_IR 101", "ledvina", "Dvořák^Jan"),
+             ("ISO_IR 148", "karaciğer", "Yıldız^Ali"), (["ISO 2022 IR 6", "ISO 2022 IR 100"], "rein", "Leclerc^Zoé"),
+             (["", "ISO 2022 IR 149"], "간", "Hong^Gildong=洪^吉洞=홍^길동"))
+grid = make.Grid()
+for alphabet, organ, patient in ALPHABETS:
+    name = " ".join([alphabet] if isinstance(alphabet, str) else alphabet)
+    series = folder / f"series {name}"
+    make.write_series(series, grid)
+    for file in series.glob("*.dcm"):
+        ds = pydicom.dcmread(file)
+        ds.SpecificCharacterSet, ds.PatientName, ds.AccessionNumber, ds.PatientID = alphabet, patient, "ACC77", "PAT0123"
+        ds.save_as(file)
+    ds = make.seg(masks, grid)
+    ds.SpecificCharacterSet, ds.PatientName, ds.SegmentSequence[0].SegmentLabel = alphabet, patient, organ
+    path, out = write(f"names {name}", ds), folder / "alphabet.dcm"
+    told = json.loads(run("info", "--json", path).stdout or "{}")
+    check(f"names of {name}", [one["name"] for one in told.get("labels", [])][:1] == [organ], told)
+    ran = run("convert", path, out, "--like", series)
+    ds = pydicom.dcmread(out)
+    check(f"patient of {name}", (str(ds.PatientName), ds.PatientID, ds.AccessionNumber, ds.StudyID) == (patient, "PAT0123", "ACC77", "1") and
+          ds.SpecificCharacterSet == "ISO_IR 192" and "warning" not in ran.stderr, (ds.PatientName, ran.stderr))
+    ds = make.rtstruct({1: (organ, [("CLOSED_PLANAR", make.on_plane(grid, 2, outer))])})
+    ds.SpecificCharacterSet = alphabet
+    told = json.loads(run("info", "--json", write(f"structures {name}", ds)).stdout or "{}")
+    check(f"structures of {name}", [one["name"] for one in told.get("rois", [])] == [organ], told)
+series = folder / "series ISO_IR 144"
+for file in series.glob("*.dcm"):
+    file.write_bytes(file.read_bytes().replace(b"ISO_IR 144", b"ISO_IR 999"))
+ran = run("convert", path, out, "--like", series)
+ds = pydicom.dcmread(out)
+check("unknown letters", "lacks the patient's name" in ran.stderr and (str(ds.PatientName), ds.PatientID) == ("", "PAT0123"), ran.stderr)
+
+# Written UIDs: others for another study, and for other names or colours; loss in compression goes on.
+def uids(name, source, series):
+    run("convert", source, folder / name, "--like", series)
+    ds = pydicom.dcmread(folder / name)
+    return ds.SOPInstanceUID, ds.SeriesInstanceUID, ds.DimensionOrganizationSequence[0].DimensionOrganizationUID
+
+
+make.STUDY, make.SERIES, kept = make.STUDY + ".7", make.SERIES + ".7", (make.STUDY, make.SERIES)
+make.write_series(folder / "second study", grid)
+make.STUDY, make.SERIES = kept
+run("convert", folder / "highdicom straight" / "seg.dcm", folder / "red.seg.nrrd")
+(folder / "blue.seg.nrrd").write_bytes((folder / "red.seg.nrrd").read_bytes().replace(b"_Color:=1 0 0", b"_Color:=0 0 1"))
+first = uids("red.dcm", folder / "red.seg.nrrd", folder / "series straight")
+check("UIDs of another study", not set(first) & set(uids("second.dcm", folder / "red.seg.nrrd", folder / "second study")), first)
+check("UID of other colours", first[0] != uids("blue.dcm", folder / "blue.seg.nrrd", folder / "series straight")[0], first)
+check("UID of the same", first == uids("again.dcm", folder / "red.seg.nrrd", folder / "series straight"), first)
+lossy = folder / "lossy"
+make.write_series(lossy, grid)
+ds = pydicom.dcmread(lossy / "ct004.dcm")
+ds.LossyImageCompression, ds.LossyImageCompressionRatio, ds.LossyImageCompressionMethod = "01", "10", "ISO_10918_1"
+ds.save_as(lossy / "ct004.dcm")
+run("convert", folder / "red.seg.nrrd", out, "--like", lossy)
+ds = pydicom.dcmread(out)
+check("loss", (ds.LossyImageCompression, ds.LossyImageCompressionRatio, ds.LossyImageCompressionMethod) == ("01", 10, "ISO_10918_1"), ds)
+check("no loss", pydicom.dcmread(folder / "red.dcm").LossyImageCompression == "00")
+
+# Frames lie where the images of their series do, though their places are rounded or uneven by little.
+rng = numpy.random.default_rng(1)
+for name, oblique, step, placed in (("rounded thin", False, 0.625, lambda v: numpy.round(v, 1)), ("rounded", False, 1.25, lambda v: numpy.round(v, 1)),
+                                    ("rounded oblique", True, 2.5, lambda v: numpy.round(v, 1)),
+                                    ("uneven", False, 1.0, lambda v: numpy.round(v + [0, 0, rng.uniform(-.03, .03)], 4))):
+    grid, series = make.Grid(oblique, step=step), folder / f"series {name}"
+    make.write_series(series, grid)
+    places = [placed(grid.position(k)) for k in range(9)]
+    for k, place in enumerate(places):
+        ds = pydicom.dcmread(series / f"ct{k:03}.dcm")
+        ds.ImagePositionPatient = [make.number(v) for v in place]
+        ds.save_as(series / f"ct{k:03}.dcm")
+    ds = make.seg(masks, grid, spacing=step, thickness=step)
+    for group in ds.PerFrameFunctionalGroupsSequence:
+        place = group.PlanePositionSequence[0]
+        k = round((numpy.array(place.ImagePositionPatient, float) - grid.position(0)) @ grid.axes[2] / step)
+        place.ImagePositionPatient = [make.number(v) for v in places[k]]
+    path = write(f"of {name}", ds)
+    told = json.loads(run("info", "--json", path).stdout or "{}")
+    check(f"alone {name}", told.get("dims") == [7, 5, 5], told)
+    ran = run("convert", path, folder / "on.seg.nrrd", "--like", series)
+    voxels, _, _, segments = read_nrrd(folder / "on.seg.nrrd")
+    check(f"on its series {name}", all(numpy.array_equal(voxels[segments[make.NAMES[n]][0]] == n, mask > 0) for n, mask in masks.items()) and
+          "warning" not in ran.stderr, ran.stderr)
+    run("convert", folder / "on.seg.nrrd", out, "--like", series)
+    off = 0
+    for group in pydicom.dcmread(out).PerFrameFunctionalGroupsSequence:
+        image = group.DerivationImageSequence[0].SourceImageSequence[0].ReferencedSOPInstanceUID
+        place = numpy.array(group.PlanePositionSequence[0].ImagePositionPatient, float)
+        off = max(off, numpy.abs(place - places[int(image.rsplit(".", 1)[1]) - 1]).max())
+    check(f"at its images {name}", off < 1e-9, off)
+
+# Every second slice: nothing says that there are others between.
+grid = make.Grid()
+path = write("every second", make.seg({1: numpy.where(numpy.arange(9)[:, None, None] % 2 == 0, over[1] | 1, 0).astype(numpy.uint8)}, grid, spacing=None))
+ran = run("info", "--json", path)
+check("every second slice", json.loads(ran.stdout or "{}").get("dims") == [7, 5, 5] and "2.50 mm thick" in ran.stderr, ran.stderr)
+
+# Contours through the centres of voxels hold them, those around a hole too.
+path = write("through centres", make.rtstruct({1: ("Liver", [("CLOSED_PLANAR", make.on_plane(grid, 2, [(1, 1), (4, 1), (4, 3), (1, 3)]))]),
+    2: ("ring", [("CLOSEDPLANAR_XOR", make.on_plane(grid, 3, c)) for c in (outer, [(2, 1), (4, 1), (4, 3), (2, 3)])])}))
+run("convert", path, folder / "edge.seg.nrrd", "--like", folder / "series straight")
+voxels, _, _, segments = read_nrrd(folder / "edge.seg.nrrd")
+wanted = numpy.zeros(make.SHAPE, bool)
+wanted[2, 1:4, 1:5] = True
+check("through centres", numpy.array_equal(voxels[segments["Liver"][0]] == 1, wanted), voxels[0][2])
+wanted = numpy.zeros((5, 7), bool)
+wanted[:, :6], wanted[2, 3] = True, False
+check("around a hole", numpy.array_equal(voxels[segments["ring"][0]][3] == 2, wanted), voxels[segments["ring"][0]][3])
+
+# A structure keeps what lies on slices; numbers may be 0.
+path = write("one between", make.rtstruct({1: ("Liver", [("CLOSED_PLANAR", make.on_plane(grid, k, outer)) for k in (2, 3.4, 4)])}))
+ran = run("convert", path, folder / "some.nrrd", "--like", folder / "series straight")
+check("one between slices", "draws 1 of 3 contours of its structure 1 (Liver)" in ran.stderr and
+      (read_nrrd(folder / "some.nrrd")[0][0] == 1).any(axis=(1, 2)).nonzero()[0].tolist() == [2, 4], ran.stderr)
+path = write("number 0", make.rtstruct({0: ("GTV", [("CLOSED_PLANAR", make.on_plane(grid, 2, outer))]),
+                                        1: ("GTV", [("CLOSED_PLANAR", make.on_plane(grid, 5, outer))])}))
+run("convert", path, folder / "zero.nrrd", "--like", folder / "series straight", "--structure", "0")
+check("structure 0", read_nrrd(folder / "zero.nrrd")[0][0][2].any() and not read_nrrd(folder / "zero.nrrd")[0][0][5].any())
+
+# Fractional segments of one name are told apart by their numbers.
+make.NAMES.update({5: "Lesion", 7: "Lesion"})
+path = write("lesions", make.seg({5: shares, 7: shares[::-1]}, grid, "FRACTIONAL"))
+told = json.loads(run("info", "--json", path).stdout or "{}")
+check("names that tell apart", [one["name"] for one in told.get("labels", [])] == ["Lesion (segment 5)", "Lesion (segment 7)"], told)
+
+# What other programs make of sequences that they do not know; large palettes; very many segments; line ends.
+from pydicom.filebase import DicomBytesIO
+from pydicom.filewriter import write_sequence
+
+
+def unknown(ds, *tags):
+    for tag in tags:
+        bytes_of = DicomBytesIO()
+        bytes_of.is_little_endian, bytes_of.is_implicit_VR = True, True
+        write_sequence(bytes_of, ds[tag], ["utf8"])
+        del ds[tag]
+        pydicom.config.replace_un_with_known_vr = False
+        ds.add_new(tag, "UN", bytes_of.getvalue())
+    return ds
+
+
+compare("unknown sequences", write("unknown", unknown(make.seg(masks, grid), 0x00620002, 0x52009230)), grid, masks, 2, 6)
+told = json.loads(run("info", "--json", write("unknown contours", unknown(make.rtstruct({1: ("Liver", [("CLOSED_PLANAR", make.on_plane(grid, 2, outer))])}),
+                                                                          0x30060039, 0x30060020))).stdout or "{}")
+check("unknown contours", [(r["name"], r["points"]) for r in told.get("rois", [])] == [("Liver", 4)], told)
+labels = (masks[1] + 2 * masks[2]).astype(numpy.uint16)
+ds = make.seg({0: labels}, grid, "LABELMAP", numbers=[1, 2])
+ds.PhotometricInterpretation = "PALETTE COLOR"
+for colour, entries in zip(("Red", "Green", "Blue"), ((0xffff, 0), (0, 0x8000), (0, 0xffff))):
+    table = numpy.zeros(65536, "<u2")
+    table[1:3] = entries
+    setattr(ds, colour + "PaletteColorLookupTableDescriptor", [0, 0, 16])
+    setattr(ds, colour + "PaletteColorLookupTableData", table.tobytes())
+told = json.loads(run("info", "--json", write("large palette", ds)).stdout or "{}")
+check("large palette", [one["colour"] for one in told.get("labels", [])] == ["#ff0000", "#0080ff"], told)
+refused("very many", write("very many", make.seg({0: labels}, grid, "LABELMAP", numbers=range(1, 16387))), "more than 16,384 segments")
+for alphabet in ("ISO_IR 192", "ISO_IR 100", None):
+    ds = make.rtstruct({1: ("Liver", [("CLOSED_PLANAR", make.on_plane(grid, 2, outer))])})
+    if alphabet is None:
+        del ds.SpecificCharacterSet
+    else:
+        ds.SpecificCharacterSet = alphabet
+    path = write(f"line ends {alphabet}", ds)
+    path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
+    refused(f"line ends {alphabet}", path, "line ends", "copy it again")
+
+# Fits: contours of two scans are none; all combined by exclusive or, or with keyholes, are as any others.
+def ring(k, share=1.0):
+    round_, width = numpy.linspace(0, 2 * numpy.pi, 61)[:-1], share * numpy.sqrt(1 - ((k - 4) / 5) ** 2)
+    return [(3 + 60 * width * numpy.cos(a), 2 + 27 * width * numpy.sin(a)) for a in round_]
+
+
+wide, fits = make.Grid(step=8), {}
+for name, drawn in (("plain", [("CLOSED_PLANAR", ring(k)) for k in range(9)]), ("xor", [("CLOSEDPLANAR_XOR", ring(k)) for k in range(9)]),
+                    ("apart", [("CLOSED_PLANAR", c) for k in range(9) for c in (ring(k), ring(k, 0.3)[::-1][-1:] + ring(k, 0.3)[::-1][:-1])]),
+                    ("keyholes", [("CLOSED_PLANAR", ring(k) + ring(k)[:1] + ring(k, 0.3)[::-1][-1:] + ring(k, 0.3)[::-1]) for k in range(9)])):
+    path = write(f"drawn {name}", make.rtstruct({1: ("organ", [(kind, make.on_plane(wide, k * 9 // len(drawn), c)) for k, (kind, c) in enumerate(drawn)])}))
+    mesh = folder / f"{name}.vtk"
+    ran = run("fit", "built-in:kidney", "--contours", path, "-o", mesh)
+    check(f"{name} holes", ("rims of holes" in ran.stderr) == (name in ("apart", "keyholes")), ran.stderr)
+    obj = folder / f"{name}.obj"
+    run("convert", mesh, obj)
+    fits[name] = numpy.array([line.split()[1:4] for line in obj.read_text().split("\n") if line.startswith("v ")], float)
+check("fit by exclusive or", numpy.abs(fits["xor"] - fits["plain"]).max() < 1e-6, numpy.abs(fits["xor"] - fits["plain"]).max())
+check("fit with keyholes", numpy.abs(fits["keyholes"] - fits["apart"]).max() < 1e-3, numpy.abs(fits["keyholes"] - fits["apart"]).max())
+path = write("drawn elsewhere", pydicom.dcmread(folder / "drawn plain" / "seg.dcm"))
+path.write_bytes(path.read_bytes().replace(make.SPACE.encode() + b"\0", make.SPACE[:-1].encode() + b"8\0"))
+ran = run("fit", "built-in:kidney", "--contours", folder / "drawn plain" / "seg.dcm", path, "-o", folder / "no.ply", status=1)
+check("two scans", "another scan" in ran.stderr and str(path) in ran.stderr, ran.stderr)
 
 print("\n".join(bad))
 print(f"{done} checks, {len(bad)} failed")

@@ -2,7 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 
@@ -81,6 +83,54 @@ std::vector<ContourSample> pieces_of(const Contour& curve, std::size_t count) {
   return pieces;
 }
 
+/// The closed curves that are left of one when edges that it runs back the other way are dropped, both passes.
+std::vector<Contour> without_channels(const Contour& curve) {
+  std::vector<Contour> parts;
+  std::vector<Vec3> path{curve.points.front()};
+  std::map<std::array<double, 6>, std::size_t> edges;  // by their ends: where each begins in the path
+  const auto edge = [](const Vec3& from, const Vec3& to) {
+    return std::array{from.x(), from.y(), from.z(), to.x(), to.y(), to.z()};
+  };
+  // Takes away the end of the path, from a point on that is its last one too.
+  const auto cut = [&](std::size_t begin) {
+    Contour part = curve;
+    part.points.assign(path.begin() + static_cast<std::ptrdiff_t>(begin), path.end() - 1);
+    for (std::size_t k = begin; k + 1 < path.size(); ++k) edges.erase(edge(path[k], path[k + 1]));
+    path.resize(begin + 1);
+    if (part.points.size() > 2) parts.push_back(std::move(part));
+  };
+  for (std::size_t k = 1; k <= curve.points.size(); ++k) {
+    const Vec3& to = curve.points[k % curve.points.size()];
+    const auto back = edges.find(edge(to, path.back()));
+    if (back == edges.end()) {
+      edges[edge(path.back(), to)] = path.size() - 1;
+      path.push_back(to);
+      continue;
+    }
+    cut(back->second + 1);
+    edges.erase(back);
+    path.pop_back();
+  }
+  cut(0);
+  return parts;
+}
+
+/// A curve that reaches its hole by a channel of no width (a keyhole) as its outline and the rim of its hole; any other
+/// as it is.
+std::vector<DrawnContour> without_keyhole(const DrawnContour& drawn) {
+  if (!drawn.curve.closed || drawn.curve.points.size() < 3) return {drawn};
+  std::vector<DrawnContour> result;
+  const auto parts = without_channels(drawn.curve);
+  bool nested = false;
+  for (const Contour& part : parts) {
+    result.push_back(drawn);
+    result.back().curve = part;
+    for (const Contour& other : parts)
+      nested = nested || (&other != &part && is_inside(part.points.front(), other, plane_of(drawn.curve).second));
+  }
+  return nested ? result : std::vector{drawn};
+}
+
 }  // namespace
 
 Points ContourSamples::likely() const {
@@ -96,7 +146,10 @@ double ContourSamples::diagonal_mm() const {
   return samples.empty() ? 0 : box.diagonal().norm();
 }
 
-ContourSamples sampled_contours(const std::vector<DrawnContour>& contours, std::size_t count) {
+ContourSamples sampled_contours(const std::vector<DrawnContour>& drawn, std::size_t count) {
+  std::vector<DrawnContour> contours;
+  for (const DrawnContour& one : drawn)
+    for (DrawnContour& part : without_keyhole(one)) contours.push_back(std::move(part));
   ContourSamples all;
   double length_mm = 0;
   std::vector<int> plane_of_curve;
@@ -113,8 +166,8 @@ ContourSamples sampled_contours(const std::vector<DrawnContour>& contours, std::
     const Vec3 normal = plane >= 0 ? all.planes[static_cast<std::size_t>(plane)].normal : Vec3(Vec3::Zero());
     const bool closed = one.curve.closed && plane >= 0;
     const double area_mm2 = closed ? signed_area_mm2(one.curve, normal) : 0;
-    bool hole = one.curve.cuts_out;
-    for (std::size_t o = 0; o < contours.size() && closed && !one.curve.cuts_out; ++o)
+    bool hole = false;
+    for (std::size_t o = 0; o < contours.size() && closed; ++o)
       if (o != c && plane_of_curve[o] == plane && contours[o].curve.closed && contours[o].outside == one.outside &&
           is_inside(one.curve.points.front(), contours[o].curve, normal))
         hole = !hole;

@@ -43,9 +43,10 @@ struct ContourSamples {
 };
 
 /// Cuts curves into about `count` pieces in all, no fewer than eight a curve. Of several closed curves in a plane, one
-/// within another is the rim of a hole, as if drawn by exclusive or.
+/// within another is the rim of a hole, whether all are combined by exclusive or or not; so is the inner one of a
+/// keyhole, whose channel is left out.
 /// A curve that lies outside is taken for a loose stroke, whose area is half as large again as the organ's: such
 /// strokes of vertebral bodies had 1.3 to 1.8 times their area.
-ContourSamples sampled_contours(const std::vector<DrawnContour>& contours, std::size_t count);
+ContourSamples sampled_contours(const std::vector<DrawnContour>& drawn, std::size_t count);
 
 }  // namespace homolog

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/volume/contour_labels.h"
+#include "core/volume/dicom_text.h"
 #include "core/volume/volume_io.h"
 #include "tests/core/volume/structure_set_file.h"
 #include "tests/must.h"
@@ -157,7 +158,7 @@ TEST_CASE("contours of another scan or between its slices or of no structure are
   CHECK(both.volume.at(1, 1, 2) == 2);
   CHECK(warned(both.warnings,
                "draws its structure 1 (between) on planes that are no slices of image; give the series "
-               "that it was drawn on by --like (left out)"));
+               "that it was drawn on by --like, and not resampled (left out)"));
   image.frame_of_reference = "1.2.10";
   CHECK(says(labels_of_contours("rt.dcm", *contours, "image", image), "was drawn on another scan than image"));
   file.drawn.front().roi = 4;
@@ -167,4 +168,66 @@ TEST_CASE("contours of another scan or between its slices or of no structure are
   file.drawn.clear();
   file.space.clear();
   CHECK(says(read_rt(file), "names no frame of reference"));
+}
+
+TEST_CASE("contours between slices are left out and the structure keeps the others") {
+  const Volume image = turned_image();
+  RtFile file;
+  file.drawn = {{1, "CLOSED_PLANAR", in_mm(image, square(0.5, 2.5, 0))},
+                {1, "CLOSED_PLANAR", in_mm(image, square(0.5, 2.5, 1.4))},
+                {1, "CLOSED_PLANAR", in_mm(image, square(0.5, 2.5, 3))}};
+  const auto read = labels_of_contours("rt.dcm", test::must(read_rt(file)), "image", image);
+  CHECK(count_of(read, 1) == 8);
+  CHECK(read->volume.at(1, 1, 0) == 1);
+  CHECK(read->volume.at(1, 1, 3) == 1);
+  CHECK(warned(read->warnings, "draws 1 of 3 contours of its structure 1 (spleen) on planes that are no slices"));
+}
+
+TEST_CASE("voxels whose centres lie on a contour belong to its structure and around a hole too") {
+  const Volume image = turned_image();
+  RtFile file;
+  file.drawn = {{1, "CLOSED_PLANAR", in_mm(image, square(2, 6, 1))}};
+  auto read = labels_of_contours("rt.dcm", test::must(read_rt(file)), "image", image);
+  CHECK(count_of(read, 1) == 25);
+  CHECK(read->volume.at(6, 6, 1) == 1);
+  CHECK(read->volume.at(7, 6, 1) == 0);
+  // A diamond, whose edges go through centres too.
+  file.drawn = {{1, "CLOSED_PLANAR", in_mm(image, {{4, 1, 1}, {7, 4, 1}, {4, 7, 1}, {1, 4, 1}})}};
+  read = labels_of_contours("rt.dcm", test::must(read_rt(file)), "image", image);
+  CHECK(count_of(read, 1) == 25);
+  file.drawn = {{1, "CLOSEDPLANAR_XOR", in_mm(image, square(0.5, 7.5, 1))},
+                {1, "CLOSEDPLANAR_XOR", in_mm(image, square(2, 6, 1))}};
+  read = labels_of_contours("rt.dcm", test::must(read_rt(file)), "image", image);
+  CHECK(count_of(read, 1) == 49 - 9);
+  CHECK(read->volume.at(6, 6, 1) == 1);
+  CHECK(read->volume.at(5, 5, 1) == 0);
+}
+
+TEST_CASE("a structure is chosen by its number before a name that is one") {
+  Contours contours;
+  contours.rois = {{.name = "5", .number = 0, .type = {}}, {.name = "GTV", .number = 5, .type = {}}};
+  CHECK(test::must(roi_of(contours, "0"))->number == 0);
+  CHECK(test::must(roi_of(contours, " 5 "))->number == 5);
+}
+
+TEST_CASE("names of structures are read in the alphabets of their file") {
+  const auto name_in = [](const std::string& alphabet, const std::string& name) {
+    DicomItem data;
+    data[0x00080005].value = alphabet;
+    return DicomAlphabets(data).read(name).value_or("unread");
+  };
+  CHECK(name_in("", "spleen") == "spleen");
+  CHECK(name_in("",
+                "Gr\xf6\xdf"
+                "e") == "Größe");
+  CHECK(name_in("ISO_IR 144", "\xbf\xde\xe7\xda\xd0") == "Почка");
+  CHECK(name_in("ISO_IR 101", "Dvo\xf8\xe1k") == "Dvořák");
+  CHECK(name_in("ISO_IR 13", "\xd4\xcf\xc0\xde") == "ﾔﾏﾀﾞ");
+  CHECK(name_in("GB18030", "\xb8\xce\xd4\xe0") == "肝脏");
+  CHECK(name_in("\\ISO 2022 IR 87", "liver \x1b$B4NB!\x1b(B 1") == "liver 肝臓 1");
+  CHECK(name_in("\\ISO 2022 IR 149", "\x1b$)C\xb0\xa3") == "간");
+  CHECK(name_in("ISO 2022 IR 100\\ISO 2022 IR 144", "\xe9 \x1b-L\xbf") == "é П");
+  CHECK(name_in("ISO_IR 144", "plain") == "plain");
+  CHECK(name_in("ISO_IR 999", "\xbf") == "unread");
+  CHECK(name_in("\\ISO 2022 IR 87", "\x1b$B4\x1b(B") == "unread");
 }

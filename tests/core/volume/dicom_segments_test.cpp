@@ -308,6 +308,62 @@ TEST_CASE("a distance between slices that nothing tells is said to be assumed") 
   CHECK(read_seg({})->warnings.empty());
   file.frames = {{1, 0, {0}}, {1, 2, {0}}, {1, 4, {0}}, {1, 6, {0}}};  // they follow one another
   CHECK(read_seg(file)->warnings.empty());
+  file.thickness = "5";  // slices that overlap
+  CHECK(read_seg(file)->warnings.empty());
+  file.thickness = "1";  // every second slice
+  const auto sparse = read_seg(file);
+  if (!sparse) FAIL(sparse.error().sentence());
+  CHECK(sparse->volume.geometry.spacing_mm.z() == doctest::Approx(2));
+  REQUIRE(sparse->warnings.size() == 1);
+  CHECK(sparse->warnings.front().find("2.00 mm, as far as its frames do, was taken, though its slices are 1.00 mm "
+                                      "thick") != std::string::npos);
+}
+
+TEST_CASE("frames lie on slices whose places are rounded or uneven by little") {
+  SegFile file;
+  file.spacing = "0.625";
+  file.frames = {{1, 5.6, {0}}, {1, 6.3, {0}}, {1, 8.1, {7}}};  // of 5.625, 6.25 and 8.125
+  const auto alone = read_seg(file);
+  if (!alone) FAIL(alone.error().sentence());
+  CHECK(alone->volume.geometry.dims == std::array{5, 3, 5});
+  CHECK(alone->volume.geometry.spacing_mm.z() == doctest::Approx(0.625));
+  CHECK(alone->warnings.empty());
+  VolumeReadOptions options;
+  options.image = ImageGrid{alone->volume.geometry, "1.2.9"};
+  options.image->geometry.origin_mm = Vec3(1, 2, 5);
+  options.image->geometry.dims[2] = 7;
+  const auto placed = read_seg(file, options);
+  if (!placed) FAIL(placed.error().sentence());
+  CHECK(placed->volume.geometry == options.image->geometry);
+  CHECK(voxels_with(placed->volume, 1) == std::vector{15, 30, 82});
+  VolumeRead map = *alone;
+  REQUIRE(put_on_grid(map, options.image->geometry));
+  CHECK(voxels_with(map.volume, 1) == std::vector{15, 30, 82});
+  file.frames[1].z = 6.05;  // between two slices of the image
+  const auto beside = read_seg(file, options);
+  if (!beside) FAIL(beside.error().sentence());
+  CHECK_FALSE(beside->volume.geometry == options.image->geometry);
+}
+
+TEST_CASE("fractional segments of one name are told apart by their numbers") {
+  SegFile file;
+  file.type = "FRACTIONAL";
+  file.more = us(0x0062000e, 200);
+  file.value = 50;
+  file.names = {"lesion", "lesion"};
+  auto read = read_seg(file);
+  if (!read) FAIL(read.error().sentence());
+  REQUIRE(read->segmentation.segments.size() == 2);
+  CHECK(read->segmentation.segments[0].name == "lesion (segment 1)");
+  const auto chosen = choose_segments("seg.dcm", "lesion (segment 2)", *read);
+  REQUIRE(chosen);
+  CHECK(voxels_with(read->volume, 0.25) == std::vector{1, 2});
+}
+
+TEST_CASE("more segments than are read are refused by their number") {
+  SegFile file;
+  file.names.assign(16385, "s");
+  seg_refused(file, "describes more than 16,384 segments");
 }
 
 TEST_CASE("frames and their descriptions and their pixels are equally many") {

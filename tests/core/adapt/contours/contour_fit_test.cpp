@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -98,6 +99,56 @@ TEST_CASE("the rim of a hole pulls at no template without tunnels") {
   REQUIRE(with->warnings.size() == 1);
   CHECK(with->warnings[0].find("rims of holes") != std::string::npos);
   CHECK(compare_meshes(with->mesh, without->mesh).assd_mm < 0.3);
+}
+
+TEST_CASE("contours that are all combined by exclusive or are as others and only those within others are holes") {
+  const Mesh organ = egg({20, 16, 24}, {0, 0, 0});
+  auto contours = cuts(organ, Vec3::UnitZ(), {-16, -8, 0, 8, 16});
+  for (const DrawnContour& hole : cuts(egg({6, 5, 5}, {2, 1, 0}), Vec3::UnitZ(), {0})) contours.push_back(hole);
+  for (const DrawnContour& island : cuts(egg({2, 2, 2}, {2, 1, 0}), Vec3::UnitZ(), {0})) contours.push_back(island);
+  const ContourSamples plain = sampled_contours(contours, 400);
+  for (DrawnContour& one : contours) one.curve.cuts_out = true;
+  const ContourSamples combined = sampled_contours(contours, 400);
+  REQUIRE(combined.samples.size() == plain.samples.size());
+  for (std::size_t k = 0; k < plain.samples.size(); ++k) {
+    const ContourSample& one = combined.samples[k];
+    CHECK(one.hole == plain.samples[k].hole);
+    CHECK(one.outward == plain.samples[k].outward);
+    const double from_hole = (one.at - Vec3(2, 1, 0)).cwiseQuotient(Vec3(6, 5, 1)).head<2>().norm();
+    CHECK(one.hole == (std::abs(one.at.z()) < 1e-6 && from_hole > 0.5 && from_hole < 1.5));
+  }
+}
+
+TEST_CASE("the channel of a keyhole is left out and its inner ring is the rim of a hole") {
+  const Mesh organ = egg({20, 16, 24}, {0, 0, 0});
+  std::vector<Vec3> outer, inner, keyhole;
+  for (int k = 0; k < 60; ++k) {
+    const double angle = 2 * std::numbers::pi * k / 60;
+    outer.emplace_back(20 * std::cos(angle), 16 * std::sin(angle), 0);
+    inner.emplace_back(6 * std::cos(angle), -5 * std::sin(angle), 0);
+  }
+  const Vec3 halfway = (outer.front() + inner.front()) / 2;
+  // It begins within the channel, which has a corner.
+  keyhole = {halfway};
+  keyhole.insert(keyhole.end(), inner.begin(), inner.end());
+  keyhole.insert(keyhole.end(), {inner.front(), halfway});
+  keyhole.insert(keyhole.end(), outer.begin(), outer.end());
+  keyhole.push_back(outer.front());
+  const auto split = sampled_contours({{.curve = {.points = keyhole}}}, 200).samples;
+  const auto apart = sampled_contours({{.curve = {.points = inner}}, {.curve = {.points = outer}}}, 200).samples;
+  REQUIRE(split.size() == apart.size());
+  double off = 0;
+  for (std::size_t k = 0; k < split.size(); ++k) {
+    off = std::max(off, (split[k].at - apart[k].at).norm());
+    CHECK(split[k].hole == apart[k].hole);
+    CHECK((split[k].outward - apart[k].outward).norm() < 1e-9);
+  }
+  CHECK(off < 1e-9);
+  // A line that a curve runs there and back without a hole stays.
+  std::vector<Vec3> spike = outer;
+  spike.insert(spike.end(), {outer.front(), {30, 0, 0}});
+  const auto kept = sampled_contours({{.curve = {.points = spike}}}, 200).samples;
+  CHECK(std::ranges::any_of(kept, [](const ContourSample& one) { return one.at.x() > 25; }));
 }
 
 TEST_CASE("contours correct a label where both say something") {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <utility>
 
 #include "core/adapt/boundary/find_placement.h"
@@ -148,35 +147,16 @@ class Signs {
     return 0;
   }
 
-  /// Of holes into which one opening leads, what is no hole in the expected shape goes: a bay that the fit bridges, as
-  /// the sinus of a kidney, is the organ's own form. A cavity has no opening, and what was cut through has two.
-  void leave_bays(std::vector<std::uint8_t>& hole, const Body* expected) const {
-    constexpr double deep_in_expected = 0.03;
+  /// Leaves holes that the label encloses. One that is open may be the organ's own form that the fit bridges, as the
+  /// sinus of a kidney is.
+  void leave_cavities(std::vector<std::uint8_t>& hole) const {
     const auto empty = voxels_where([&](std::size_t v) { return there_.labels[v] == 0; });
     const auto rooms = connected_components(empty, there_.grid.dims, Touching::faces);
     std::vector<char> is_outside(rooms.sizes.size());
     for (std::size_t v = 0; v < empty.size(); ++v)
       if (rooms.part[v] >= 0 && for_each_beside(v, [](std::size_t) {})) is_outside[index(rooms.part[v])] = 1;
-    const auto mouth = voxels_where([&](std::size_t v) {
-      bool opens = false;
-      if (hole[v] != 0)
-        for_each_beside(v, [&](std::size_t other) { opens = opens || (empty[other] != 0 && hole[other] == 0); });
-      return opens;
-    });
-    const auto mouths = connected_components(mouth, there_.grid.dims, Touching::faces_and_edges);
-    const auto cores = connected_components(hole, there_.grid.dims, Touching::faces_and_edges);
-    std::vector<std::set<std::int32_t>> openings(cores.sizes.size());
-    std::vector<char> is_open(cores.sizes.size());
-    for (std::size_t v = 0; v < hole.size(); ++v) {
-      if (cores.part[v] < 0) continue;
-      if (mouths.part[v] >= 0) openings[index(cores.part[v])].insert(mouths.part[v]);
-      if (is_outside[index(rooms.part[v])] != 0) is_open[index(cores.part[v])] = 1;
-    }
-    for (std::size_t v = 0; v < hole.size(); ++v) {
-      if (cores.part[v] < 0 || is_open[index(cores.part[v])] == 0 || openings[index(cores.part[v])].size() > 1)
-        continue;
-      if (expected == nullptr || expected->depth[v] <= deep_in_expected * size_mm_) hole[v] = 0;
-    }
+    for (std::size_t v = 0; v < hole.size(); ++v)
+      if (hole[v] != 0 && is_outside[index(rooms.part[v])] != 0) hole[v] = 0;
   }
 
   void find_holes_and_bridges() {
@@ -186,15 +166,12 @@ class Signs {
         [&](std::size_t v) { return there_.labels[v] == 0 && fit_.inside[v] != 0 && fit_.depth[v] > deep_mm; });
     auto bridge =
         voxels_where([&](std::size_t v) { return main_[v] != 0 && fit_.inside[v] == 0 && fit_.to[v] > far_mm; });
-    share_of_large(hole);
-    std::optional<Body> expected;
-    if (expected_[of_]) expected.emplace(voxelise(*expected_[of_], there_.grid), there_.grid);
-    leave_bays(hole, expected ? &*expected : nullptr);
+    if (!expected_[of_]) leave_cavities(hole);
     signs_.holes = share_of_large(hole);
     signs_.bridges = share_of_large(bridge);
     std::vector<std::uint8_t> filled(main_.size());  // where a hole may be filled beyond the fit
     std::vector<std::uint8_t> bar(main_.size());
-    if (expected) find_tunnels_and_bars(*expected, hole, bar, filled);
+    if (expected_[of_]) find_tunnels_and_bars(hole, bar, filled);
     for (std::size_t v = 0; v < main_.size(); ++v) bridge[v] |= bar[v];
     // The rest of each hole reaches up to the surface, and that of each bridge back to it.
     if (const Body core(std::move(hole), there_.grid); core.voxels > 0)
@@ -217,11 +194,12 @@ class Signs {
 
   /// A fit follows a narrow tunnel, and leaves thin bars out. A ball that does not enter the one, and has no room in
   /// the other, tells them from the expected shape's own. Adds the tunnels to `hole`.
-  void find_tunnels_and_bars(const Body& expected, std::vector<std::uint8_t>& hole, std::vector<std::uint8_t>& bar,
+  void find_tunnels_and_bars(std::vector<std::uint8_t>& hole, std::vector<std::uint8_t>& bar,
                              std::vector<std::uint8_t>& filled) {
     constexpr double ball = 0.14, deep_in_closed = 0.08, deep_in_expected = 0.03,
                      off_both = 0.06;  // shares of the size
     const double ball_mm = ball * size_mm_, off_mm = std::max(off_both * size_mm_, coarse_mm());
+    const Body expected(voxelise(*expected_[of_], there_.grid), there_.grid);
     const Body wide(voxels_where([&](std::size_t v) { return own_.to[v] <= ball_mm; }), there_.grid);
     const Body closed(voxels_where([&](std::size_t v) {
                         return own_.inside[v] != 0 || (wide.inside[v] != 0 && wide.depth[v] > ball_mm);

@@ -141,10 +141,10 @@ const Framebuffer* ViewPictures::space(const Scene& scene, const Camera3D& camer
   const FaintLayer* layer = nullptr;
   Scene over = scene, faint;
   if (moving) {
-    const auto first =
-        std::ranges::stable_partition(over.meshes, [](const MeshLayer& x) { return x.surface_opacity >= 1; });
-    faint.meshes.assign(first.begin(), first.end());
-    over.meshes.erase(first.begin(), first.end());
+    const auto first = std::stable_partition(over.meshes.begin(), over.meshes.end(),
+                                             [](const MeshLayer& x) { return x.surface_opacity >= 1; });
+    faint.meshes.assign(first, over.meshes.end());
+    over.meshes.erase(first, over.meshes.end());
     faint.image = scene.image;
     faint.planes = scene.planes;
     if (!faint.meshes.empty()) layer = faint_of(faint, camera, target);

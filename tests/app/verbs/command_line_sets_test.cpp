@@ -744,6 +744,8 @@ TEST_CASE("repair takes an island away, keeps the rest, and writes a worklist") 
   REQUIRE(one["structures"].size() == 2);
   CHECK(one["structures"][0]["defects"] == Json::array({{{"kind", "island"}, {"with", nullptr}}}));
   CHECK(one["structures"][0]["changed_voxels"] == 18);
+  CHECK(one["found"] == "kidney_left: island");
+  CHECK(mended.errors.find("has speck, for which the set has no template; left as they are") != std::string::npos);
   CHECK(one["structures"][1]["defects"].empty());
   CHECK(one["structures"][1]["changed_voxels"] == 0);
   for (const Json& structure : one["structures"]) CHECK(structure["confidence"].get<double>() > 0.8);

@@ -8,9 +8,11 @@
 
 #include "core/experiment/corrupt_labels.h"
 #include "core/mesh/isosurface.h"
+#include "core/mesh/mesh_quality.h"
 #include "core/structures/level_names.h"
 #include "core/structures/right_names.h"
 #include "core/structures/set_model.h"
+#include "core/structures/voxel_body.h"
 #include "tests/must.h"
 #include "tests/refusal.h"
 #include "tests/stones.h"
@@ -134,6 +136,69 @@ TEST_CASE("a tunnel that the fit follows is seen against the expected shape, and
   CHECK(pierced.tunnels > 0.0085);
   const StructureSigns barred = signs_of(made_wrong(DefectKind::bridge, 11).map, whole);
   CHECK(barred.bars > 0.004);
+}
+
+TEST_CASE("where nothing is expected a bay that the fit bridges is no hole, and a cavity is one") {
+  const Mesh whole = test::must(mask_surface(stone_map().volume, 3, 0));
+  const Vec3 middle = whole.points.colwise().mean().transpose();
+  const double size_mm = std::cbrt(1000 * std::abs(enclosed_volume_ml(whole)));
+  // The stone with a ball taken out of its middle, and with a way from there to the outside too.
+  const auto hollow = [&](bool open) {
+    VolumeRead map = stone_map();
+    const VolumeGeometry& grid = map.volume.geometry;
+    std::visit(
+        [&](auto& voxels) {
+          for (std::size_t v = 0; v < voxels.size(); ++v) {
+            const Vec3 off = place_of_voxel(grid, v) - middle;
+            const bool on_the_way = open && off.z() > 0 && off.head<2>().norm() < 0.1 * size_mm;
+            if (rounded_label(voxels[v]) == 3 && (off.norm() < 0.2 * size_mm || on_the_way)) voxels[v] = 0;
+          }
+        },
+        map.volume.data);
+    return map;
+  };
+  for (const bool open : {false, true}) {
+    CAPTURE(open);
+    const VolumeRead map = hollow(open);
+    const SetInMap subject = find_in_map(the_set().set, map, 0);
+    FittedSet fitted = test::must(fit_set(the_set(), subject, {}));
+    fitted.structures[2].fit->mesh = whole;
+    std::vector<std::optional<Mesh>> expected(stones);
+    const double alone = structure_signs(the_set(), map, 0, subject, fitted, expected)[2].holes;
+    expected[2] = whole;
+    const double beside_others = structure_signs(the_set(), map, 0, subject, fitted, expected)[2].holes;
+    CHECK(beside_others > 0.01);
+    CHECK(alone == doctest::Approx(open ? 0 : beside_others));
+  }
+}
+
+TEST_CASE("an island within another structure becomes a part of it") {
+  VolumeRead map = stone_map();
+  const Mesh host = test::must(mask_surface(map.volume, 4, 0));
+  const Vec3 middle = host.points.colwise().mean().transpose();
+  std::size_t put_in = 0;
+  std::visit(
+      [&](auto& voxels) {
+        for (std::size_t v = 0; v < voxels.size(); ++v)
+          if (rounded_label(voxels[v]) == 4 && (place_of_voxel(map.volume.geometry, v) - middle).norm() < 3)
+            voxels[v] = 2, ++put_in;
+      },
+      map.volume.data);
+  REQUIRE(put_in > 3);
+  const RepairedMap found = test::must(repair_map(the_set(), map, 0));
+  CHECK(has_kind(found.structures[1], DefectKind::island));
+  CHECK(map.volume.data == stone_map().volume.data);
+}
+
+TEST_CASE("a structure without neighbours that say where it belongs is never quite sure") {
+  SetOfTemplates alone;
+  alone.set.structures = {the_set().set.structures[2]};
+  alone.set.structures[0].neighbours.clear();
+  alone.templates = {the_set().templates[2]};
+  VolumeRead map = stone_map();
+  const RepairedMap found = test::must(repair_map(alone, map, 0));
+  CHECK(found.structures[0].confidence > 0.7);
+  CHECK(found.structures[0].confidence <= 0.85);
 }
 
 TEST_CASE("a neighbour that took a part is named, and gives it back") {

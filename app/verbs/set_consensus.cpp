@@ -54,8 +54,6 @@ struct MeanStructure {
   std::vector<std::optional<Vec3>> middles;
 };
 
-const std::string no_voxel_of = "has no voxel of ";
-
 /// One structure's labels in those maps that have voxels of it.
 struct LabelsOfOne {
   Cohort cohort;
@@ -63,27 +61,27 @@ struct LabelsOfOne {
   std::vector<std::string> warnings;  ///< which maps could not be used, and why
 };
 
-Result<CohortMap> read_label(const fs::path& map, const TemplateSet& set, std::size_t structure, Progress& progress) {
+/// `lacks_voxels`: whether the map shows nothing of the structure, which is no fault.
+Result<CohortMap> read_label(const fs::path& map, const TemplateSet& set, std::size_t structure, char& lacks_voxels,
+                             Progress& progress) {
   const auto read = read_subject(map, std::nullopt, progress);
   if (!read) return fail(read.error());
   SetInMap there = find_in_map(set, read->read);
   StructureInMap& one = there.structures[structure];
   if (!one.why_left_out.empty()) return fail(map.string(), set.structures[structure].name + ": " + one.why_left_out);
-  if (!one.is_there()) return fail(map.string(), no_voxel_of + set.structures[structure].name);
+  lacks_voxels = one.is_there() ? 0 : 1;
+  if (!one.is_there()) return fail(map.string(), "has no voxel of " + set.structures[structure].name);
   return CohortMap{std::move(*one.mask), one.segment.value, 0};
-}
-
-/// Whether a map shows nothing of a structure, which is no fault.
-bool lacks_voxels(const Result<CohortMap>& label) {
-  return !label && label.error().what.starts_with(no_voxel_of);
 }
 
 Result<LabelsOfOne> read_labels_of(const SetJob& job, const StructuresOfAll& all, std::size_t structure,
                                    Progress& progress) {
+  const std::vector<std::size_t>& maps = all.maps[structure];
+  std::vector<char> lacks_voxels(maps.size());
   std::vector<CohortMember> members;
-  for (const std::size_t m : all.maps[structure])
-    members.push_back({case_name_of(job.maps[m]), [&job, &all, m, structure](Progress& reading) {
-                         return read_label(job.maps[m], all.set, structure, reading);
+  for (std::size_t k = 0; k < maps.size(); ++k)
+    members.push_back({case_name_of(job.maps[maps[k]]), [&, k, structure](Progress& reading) {
+                         return read_label(job.maps[maps[k]], all.set, structure, lacks_voxels[k], reading);
                        }});
   MaskTemplateOptions making;
   making.vertices = job.vertices;
@@ -94,7 +92,7 @@ Result<LabelsOfOne> read_labels_of(const SetJob& job, const StructuresOfAll& all
   for (std::size_t k = 0; k < members.size(); ++k) {
     const auto label = members[k].read(progress);
     if (!label) {
-      if (!lacks_voxels(label)) labels.warnings.push_back(label.error().sentence() + "; it is not in the mean");
+      if (lacks_voxels[k] == 0) labels.warnings.push_back(label.error().sentence() + "; it is not in the mean");
       continue;
     }
     auto boundary = label_boundary(label->volume, label->label, 0, closing->closing_mm, job.vertices);
@@ -104,7 +102,7 @@ Result<LabelsOfOne> read_labels_of(const SetJob& job, const StructuresOfAll& all
     }
     labels.cohort.names.push_back(members[k].name);
     labels.cohort.boundaries.push_back(std::move(*boundary));
-    labels.maps.push_back(all.maps[structure][k]);
+    labels.maps.push_back(maps[k]);
   }
   return labels;
 }

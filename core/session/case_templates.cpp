@@ -41,8 +41,11 @@ std::string found_again(const std::string& source, const fs::path& folder) {
 Result<std::shared_ptr<const Template>> CaseTemplates::load(const std::string& source) const {
   auto& known = known_->templates;
   if (const auto found = known.find(source); found != known.end()) return found->second;
-  auto read = load_template(found_again(source, case_folder_));
+  const std::string found_at = found_again(source, case_folder_);
+  auto read = load_template(found_at);
   if (!read) return fail(read.error());
+  if (found_at != source)
+    known_->warnings.push_back(source + ": is not there; " + found_at + " was taken in its place");
   known.insert_or_assign(source, *read);
   return *read;
 }

@@ -75,7 +75,7 @@ class Signs {
     const auto main = static_cast<std::int32_t>(std::ranges::max_element(parts.sizes) - parts.sizes.begin());
     main_ = std::vector<std::uint8_t>(own_.inside.size(), 0);
     const std::size_t row = index(there_.grid.dims[0]), plane = row * index(there_.grid.dims[1]);
-    std::vector<std::optional<int>> around(parts.sizes.size());
+    const std::vector<int> around = labels_around(parts);
     for (std::size_t v = 0; v < main_.size(); ++v) {
       if (parts.part[v] < 0) continue;
       const std::array<int, 3> here{static_cast<int>(v % row), static_cast<int>(v % plane / row),
@@ -96,9 +96,7 @@ class Signs {
       // A part that the fit holds is one of its own, which a gap of a voxel parts from it.
       if (fit_.inside[v] != 0) continue;
       signs_.islands += share(1);
-      auto& label = around[index(parts.part[v])];
-      if (!label) label = label_around_island(parts, parts.part[v]);
-      change(v, *label, signs_.without_islands);
+      change(v, around[index(parts.part[v])], signs_.without_islands);
     }
   }
 
@@ -129,22 +127,23 @@ class Signs {
     return at_border;
   }
 
-  /// The label that an island lies in; 0 where it has none around it, or several.
-  int label_around_island(const VoxelComponents& parts, std::int32_t part) const {
+  /// The label that each part lies in; 0 where it has none around it, or several.
+  std::vector<int> labels_around(const VoxelComponents& parts) const {
     constexpr double nearly_all = 0.8;
-    std::map<int, std::size_t> beside;
-    std::size_t all = 0;
-    for (std::size_t v = 0; v < parts.part.size(); ++v) {
-      if (parts.part[v] != part) continue;
-      for_each_beside(v, [&](std::size_t other) {
-        if (parts.part[other] == part) return;
-        ++beside[there_.labels[other]];
-        ++all;
-      });
+    std::vector<std::map<int, std::size_t>> beside(parts.sizes.size());
+    for (std::size_t v = 0; v < parts.part.size(); ++v)
+      if (parts.part[v] >= 0)
+        for_each_beside(v, [&](std::size_t other) {
+          if (parts.part[other] != parts.part[v]) ++beside[index(parts.part[v])][there_.labels[other]];
+        });
+    std::vector<int> around(beside.size());
+    for (std::size_t part = 0; part < beside.size(); ++part) {
+      std::size_t all = 0;
+      for (const auto& [label, count] : beside[part]) all += count;
+      for (const auto& [label, count] : beside[part])
+        if (label > 0 && static_cast<double>(count) >= nearly_all * static_cast<double>(all)) around[part] = label;
     }
-    for (const auto& [label, count] : beside)
-      if (label > 0 && static_cast<double>(count) >= nearly_all * static_cast<double>(all)) return label;
-    return 0;
+    return around;
   }
 
   /// Leaves holes that the label encloses. One that is open may be the organ's own form that the fit bridges, as the

@@ -1,6 +1,7 @@
 #include "app/editor/drawing/view_pictures.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <tuple>
 #include <utility>
@@ -138,16 +139,18 @@ const Framebuffer* ViewPictures::space(const Scene& scene, const Camera3D& camer
       drawn.content_scale == target.content_scale && same(drawn.camera, camera) && same_scene(drawn.scene, scene);
   if (current) return drawn.framebuffer.get();
   // Dozens of meshes that are seen through take most of the time, and stay while one is dragged.
+  const auto is_faint = [](const MeshLayer& mesh) { return mesh.surface_opacity < 1; };
   const FaintLayer* layer = nullptr;
-  Scene over = scene, faint;
-  if (moving) {
-    const auto first = std::stable_partition(over.meshes.begin(), over.meshes.end(),
-                                             [](const MeshLayer& x) { return x.surface_opacity >= 1; });
+  Scene over;
+  if (moving && std::ranges::any_of(scene.meshes, is_faint)) {
+    Scene faint;
+    over = scene;
+    const auto first = std::stable_partition(over.meshes.begin(), over.meshes.end(), std::not_fn(is_faint));
     faint.meshes.assign(first, over.meshes.end());
     over.meshes.erase(first, over.meshes.end());
     faint.image = scene.image;
     faint.planes = scene.planes;
-    if (!faint.meshes.empty()) layer = faint_of(faint, camera, target);
+    layer = faint_of(faint, camera, target);
   }
   drawn.framebuffer->bind();
   auto done = layer != nullptr ? renderer_->draw(over, camera, target, *layer) : renderer_->draw(scene, camera, target);

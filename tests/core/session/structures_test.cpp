@@ -199,8 +199,8 @@ TEST_CASE("a case that was begun without a file finds its templates where its fo
     done = session.document();
   }
   fs::create_directories(folder.folder.path / "elsewhere" / "deep");
-  fs::rename(project, folder.folder.path / "elsewhere" / "deep" / "project");
-  const fs::path moved = folder.folder.path / "elsewhere" / "deep" / "project" / "saved.homolog";
+  fs::rename(project, folder.folder.path / "elsewhere" / "deep" / "renamed");
+  const fs::path moved = folder.folder.path / "elsewhere" / "deep" / "renamed" / "saved.homolog";
   // The first line names the first template from where it was saved.
   std::string text = read_whole_file(moved).value();
   const std::string name = folder.template_path.filename().string();
@@ -209,6 +209,8 @@ TEST_CASE("a case that was begun without a file finds its templates where its fo
   const auto after = read_case(moved);
   REQUIRE_MESSAGE(after, after.error().sentence());
   CHECK(points_of(after->session, "s2") == *done->view("s2")->shape.points);
+  REQUIRE(after->warnings.size() == 1);
+  CHECK(after->warnings.front().ends_with("set/s.ply was taken in its place"));
 }
 
 TEST_CASE("what no case can do with structures is refused in a sentence") {

@@ -14,6 +14,7 @@ namespace {
 /// Whether a step works on one of these structures.
 bool is_of(const EditStep& step, const std::set<std::string>& ids) {
   if (const auto* set = std::get_if<SetStructure>(&step.action)) return ids.contains(set->id);
+  if (const auto* gone = std::get_if<RemoveStructure>(&step.action)) return ids.contains(gone->id);
   return ids.contains(step.of);
 }
 

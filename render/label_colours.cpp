@@ -13,7 +13,7 @@ Rgb label_colour(int label) {
 }
 
 Rgb label_colour(int label, const std::map<int, Rgb>* own) {
-  if (own == nullptr || label > label_colour_count) return label_colour(label);
+  if (own == nullptr) return label_colour(label);
   const auto found = own->find(label);
   return found == own->end() ? label_colour(label) : found->second;
 }

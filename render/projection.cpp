@@ -1,5 +1,6 @@
 #include "render/projection.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
@@ -9,6 +10,11 @@ namespace {
 
 /// Farther than any scan reaches from its middle, and small enough for the depth buffer to part a hundredth of a mm.
 constexpr double reach_mm = 5000;
+
+/// How far a camera sees: shapes in another unit than mm, and a gallery of many, need it to be far off.
+double reach_of(const Camera3D& camera) {
+  return std::max(reach_mm, 4 * camera.distance_mm);
+}
 
 /// The camera's axes in LPS; `back` points at the eye.
 struct Axes {
@@ -38,8 +44,8 @@ glm::mat4 eye_from_mm(const Vec3& eye, const Axes& axes) {
                                glm::dvec3(axes.up.x(), axes.up.y(), axes.up.z())));
 }
 
-glm::mat4 orthographic(double half_width_mm, double half_height_mm) {
-  return glm::mat4(glm::ortho(-half_width_mm, half_width_mm, -half_height_mm, half_height_mm, -reach_mm, reach_mm));
+glm::mat4 orthographic(double half_width_mm, double half_height_mm, double far_mm) {
+  return glm::mat4(glm::ortho(-half_width_mm, half_width_mm, -half_height_mm, half_height_mm, -far_mm, far_mm));
 }
 
 glm::vec2 size_of(const Target& target) {
@@ -50,8 +56,8 @@ glm::vec2 size_of(const Target& target) {
 
 Projection projection_of(const SliceView& view, const Target& target) {
   return {eye_from_mm(view.centre, {view.right, -view.down, -view.normal()}),
-          orthographic(target.width * view.mm_per_px / 2, target.height * view.mm_per_px / 2), size_of(target),
-          target.content_scale};
+          orthographic(target.width * view.mm_per_px / 2, target.height * view.mm_per_px / 2, reach_mm),
+          size_of(target), target.content_scale};
 }
 
 Projection projection_of(const Camera3D& camera, const Target& target) {
@@ -59,10 +65,10 @@ Projection projection_of(const Camera3D& camera, const Target& target) {
   const double half_width_mm = target.width / 2.0 / scale, half_height_mm = target.height / 2.0 / scale;
   const glm::mat4 eye = eye_from_mm(eye_of(camera), axes_of(camera));
   if (camera.fov_deg <= 0)
-    return {eye, orthographic(half_width_mm, half_height_mm), size_of(target), target.content_scale};
+    return {eye, orthographic(half_width_mm, half_height_mm, reach_of(camera)), size_of(target), target.content_scale};
   const double near_mm = camera.distance_mm / 50, shrink = near_mm / camera.distance_mm;
   const glm::mat4 clip(glm::frustum(-half_width_mm * shrink, half_width_mm * shrink, -half_height_mm * shrink,
-                                    half_height_mm * shrink, near_mm, camera.distance_mm + reach_mm));
+                                    half_height_mm * shrink, near_mm, camera.distance_mm + reach_of(camera)));
   return {eye, clip, size_of(target), target.content_scale};
 }
 

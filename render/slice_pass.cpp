@@ -12,20 +12,17 @@
 namespace homolog {
 namespace {
 
-/// The colours of the labels from 1 on, clear where one is hidden. They repeat behind the last; what is hidden does
-/// not. `last`: the largest label.
+/// The colours of the labels from 1 on, label_colour_count a row, clear where one is hidden. `last`: the largest label.
 gl::Texture make_label_colours(const std::map<int, Rgb>* own, const std::set<int>* hidden, int last) {
-  constexpr int most_turns = 64;
-  if (hidden == nullptr) last = 1;
-  const int turns = std::clamp((last + label_colour_count - 1) / label_colour_count, 1, most_turns);
+  const int rows = (last + label_colour_count - 1) / label_colour_count;
   std::vector<float> colours;
-  for (int label = 1; label <= turns * label_colour_count; ++label) {
+  for (int label = 1; label <= rows * label_colour_count; ++label) {
     for (const float channel : label_colour(label, own)) colours.push_back(channel);
     colours.push_back(hidden != nullptr && hidden->contains(label) ? 0.0f : 1.0f);
   }
   gl::Texture texture = gl::Texture::make();
   glBindTexture(GL_TEXTURE_2D, texture.name());
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, turns * label_colour_count, 1, 0, GL_RGBA, GL_FLOAT, colours.data());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, label_colour_count, rows, 0, GL_RGBA, GL_FLOAT, colours.data());
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glBindTexture(GL_TEXTURE_2D, 0);
@@ -97,12 +94,13 @@ void SlicePass::draw(const Scene& scene, const PlaneInSpace& part, const Project
       labels.labels && labels.opacity > 0 ? textures_.of(labels.labels, labels.frame) : nullptr;
   if (image_texture == nullptr && label_texture == nullptr) return;
 
-  if (label_texture != nullptr && (labels.colours != own_colours_ || labels.hidden != hidden_)) {
+  const int last =
+      label_texture != nullptr ? static_cast<int>(std::clamp(labels.labels->range_max, 1.0, 65535.0)) : last_label_;
+  if (label_texture != nullptr && (labels.colours != own_colours_ || labels.hidden != hidden_ || last > last_label_)) {
     own_colours_ = labels.colours;
     hidden_ = labels.hidden;
-    const double hidden = hidden_ && !hidden_->empty() ? *hidden_->rbegin() : 1;
-    const double last = std::clamp(std::max(labels.labels->range_max, hidden), 1.0, 65535.0);
-    label_colours_ = make_label_colours(own_colours_.get(), hidden_.get(), static_cast<int>(last));
+    last_label_ = last;
+    label_colours_ = make_label_colours(own_colours_.get(), hidden_.get(), last);
   }
   const gl::Program& program = label_texture != nullptr ? labelled_ : plain_;
   program.use();

@@ -159,7 +159,8 @@ const VolumeTexture* VolumeTextures::of(const std::shared_ptr<const Volume>& vol
       std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.address == volume.get(); });
   Entry entry{volume, volume.get(), frame, std::nullopt};
   std::visit([&](const auto& data) { entry.texture = make_texture(*volume, data, frame); }, volume->data);
-  if (!known && (!entry.texture || entry.texture->reduced())) complaint_ = complaint_about(*volume, entry.texture);
+  if (!known && (!entry.texture || entry.texture->reduced()))
+    complaint_ = (complaint_ ? *complaint_ + ' ' : "") + complaint_about(*volume, entry.texture);
   entries_.push_front(std::move(entry));
   make_room();
   return entries_.front().texture ? &*entries_.front().texture : nullptr;

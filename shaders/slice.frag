@@ -37,8 +37,8 @@ vec4 label_layer() {
   bool edge = label_at(label_position + right) != label || label_at(label_position - right) != label ||
               label_at(label_position + up) != label || label_at(label_position - up) != label;
   float cover = label > 0.0 ? min(edge ? 2.0 * label_opacity : label_opacity, 1.0) : 0.0;
-  int index = (int(label) - 1) % textureSize(label_colours, 0).x;
-  vec4 colour = texelFetch(label_colours, ivec2(max(index, 0), 0), 0);
+  int index = max(int(label) - 1, 0), row = textureSize(label_colours, 0).x;
+  vec4 colour = texelFetch(label_colours, ivec2(index % row, index / row % textureSize(label_colours, 0).y), 0);
   return vec4(colour.rgb, 1.0) * (colour.a * cover);
 }
 #endif

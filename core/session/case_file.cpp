@@ -277,7 +277,7 @@ Result<void> save_case_as(EditSession& session, const fs::path& path) {
   if (journal != nullptr && journal->is_at(path) && journal->fate() == Journal::Fate::as_left) return journal->sync();
   if (auto moved = go_on_in(session, path); !moved) return moved;
   std::error_code error;
-  if (!old.empty() && old.parent_path() == unsaved_folder()) fs::remove(old, error);
+  if (!old.empty() && old != path && old.parent_path() == unsaved_folder()) fs::remove(old, error);
   return {};
 }
 

@@ -59,8 +59,17 @@ Result<void> EditSession::start_at(const Similarity& placement) {
 }
 
 Deformer& EditSession::deformer_of(const Document& document, const std::string& of) {
+  constexpr std::size_t most_kept = 8;
   const Structure* structure = document.structure(of);
-  return deformers_[structure != nullptr ? structure->id : of];
+  const std::string& id = structure != nullptr ? structure->id : of;
+  const auto known = std::ranges::find_if(deformers_, [&](const auto& one) { return one.first == id; });
+  if (known != deformers_.end()) {
+    deformers_.splice(deformers_.begin(), deformers_, known);
+  } else {
+    deformers_.emplace_front(id, Deformer());
+    if (deformers_.size() > most_kept) deformers_.pop_back();
+  }
+  return deformers_.front().second;
 }
 
 void EditSession::prepare(const std::string& of) {

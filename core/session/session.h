@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/case/action.h"
@@ -155,8 +157,9 @@ class EditSession {
   bool joinable_ = false;  ///< the last call of apply() that was no note made a step
   std::uint64_t steps_made_ = 0;
   KeptWithCase kept_;
-  std::vector<LinePlace> kept_lines_;          ///< lines that were counted only, and say what is kept
-  std::map<std::string, Deformer> deformers_;  ///< by structure, each made when it is first moved
+  std::vector<LinePlace> kept_lines_;  ///< lines that were counted only, and say what is kept
+  /// Of the structures that were moved last, by their ids, the latest first: each has a factorisation of its own.
+  std::list<std::pair<std::string, Deformer>> deformers_;
   CaseLines lines_;
   CaseTemplates templates_;
   std::size_t steps_to_checkpoint_ = 0;  ///< before which none is tried again

@@ -57,6 +57,7 @@ struct Parts {
     Volume map;
     map.geometry = mask.geometry;
     map.range_max = label;
+    map.empty_beyond_slices = mask.empty_beyond_slices;
     if (mask.soft) {
       const float* shares =
           std::get<std::vector<float>>(mask.data).data() + static_cast<std::size_t>(frame) * found.part.size();

@@ -8,9 +8,9 @@ MeshFile template_file(const Mesh& mesh, const Json& provenance) {
   MeshFile file;
   file.points = mesh.points;
   file.triangles = mesh.topology;
-  file.stiffness = VertexScalars::Ones(mesh.points.rows());
+  file.stiffness = std::make_shared<const VertexScalars>(VertexScalars::Ones(mesh.points.rows()));
   file.comments.push_back("homolog.units mm");
-  file.comments.push_back("homolog.provenance " + provenance.dump());
+  file.comments.push_back("homolog.provenance " + provenance.dump(-1, ' ', false, Json::error_handler_t::replace));
   return file;
 }
 

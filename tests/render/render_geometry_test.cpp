@@ -412,4 +412,17 @@ TEST_CASE("a solid slice before an organ lets it be seen and still hides what ha
   CHECK(pixel(cut, 95, 100) == pixel(alone, 95, 100));
 }
 
+TEST_CASE("shapes far larger than an organ are drawn too") {
+  for (const double fov_deg : {0.0, 30.0}) {
+    CAPTURE(fov_deg);
+    Scene scene;
+    scene.meshes.push_back(test::layer_of(icosphere(4, 25'000)));
+    scene.background = {0, 0, 0, 1};
+    Camera3D camera;
+    camera.distance_mm = 300'000;
+    camera.fov_deg = fov_deg;
+    CHECK(pixel(picture_of(scene, camera, 200, 200), 100, 100)[0] > 40);
+  }
+}
+
 }  // namespace homolog

@@ -217,10 +217,16 @@ TEST_CASE("labels are laid over the image in their colours by nearest voxel") {
   expect(60, 1);
   expect(100, 300);
   CHECK(label_colour(300) == label_colour(300 - label_colour_count));
-  // A hidden label is not drawn; the one that has its colour stays.
+  // The map's own colour is that of its label alone, beyond 255 too.
   auto known = std::make_shared<Volume>(*scene.labels.labels);
   known->range_max = 300;
   scene.labels.labels = known;
+  scene.labels.colours =
+      std::make_shared<const std::map<int, Rgb>>(std::map<int, Rgb>{{300, {1, 0, 0}}, {45, {0, 0, 1}}});
+  const auto own = pixel(picture_of(scene, axial(Vec3(5.5, 5.5, 1), 0.1), 120, 120), 100, 60);
+  CHECK(own[0] > own[2] + 50);
+  scene.labels.colours = nullptr;
+  // A hidden label is not drawn; the one that has its colour stays.
   scene.labels.hidden = std::make_shared<const std::set<int>>(std::set<int>{300});
   const Picture without = picture_of(scene, axial(Vec3(5.5, 5.5, 1), 0.1), 120, 120);
   CHECK(pixel(without, 60, 60) == pixel(picture, 60, 60));

@@ -23,7 +23,8 @@ inline Result<double> read_a_volume(const std::filesystem::path& path) {
 
 inline double bytes_of(const MeshFile& mesh) {
   double doubles = static_cast<double>(mesh.points.size() + 4 * std::ssize(mesh.landmarks));
-  for (const auto* values : {&mesh.stiffness, &mesh.doubt_mm, &mesh.outlier})
+  if (mesh.stiffness) doubles += static_cast<double>(mesh.stiffness->size());
+  for (const auto* values : {&mesh.doubt_mm, &mesh.outlier})
     if (*values) doubles += static_cast<double>((*values)->size());
   for (const auto& [name, values] : mesh.arrays) doubles += static_cast<double>(values.size());
   return 8 * doubles + 4 * static_cast<double>(mesh.triangles.size()) +

@@ -146,7 +146,7 @@ double memory_gb_per_s() {
 
 struct BenchOptions {
   std::vector<std::filesystem::path> masks;
-  std::filesystem::path mesh;
+  std::filesystem::path mesh, opened;
   int vertices = 2500;
   bool editor = false, study = false;
   int shapes = 1000;
@@ -194,6 +194,12 @@ Result<Report> run_bench(const BenchOptions& options, Progress& progress) {
     report.values["study"] = std::move(*figures);
     return report;
   }
+  if (!options.opened.empty()) {
+    auto figures = figures_of_study(options.opened);
+    if (!figures) return fail(figures.error());
+    report.values["study"] = std::move(*figures);
+    return report;
+  }
   if (!options.editor) {
     report.values["cores"] = std::thread::hardware_concurrency();
     report.values["memory_gb_per_s"] = memory_gb_per_s();
@@ -236,6 +242,12 @@ void add_lab_bench(CLI::App& app, CommandLine& asked) {
                     ->excludes(masks)
                     ->excludes(one_mesh)
                     ->excludes(editor);
+  verb->add_option("--opened", options->opened, "Instead: the same of a study of your own (.study.json)")
+      ->check(CLI::ExistingFile)
+      ->excludes(masks)
+      ->excludes(one_mesh)
+      ->excludes(editor)
+      ->excludes(study);
   verb->add_option("--shapes", options->shapes, "Shapes of that study")
       ->check(CLI::Range(2, 100000))
       ->needs(study)

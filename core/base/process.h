@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,8 @@ void become_program(const std::filesystem::path& program, char** argv);
 /// Runs a program of the system to its end, found as a shell finds it: `words` are its name and its arguments. It reads
 /// and prints nothing. Whether it is there and ended with status 0.
 bool run_silently(const std::vector<std::string>& words);
+/// The same, with what it prints; nothing where it is not there or ended otherwise.
+std::optional<std::string> printed_by(const std::vector<std::string>& words);
 
 /// How long the calling thread has had a core, in ms. Other programs that take turns do not count.
 double thread_core_ms();

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -45,14 +46,20 @@ void become_program(const fs::path& program, char** argv) {
   ::execv(program.c_str(), argv);
 }
 
-bool run_silently(const std::vector<std::string>& words) {
+namespace {
+
+/// Whether the program is there and ended with status 0. `prints_to`: a file descriptor; negative: nowhere.
+bool ran(const std::vector<std::string>& words, int prints_to) {
   std::vector<char*> argv;
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   posix_spawn_file_actions_t files;
   if (::posix_spawn_file_actions_init(&files) != 0) return false;
   ::posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  if (prints_to < 0)
+    ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  else
+    ::posix_spawn_file_actions_adddup2(&files, prints_to, STDOUT_FILENO);
   ::posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   pid_t process = -1;
   const int error = ::posix_spawnp(&process, argv.front(), &files, nullptr, argv.data(), environ);
@@ -62,6 +69,26 @@ bool run_silently(const std::vector<std::string>& words) {
   while (::waitpid(process, &status, 0) < 0)
     if (errno != EINTR) return false;
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+}  // namespace
+
+bool run_silently(const std::vector<std::string>& words) {
+  return ran(words, -1);
+}
+
+std::optional<std::string> printed_by(const std::vector<std::string>& words) {
+  std::FILE* const file = std::tmpfile();
+  if (file == nullptr) return std::nullopt;
+  std::optional<std::string> printed;
+  if (ran(words, ::fileno(file))) {
+    printed.emplace();
+    std::rewind(file);
+    for (std::array<char, 4096> part{}; const std::size_t count = std::fread(part.data(), 1, part.size(), file);)
+      printed->append(part.data(), count);
+  }
+  std::fclose(file);
+  return printed;
 }
 
 double thread_core_ms() {

@@ -36,7 +36,7 @@ Structure new_structure(std::shared_ptr<const Template> the_template, const Simi
 
 MeshFile painted_template(const Structure& structure) {
   MeshFile file = to_mesh_file(*structure.the_template);
-  file.stiffness = *structure.paint.stiffness;
+  file.stiffness = structure.paint.stiffness;
   file.stiffness_base = structure.paint.base;
   file.regions = *structure.paint.regions;
   return file;

@@ -84,7 +84,7 @@ Result<void> check_parts(const MeshFile& mesh) {
         return fail("", "a face names vertex " + std::to_string(vertex) + " of " + std::to_string(vertices) +
                             " (counted from 0), so it is not written; correct the mesh");
   const auto fits = [&](const VertexScalars& values) { return values.size() == vertices; };
-  const auto fits_if_there = [&](const std::optional<VertexScalars>& values) { return !values || fits(*values); };
+  const auto fits_if_there = [&](const auto& values) { return !values || fits(*values); };
   const bool all_fit = fits_if_there(mesh.stiffness) && fits_if_there(mesh.outlier) && fits_if_there(mesh.doubt_mm) &&
                        std::ranges::all_of(mesh.values, [&](const auto& one) { return fits(one.second); });
   if (!all_fit)

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,7 +31,7 @@ constexpr double default_stiffness_base = 3;
 struct MeshFile {
   Points points;                                   ///< n×3, LPS mm (flipped on reading where the file says SPACE=RAS)
   SharedTriangles triangles;                       ///< m×3; empty for a `.particles` file
-  std::optional<VertexScalars> stiffness;          ///< per-vertex factors, > 0
+  std::shared_ptr<const VertexScalars> stiffness;  ///< per-vertex factors, > 0; null: none. Meshes of one kind share it
   double stiffness_base = default_stiffness_base;  ///< `comment homolog.stiffness_base B`; w_i = base × factor_i
   std::optional<VertexScalars> outlier;            ///< of a partial fit, 1: see FitResult::outliers; not by OBJ, STL
   std::optional<VertexScalars> doubt_mm;           ///< of a fit, per vertex: see FitResult; not by OBJ, STL

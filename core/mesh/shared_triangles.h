@@ -1,9 +1,7 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <utility>
-#include <vector>
 
 #include "core/mesh/topology.h"
 
@@ -48,23 +46,6 @@ class SharedTriangles {
     return empty;
   }
   std::shared_ptr<const Triangles> triangles_ = none();
-};
-
-/// Finds what is the same among triangles that come one after the other, from several threads.
-class KnownTriangles {
- public:
-  /// Takes the same ones that came before in place of these.
-  void share(SharedTriangles& triangles) {
-    constexpr std::size_t most = 16;  // templates of one study
-    const std::lock_guard lock(mutex_);
-    for (const SharedTriangles& known : known_)
-      if (known == triangles) return void(triangles = known);
-    if (known_.size() < most) known_.push_back(triangles);
-  }
-
- private:
-  std::mutex mutex_;
-  std::vector<SharedTriangles> known_;
 };
 
 }  // namespace homolog

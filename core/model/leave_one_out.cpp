@@ -135,11 +135,21 @@ Eigen::VectorXd left_out_distances(const PrincipalComponents& components, Eigen:
 }
 
 Eigen::MatrixXd left_out_errors(const PrincipalComponents& components, Eigen::Index modes) {
-  Eigen::MatrixXd errors(components.scatter.size(), components.shapes());
-  in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
-    for (Eigen::Index i = first; i < last; ++i) errors.col(i) = LeaveOneOut(components, i).error(modes);
-  });
-  return components.weights() * errors;
+  const Eigen::MatrixXd weights = components.weights();
+  Eigen::MatrixXd combinations(weights.rows(), components.shapes());
+  constexpr Eigen::Index block = 64;  // a table of all errors would be as large as the weights
+  in_parallel(
+      components.shapes(),
+      [&](Eigen::Index first, Eigen::Index last) {
+        Eigen::MatrixXd errors(weights.cols(), block);
+        for (Eigen::Index i = first; i < last; i += block) {
+          const Eigen::Index count = std::min(block, last - i);
+          for (Eigen::Index k = 0; k < count; ++k) errors.col(k) = LeaveOneOut(components, i + k).error(modes);
+          combinations.middleCols(i, count).noalias() = weights * errors.leftCols(count);
+        }
+      },
+      block);
+  return combinations;
 }
 
 }  // namespace homolog

@@ -103,7 +103,7 @@ Result<std::shared_ptr<const MeshFile>> ShapesOfFile::shape(const WhichShape& wh
 namespace {
 
 /// `known`: null where no other shapes are read.
-ShapesOfFile shapes_sharing(const Document& document, KnownTriangles* known) {
+ShapesOfFile shapes_sharing(const Document& document, KnownParts* known) {
   ShapesOfFile shapes;
   shapes.shown = document.frame;
   for (const auto& structure : document.structures) {
@@ -117,7 +117,7 @@ ShapesOfFile shapes_sharing(const Document& document, KnownTriangles* known) {
       for (Landmark& landmark : carried_landmarks(*structure->the_template, file.points))
         if (!shape.landmarks.contains(landmark.name)) file.landmarks.push_back(std::move(landmark));
       if (shape.confirmed) file.arrays["confirmed"] = *shape.confirmed;
-      if (known != nullptr) known->share(file.triangles);
+      if (known != nullptr) known->share(file);
       of.frames[frame] = std::make_shared<const MeshFile>(std::move(file));
       if (shape.strokes > 0) of.edited.push_back(frame);
     }
@@ -126,7 +126,7 @@ ShapesOfFile shapes_sharing(const Document& document, KnownTriangles* known) {
 }
 
 /// The same of a file. `known`: null where nothing else is read.
-Result<ShapesOfFile> read_sharing(const fs::path& file, KnownTriangles* known) {
+Result<ShapesOfFile> read_sharing(const fs::path& file, KnownParts* known) {
   if (auto numbered = check_numbering(file); !numbered) return fail(numbered.error());
   if (is_case_file(file)) {
     ReplayOptions options;
@@ -141,12 +141,28 @@ Result<ShapesOfFile> read_sharing(const fs::path& file, KnownTriangles* known) {
   if (!mesh) return fail(mesh.error());
   ShapesOfFile shapes;
   for (const std::string& warning : mesh->warnings) shapes.warnings.push_back(file.string() + ": " + warning);
-  if (known != nullptr) known->share(mesh->triangles);
+  if (known != nullptr) known->share(*mesh);
   shapes.structures.push_back({{}, {{0, std::make_shared<const MeshFile>(std::move(*mesh))}}, {}});
   return shapes;
 }
 
 }  // namespace
+
+void KnownParts::share(MeshFile& mesh) {
+  constexpr std::size_t most = 16;  // templates of one study
+  const std::lock_guard lock(mutex_);
+  const auto take_known = [](auto& list, auto& part, const auto& is_same) {
+    const auto known = std::ranges::find_if(list, [&](const auto& one) { return is_same(one, part); });
+    if (known != list.end())
+      part = *known;
+    else if (list.size() < most)
+      list.push_back(part);
+  };
+  take_known(triangles_, mesh.triangles, std::equal_to());
+  if (mesh.stiffness)
+    take_known(stiffness_, mesh.stiffness,
+               [](const auto& a, const auto& b) { return a->size() == b->size() && *a == *b; });
+}
 
 ShapesOfFile shapes_of(const Document& document) {
   return shapes_sharing(document, nullptr);
@@ -159,7 +175,7 @@ Result<ShapesOfFile> read_shapes_of(const fs::path& file) {
 Result<ShapesOfFile> read_shapes_of(const fs::path& file, ReadTogether& together) {
   std::unique_lock lock(together.one_image, std::defer_lock);
   if (is_case_file(file) && shapes_need_image(file)) lock.lock();
-  return read_sharing(file, &together.triangles);
+  return read_sharing(file, &together.parts);
 }
 
 Result<std::shared_ptr<const MeshFile>> read_shape(const ShapeSource& source) {

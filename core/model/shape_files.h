@@ -50,10 +50,23 @@ ShapesOfFile shapes_of(const Document& document);
 /// read_case's, an STL file, which keeps no vertices.
 Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file);
 
+/// Finds what is the same in meshes that come one after the other, from several threads: those of a study have one
+/// template.
+class KnownParts {
+ public:
+  /// Takes the faces and the stiffness that came before in place of the same ones of this mesh.
+  void share(MeshFile& mesh);
+
+ private:
+  std::mutex mutex_;
+  std::vector<SharedTriangles> triangles_;
+  std::vector<std::shared_ptr<const VertexScalars>> stiffness_;
+};
+
 /// What threads share that read many files.
 struct ReadTogether {
-  std::mutex one_image;      ///< held while a case is read with its image: images of several would take much memory
-  KnownTriangles triangles;  ///< of the meshes that were read
+  std::mutex one_image;  ///< held while a case is read with its image: images of several would take much memory
+  KnownParts parts;      ///< of the meshes that were read
 };
 Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file, ReadTogether& together);
 

@@ -57,12 +57,14 @@ const SolidTemplate& mean_kidney() {
                                       {"inferior hilar notch", place(24, 0, -24)}});
     // Capsule 5, hilum 1 [Erdt 2009, §2.1], with a soft edge.
     made.mesh.regions.list = {{"capsule", 5, {224, 164, 88}}, {"hilum", 1, {96, 165, 214}}};
-    for (Eigen::Index i = 0; i < made.mesh.points.rows(); ++i) {
+    VertexScalars stiffness(made.mesh.points.rows());
+    for (Eigen::Index i = 0; i < stiffness.size(); ++i) {
       const double from_recess_mm = recess(straightened(Vec3(made.mesh.points.row(i)) + made.centre_mm));
       const double capsule = smooth_step(2, 12, from_recess_mm);
-      (*made.mesh.stiffness)[i] = 1 + 4 * capsule;
+      stiffness[i] = 1 + 4 * capsule;
       made.mesh.regions.of_vertex.push_back(capsule >= 0.5 ? 1 : 2);
     }
+    made.mesh.stiffness = std::make_shared<const VertexScalars>(std::move(stiffness));
     return made;
   }();
   return kidney;

@@ -71,7 +71,7 @@ SolidTemplate template_of(Solid solid, const Box& box, int vertices, const std::
     result.mesh.landmarks.push_back({name, place - result.centre_mm});
   }
   result.mesh.points.rowwise() -= result.centre_mm.transpose();
-  result.mesh.stiffness = VertexScalars::Ones(result.mesh.points.rows());
+  result.mesh.stiffness = std::make_shared<const VertexScalars>(VertexScalars::Ones(result.mesh.points.rows()));
   return result;
 }
 

@@ -92,7 +92,7 @@ MeshFile surface(const BeatingVentricle::Dimensions& dimensions, double time, co
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
     mesh.points.row(i) = deformation.to_subject(to_patient(Vec3(mesh.points.row(i)))).transpose();
   mesh.triangles = tube_triangles(rings, sectors);
-  mesh.stiffness = VertexScalars::Ones(mesh.points.rows());
+  mesh.stiffness = std::make_shared<const VertexScalars>(VertexScalars::Ones(mesh.points.rows()));
   mesh.landmarks = landmarks_of(mesh.points);
   return mesh;
 }

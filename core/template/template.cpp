@@ -34,7 +34,7 @@ Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string
   Template made;
   made.source = std::move(source);
   made.topology = *topology;
-  made.stiffness = file.stiffness.value_or(VertexScalars::Ones(file.points.rows()));
+  made.stiffness = file.stiffness ? *file.stiffness : VertexScalars::Ones(file.points.rows());
   made.points = std::move(file.points);
   made.stiffness_base = file.stiffness_base;
   made.regions = std::move(file.regions);
@@ -57,7 +57,7 @@ MeshFile to_mesh_file(const Template& the_template) {
   MeshFile file;
   file.points = the_template.points;
   file.triangles = the_template.topology;
-  file.stiffness = the_template.stiffness;
+  file.stiffness = std::make_shared<const VertexScalars>(the_template.stiffness);
   file.stiffness_base = the_template.stiffness_base;
   file.regions = the_template.regions;
   file.landmarks = the_template.landmarks;

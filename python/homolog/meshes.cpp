@@ -61,7 +61,7 @@ std::shared_ptr<HeldMesh> mesh_from(const py::object& points, const py::object& 
   file.points = points_from(points, "points");
   if (!triangles.is_none()) file.triangles = triangles_from(triangles, file.points.rows());
   if (!stiffness.is_none()) {
-    file.stiffness = scalars_from(stiffness, file.points.rows(), "stiffness");
+    file.stiffness = std::make_shared<const VertexScalars>(scalars_from(stiffness, file.points.rows(), "stiffness"));
     if (file.stiffness->minCoeff() <= 0) refuse("stiffness", "is not above 0 everywhere; give factors, 1 is usual");
   }
   if (!doubt_mm.is_none()) file.doubt_mm = scalars_from(doubt_mm, file.points.rows(), "doubt_mm");
@@ -75,7 +75,9 @@ Mesh sound(const HeldMesh& self) {
   return std::move(*mesh);
 }
 
-py::object scalars_view(const std::optional<VertexScalars>& values, const py::object& self) {
+/// `values`: a pointer or an optional; none where it is empty.
+template <class Values>
+py::object scalars_view(const Values& values, const py::object& self) {
   if (!values) return py::none();
   return read_only<double>({values->size()}, values->data(), self);
 }

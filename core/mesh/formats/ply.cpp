@@ -295,7 +295,7 @@ Result<MeshFile> read_ply(std::string_view bytes) {
     return fail(filled.error());
   for (auto& [name, values] : body->values) {
     if (name == "stiffness")
-      mesh.stiffness = std::move(values);
+      mesh.stiffness = std::make_shared<const VertexScalars>(std::move(values));
     else if (name == "doubt_mm")
       mesh.doubt_mm = std::move(values);
     else if (name == "outlier")

@@ -21,7 +21,7 @@ std::vector<std::pair<std::string, VertexScalars>> vertex_arrays(const MeshFile&
 void keep_vertex_array(std::string_view name, VertexScalars values, MeshFile& mesh) {
   if (values.size() != mesh.points.rows() || !values.allFinite()) return;
   if (name == "stiffness") {
-    if (values.minCoeff() > 0) mesh.stiffness = std::move(values);
+    if (values.minCoeff() > 0) mesh.stiffness = std::make_shared<const VertexScalars>(std::move(values));
   } else if (name == "doubt_mm") {
     mesh.doubt_mm = std::move(values);
   } else if (name == "outlier") {

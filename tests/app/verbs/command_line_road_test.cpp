@@ -198,7 +198,7 @@ TEST_CASE("VTK and VTP keep what a mesh has for each vertex") {
   const TemporaryFolder folder;
   MeshFile mesh = Ellipsoids::shape(0);
   const Eigen::Index n = mesh.points.rows();
-  mesh.stiffness = VertexScalars::LinSpaced(n, 0.5, 2);
+  mesh.stiffness = std::make_shared<const VertexScalars>(VertexScalars::LinSpaced(n, 0.5, 2));
   mesh.doubt_mm = VertexScalars::LinSpaced(n, 0, 9);
   mesh.outlier = VertexScalars::Zero(n);
   (*mesh.outlier)[3] = 1;

@@ -50,7 +50,8 @@ MeshFile sphere_file() {
 
 MeshFile template_file() {
   MeshFile file = sphere_file();
-  file.stiffness = VertexScalars::LinSpaced(file.points.rows(), 0.5, 4.5).cast<float>().cast<double>();
+  file.stiffness = std::make_shared<const VertexScalars>(
+      VertexScalars::LinSpaced(file.points.rows(), 0.5, 4.5).cast<float>().cast<double>());
   file.stiffness_base = 12.5;
   file.doubt_mm = VertexScalars::LinSpaced(file.points.rows(), 0.25, 3).cast<float>().cast<double>();
   file.landmarks = {{"superior pole", {1.0 / 3, -2, 3}}, {"Hilus „ü“ \"x\"", {0, 0, 1e-9}}};
@@ -559,8 +560,10 @@ TEST_CASE("a header that names something twice is refused and every vertex has a
 TEST_CASE("a stiffness beyond single precision is neither read nor written") {
   MeshFolder folder;
   MeshFile file = template_file();
-  (*file.stiffness)[0] = 1e300;
-  (*file.stiffness)[1] = 1e-300;
+  VertexScalars extreme = *file.stiffness;
+  extreme[0] = 1e300;
+  extreme[1] = 1e-300;
+  file.stiffness = std::make_shared<const VertexScalars>(extreme);
   REQUIRE(write_mesh_file(file, folder.path / "a.ply"));
   const auto read = read_mesh_file(folder.path / "a.ply");
   REQUIRE(read);

@@ -198,7 +198,7 @@ TEST_CASE("mirroring twice changes nothing and once keeps faces outward and the 
   const Mesh mesh = icosphere(2, 10, {50, 20, -30});
   file.points = mesh.points;
   file.triangles = mesh.topology->triangles();
-  file.stiffness = VertexScalars::LinSpaced(file.points.rows(), 1, 5);
+  file.stiffness = std::make_shared<const VertexScalars>(VertexScalars::LinSpaced(file.points.rows(), 1, 5));
   file.landmarks = {{"pole", {1, 2, 3}}};
   for (const auto plane : {AnatomicalPlane::sagittal, AnatomicalPlane::coronal, AnatomicalPlane::axial}) {
     const MeshFile once = mirrored(file, plane), twice = mirrored(once, plane);

@@ -168,8 +168,9 @@ TEST_CASE("a template file that became another mesh is refused, and one with ano
       changed.points.row(3) += Eigen::RowVector3d(0, 0, 1);
       CHECK(says(now(options), "its vertices lie elsewhere"));
       changed.points = as_it_was.points;
-      changed.stiffness = VertexScalars::Ones(changed.points.rows());
-      (*changed.stiffness)[5] = 20;
+      VertexScalars stiffer = VertexScalars::Ones(changed.points.rows());
+      stiffer[5] = 20;
+      changed.stiffness = std::make_shared<const VertexScalars>(std::move(stiffer));
       const auto stiff = now(options);
       REQUIRE(stiff);
       REQUIRE(stiff->warnings.size() == 1);

@@ -45,7 +45,8 @@ Box grown(Box box, double by_mm) {
   return box;
 }
 
-/// How far places lie within a closed mesh.
+/// How far places lie within a mesh. What is nearest to the rim of an open one lies beyond where it ends, and so
+/// outside.
 class Depths {
  public:
   explicit Depths(const Mesh& mesh) : search_(mesh), normals_(mesh.topology->triangles().rows(), 3) {
@@ -61,7 +62,7 @@ class Depths {
     const auto nearest = search_.nearest(p);
     const Vec3 normal = normal_at(nearest.at);
     const Vec3 away = p - nearest.position;
-    const bool within = away.dot(normal) < 0;
+    const bool within = away.dot(normal) < 0 && !on_rim(*search_.mesh().topology, nearest.at);
     const Vec3 out = nearest.distance_mm > 1e-9 ? Vec3(within ? -away.normalized() : away.normalized()) : normal;
     return {within ? nearest.distance_mm : -nearest.distance_mm, out};
   }

@@ -19,7 +19,7 @@ double depth_mm(const Mesh& mesh, const Mesh& other, double near_mm);
 /// The share of a mesh's vertices that lie within another, closed one, 0…1.
 double share_within(const Mesh& mesh, const Mesh& other);
 
-/// Moves closed meshes apart where two of a pair lie within each other, smoothly, until they are `gap_mm` apart (0:
+/// Moves meshes apart where two of a pair lie within each other, smoothly, until they are `gap_mm` apart (0:
 /// until they touch). Both go the same way; where only one of them `yields`, it goes all of it (0 or 1 a mesh; empty:
 /// all are alike). No vertex moves that is not near such a place, and no step turns a face or brings two faces of a
 /// mesh through each other: it is taken back there. Returns what is left of each pair: the largest depth beyond the

@@ -30,6 +30,34 @@ TEST_CASE("a depth is how far a mesh lies within another, and a distance where i
   CHECK(depth_mm(large_ball_at(0), large_ball_at(80), 10) == -10);
 }
 
+TEST_CASE("what lies before the opening of an open mesh is not within it") {
+  const Mesh ball = large_ball_at(0);
+  std::vector<std::int32_t> lower;
+  for (std::int32_t v = 0; v < ball.points.rows(); ++v)
+    if (ball.points(v, 2) <= 1e-9) lower.push_back(v);
+  std::vector<Eigen::Vector3i> faces;
+  for (std::int32_t f = 0; f < ball.topology->triangles().rows(); ++f) {
+    Eigen::Vector3i face;
+    bool whole = true;
+    for (int c = 0; c < 3; ++c) {
+      const auto at = std::ranges::lower_bound(lower, ball.topology->triangles()(f, c));
+      whole = whole && at != lower.end() && *at == ball.topology->triangles()(f, c);
+      face[c] = static_cast<int>(at - lower.begin());
+    }
+    if (whole) faces.push_back(face);
+  }
+  Triangles triangles(std::ssize(faces), 3);
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) triangles.row(f) = faces[static_cast<std::size_t>(f)].transpose();
+  const Mesh bowl{test::must(Topology::make(std::ssize(lower), std::move(triangles))), ball.points(lower, Eigen::all)};
+  Mesh small = icosphere(2, 3);
+  small.points.col(2).array() += 12;
+  CHECK(depth_mm(small, bowl, 5) == -5);
+  CHECK(depth_mm(small, ball, 5) > 5);
+  // In its wall it lies within it as in the whole ball.
+  small.points.col(2).array() -= 31;
+  CHECK(depth_mm(small, bowl, 5) == doctest::Approx(depth_mm(small, ball, 5)));
+}
+
 TEST_CASE("two that lie within each other meet halfway, and what is far from there stays") {
   std::vector<Mesh> balls{large_ball_at(0), large_ball_at(37)};
   const std::vector<Mesh> before = balls;

@@ -61,28 +61,84 @@ struct LabelsOfOne {
   std::vector<std::string> warnings;  ///< which maps could not be used, and why
 };
 
-/// `lacks_voxels`: whether the map shows nothing of the structure, which is no fault.
-Result<CohortMap> read_label(const fs::path& map, const TemplateSet& set, std::size_t structure, char& lacks_voxels,
-                             Progress& progress) {
-  const auto read = read_subject(map, std::nullopt, progress);
-  if (!read) return fail(read.error());
-  SetInMap there = find_in_map(set, read->read);
-  StructureInMap& one = there.structures[structure];
-  if (!one.why_left_out.empty()) return fail(map.string(), set.structures[structure].name + ": " + one.why_left_out);
-  lacks_voxels = one.is_there() ? 0 : 1;
-  if (!one.is_there()) return fail(map.string(), "has no voxel of " + set.structures[structure].name);
-  return CohortMap{std::move(*one.mask), one.segment.value, 0};
+/// A structure's part of a map: a bit a voxel, so that those of all maps lie in memory at once.
+struct PackedLabel {
+  Volume around;  ///< without its voxels
+  std::vector<bool> held;
+
+  CohortMap map() const {
+    CohortMap map{around, 1, 0};
+    map.volume.data = std::vector<std::uint8_t>(held.begin(), held.end());
+    map.volume.range_max = 1;
+    return map;
+  }
+};
+
+PackedLabel packed(Volume mask, int value) {
+  PackedLabel label;
+  std::visit(
+      [&](const auto& voxels) {
+        for (const auto voxel : voxels) label.held.push_back(rounded_label(voxel) == value);
+      },
+      mask.data);
+  mask.data = std::vector<std::uint8_t>();
+  label.around = std::move(mask);
+  return label;
 }
 
-Result<LabelsOfOne> read_labels_of(const SetJob& job, const StructuresOfAll& all, std::size_t structure,
-                                   Progress& progress) {
-  const std::vector<std::size_t>& maps = all.maps[structure];
-  std::vector<char> lacks_voxels(maps.size());
+/// What one map has of all structures, in their order.
+struct LabelsOfMap {
+  std::vector<std::optional<PackedLabel>> labels;  ///< none: it shows nothing of the structure
+  std::vector<std::string> why_left_out;           ///< empty: it is not
+};
+
+Result<LabelsOfMap> read_labels_in(const fs::path& map, const TemplateSet& set, Progress& progress) {
+  const auto read = read_subject(map, std::nullopt, progress);
+  if (!read) return fail(read.error());
+  LabelsOfMap all;
+  for (StructureInMap& one : find_in_map(set, read->read).structures) {
+    all.why_left_out.push_back(std::move(one.why_left_out));
+    all.labels.emplace_back();
+    if (one.is_there()) all.labels.back() = packed(std::move(*one.mask), one.segment.value);
+  }
+  return all;
+}
+
+using ReadMaps = std::vector<Result<LabelsOfMap>>;
+
+/// Each map is read once.
+ReadMaps read_maps(const SetJob& job, const TemplateSet& set, Progress& progress) {
+  ReadMaps maps(job.maps.size(), LabelsOfMap{});
+  const auto work = [&](std::size_t m, Progress& part) -> Result<Report> {
+    maps[m] = read_labels_in(job.maps[m], set, part);
+    return Report{};
+  };
+  run_cases(maps.size(), work, progress);
+  return maps;
+}
+
+Result<CohortMap> label_in(const Result<LabelsOfMap>& map, const fs::path& file, const TemplateSet& set,
+                           std::size_t structure) {
+  if (!map) return fail(map.error());
+  const std::string& name = set.structures[structure].name;
+  if (!map->why_left_out[structure].empty()) return fail(file.string(), name + ": " + map->why_left_out[structure]);
+  if (!map->labels[structure]) return fail(file.string(), "has no voxel of " + name);
+  return map->labels[structure]->map();
+}
+
+/// Whether a map shows nothing of a structure, which is no fault.
+bool lacks_voxels(const Result<LabelsOfMap>& map, std::size_t structure) {
+  return map && map->why_left_out[structure].empty() && !map->labels[structure];
+}
+
+Result<LabelsOfOne> labels_of_one(const SetJob& job, const StructuresOfAll& all, const ReadMaps& read,
+                                  std::size_t structure, Progress& progress) {
+  std::vector<std::size_t> maps = all.maps[structure];
+  std::erase_if(maps, [&](std::size_t m) { return lacks_voxels(read[m], structure); });
   std::vector<CohortMember> members;
-  for (std::size_t k = 0; k < maps.size(); ++k)
-    members.push_back({case_name_of(job.maps[maps[k]]), [&, k, structure](Progress& reading) {
-                         return read_label(job.maps[maps[k]], all.set, structure, lacks_voxels[k], reading);
-                       }});
+  for (const std::size_t m : maps)
+    members.push_back(
+        {case_name_of(job.maps[m]), [&, m](Progress&) { return label_in(read[m], job.maps[m], all.set, structure); }});
   MaskTemplateOptions making;
   making.vertices = job.vertices;
   const auto closing = choose_cohort_closing(members, making, &progress);
@@ -92,7 +148,7 @@ Result<LabelsOfOne> read_labels_of(const SetJob& job, const StructuresOfAll& all
   for (std::size_t k = 0; k < members.size(); ++k) {
     const auto label = members[k].read(progress);
     if (!label) {
-      if (lacks_voxels[k] == 0) labels.warnings.push_back(label.error().sentence() + "; it is not in the mean");
+      labels.warnings.push_back(label.error().sentence() + "; it is not in the mean");
       continue;
     }
     auto boundary = label_boundary(label->volume, label->label, 0, closing->closing_mm, job.vertices);
@@ -122,7 +178,7 @@ Result<MadeTemplate> own_template_of(const SetJob& job, const std::vector<std::v
 }
 
 MeanStructure mean_structure(const SetJob& job, const std::vector<std::vector<Segment>>& asked,
-                             const StructuresOfAll& all, std::size_t k, Progress& progress) {
+                             const StructuresOfAll& all, const ReadMaps& read, std::size_t k, Progress& progress) {
   MeanStructure mean{without_template(all.segments[k]), {}};
   mean.middles.resize(job.maps.size());
   MadeStructure& made = mean.made;
@@ -130,7 +186,7 @@ MeanStructure mean_structure(const SetJob& job, const std::vector<std::vector<Se
     take_template(fail(why), job, made);
     return mean;
   };
-  const auto labels = read_labels_of(job, all, k, progress);
+  const auto labels = labels_of_one(job, all, read, k, progress);
   if (!labels) return give_up(labels.error());
   made.warnings.insert(made.warnings.end(), labels->warnings.begin(), labels->warnings.end());
   if (labels->maps.empty()) return give_up({"", "no map has a voxel of it"});
@@ -209,12 +265,14 @@ Result<void> bring_to_mean_places(const SetJob& job, SetInMaking& making, Progre
 Result<void> add_consensus(const SetJob& job, const std::vector<std::vector<Segment>>& asked, SetInMaking& making,
                            Progress& progress) {
   const StructuresOfAll all = united(asked);
+  std::optional<Progress> part(std::in_place, progress, 0.1);
+  const ReadMaps read = read_maps(job, all.set, *part);
   std::vector<MeanStructure> means(all.segments.size());
-  const auto work = [&](std::size_t k, Progress& part) -> Result<Report> {
-    means[k] = mean_structure(job, asked, all, k, part);
+  const auto work = [&](std::size_t k, Progress& own) -> Result<Report> {
+    means[k] = mean_structure(job, asked, all, read, k, own);
     return Report{};
   };
-  std::optional<Progress> part(std::in_place, progress, 0.7);
+  part.emplace(progress, 0.6);
   const auto done = run_cases(means.size(), work, *part);
   if (progress.cancelled()) return fail("", "was stopped; no set is written");
   for (const auto& one : done)

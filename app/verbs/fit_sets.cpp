@@ -130,6 +130,7 @@ Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set,
 struct CasesOfSet {
   std::vector<StudyCase> cases;
   std::vector<std::vector<std::size_t>> fitted;  ///< of each case, by the set's order
+  std::vector<char> stays;                       ///< 1: the case was worked on and is as it was
 };
 
 /// Fits the set to one map, writes what came of it, and adds its case to `made`.
@@ -152,6 +153,7 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   auto one = write_case_of_set(set, path, *map, subject, *fitted, options.out, *record, report.warnings);
   if (!one) return fail(one.error());
   made.cases.push_back(std::move(*one));
+  made.stays.push_back(report.warnings.empty() ? 0 : 1);
   made.fitted.emplace_back();
   for (std::size_t k = 0; k < fitted->structures.size(); ++k)
     if (fitted->structures[k].fit) made.fitted.back().push_back(k);
@@ -179,11 +181,14 @@ Result<void> write_study_of(const fs::path& file, const SetOfTemplates& set, Cas
   for (const auto& fitted : made.fitted)
     for (const std::size_t k : fitted) ++counts[k];
   const auto most = static_cast<std::size_t>(std::ranges::max_element(counts) - counts.begin());
+  std::error_code ignored;
+  const bool is_there = fs::exists(file, ignored);  // a study in which a case may have another structure
   for (std::size_t c = 0; c < made.cases.size(); ++c) {
     const auto& fitted = made.fitted[c];
     const auto at = std::ranges::find(fitted, most) - fitted.begin();
     // A case's structures are numbered as they were fitted.
-    if (at > 0 && at < std::ssize(fitted)) made.cases[c].structure = "s" + std::to_string(at + 1);
+    if (at < std::ssize(fitted) && (is_there ? made.stays[c] == 0 : at > 0))
+      made.cases[c].structure = "s" + std::to_string(at + 1);
     if (at == std::ssize(fitted) && !fitted.empty())
       warnings.push_back(file.string() + ": " + made.cases[c].name + " has no " + set.set.structures[most].name +
                          ", the structure that models take of the others, so they take its " +

@@ -306,6 +306,7 @@ Result<std::size_t> write_cases_into(const fs::path& study_file, const fs::path&
     known->labels = one.labels;
     known->from_scan = one.from_scan;
     if (one.frame) known->frame = one.frame;  // none of a case that stayed as it is
+    if (!one.structure.empty()) known->structure = one.structure;
     if (known->state != CaseState::done) known->doubt = one.doubt;
     if (known->state == CaseState::to_do) known->state = one.state;
     if (!one.group.empty()) known->group = one.group;

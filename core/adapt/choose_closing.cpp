@@ -134,9 +134,14 @@ MoreClosing try_more_closing(const Template& the_template, const Volume& mask, i
   std::optional<Progress> silent;
   if (options.progress != nullptr) again.progress = &silent.emplace(*options.progress, 0);
   again.show = {};
+  FitOptions roughly = again;
+  roughly.rough = true;
   for (const double closing_mm : wider_closings_mm(mask, label, frame, the_template.points.rows())) {
     if (closing_mm <= first.closing_mm) continue;
-    auto fitted = fit_closed_by(the_template, mask, label, frame, closing_mm, again);
+    // Where a rough fit does not follow the closed label, a whole one does not either: its other ways tell of doubt.
+    auto fitted = fit_closed_by(the_template, mask, label, frame, closing_mm, roughly);
+    if (fitted && !fitted->judgement.doubtful)
+      fitted = fit_closed_by(the_template, mask, label, frame, closing_mm, again);
     if (!fitted) continue;
     more.tried.push_back(tried_as(*fitted, mask, label, frame));
     const TriedClosing& last = more.tried.back();

@@ -27,12 +27,15 @@ struct Try {
   FitResult fit;
   FitJudgement judgement;
   double closing_mm = 0;
+  bool tried_wider = false;  ///< closings
 };
 
-Result<Try> try_fit(const Template& the_template, const StructureInMap& there, const FitOptions& options) {
+/// `chosen_mm`: a closing that was chosen; none: the usual one, and wider ones where they may help.
+Result<Try> try_fit(const Template& the_template, const StructureInMap& there, const FitOptions& options,
+                    const std::optional<double>& chosen_mm = std::nullopt) {
   const Volume& mask = *there.mask;
   const int value = there.segment.value;
-  const double closing_mm = usual_closing_mm(mask, value, 0);
+  const double closing_mm = chosen_mm.value_or(usual_closing_mm(mask, value, 0));
   const LabelParts parts = options.partial ? LabelParts{true} : parts_for(*the_template.topology);
   auto boundary = label_boundary(mask, value, 0, closing_mm, the_template.points.rows(), parts);
   if (!boundary) return fail(boundary.error());
@@ -40,9 +43,11 @@ Result<Try> try_fit(const Template& the_template, const StructureInMap& there, c
   if (!fit) return fail(fit.error());
   FitJudgement judgement = judge_fit(the_template, *boundary, options, *fit);
   OtherClosing first{closing_mm, std::move(*boundary), std::move(*fit), std::move(judgement)};
-  MoreClosing more = try_more_closing(the_template, mask, value, 0, parts, options, first);
+  MoreClosing more;
+  if (!chosen_mm) more = try_more_closing(the_template, mask, value, 0, parts, options, first);
   if (more.better) first = std::move(*more.better);
-  return Try{std::move(first.boundary), std::move(first.fit), std::move(first.judgement), first.closing_mm};
+  return Try{std::move(first.boundary), std::move(first.fit), std::move(first.judgement), first.closing_mm,
+             !more.tried.empty()};
 }
 
 /// How far two placements of a template lie apart, by its size.
@@ -65,11 +70,13 @@ bool better(const FitJudgement& a, const FitJudgement& b) {
   return a.inside_scan.dice > b.inside_scan.dice;
 }
 
-/// Once more, from where its neighbours say; the better of both fits is kept.
+/// Once more, from where its neighbours say; the better of both fits is kept. What closing helps has been tried, where
+/// `tried_wider`.
 void fit_by_neighbours(const Template& the_template, const StructureInMap& there, const Similarity& place,
-                       FitOptions options, FittedStructure& fitted, std::optional<Boundary>& boundary) {
+                       bool tried_wider, FitOptions options, FittedStructure& fitted,
+                       std::optional<Boundary>& boundary) {
   options.placement = place;
-  auto found = try_fit(the_template, there, options);
+  auto found = try_fit(the_template, there, options, tried_wider ? std::optional(fitted.closing_mm) : std::nullopt);
   if (!found || (fitted.fit && !better(found->judgement, fitted.judgement))) return;
   take(std::move(*found), fitted, boundary);
   fitted.by_neighbours = true;
@@ -185,12 +192,14 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
   };
   std::vector<std::optional<Boundary>> boundaries(count);
   std::vector<std::size_t> there;
+  std::vector<char> tried_wider(count);
   for (std::size_t k = 0; k < count; ++k) result.structures[k].why_not = subject.structures[k].why_left_out;
   for (std::size_t k = 0; k < count; ++k)
     if (subject.structures[k].is_there() && set.templates[k] != nullptr) there.push_back(k);
   fit_some(there, 0.7, [&](std::size_t k, const FitOptions& fitting) {
     tell(k, SetFitStep::runs);
     auto found = try_fit(*set.templates[k], subject.structures[k], fitting);
+    if (found) tried_wider[k] = found->tried_wider ? 1 : 0;
     if (found)
       take(std::move(*found), result.structures[k], boundaries[k]);
     else
@@ -209,7 +218,8 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
   if (again.empty()) Progress(progress, 0.3).report(1);
   fit_some(again, 0.3, [&](std::size_t k, const FitOptions& fitting) {
     tell(k, SetFitStep::runs_again);
-    fit_by_neighbours(*set.templates[k], subject.structures[k], *said[k], fitting, result.structures[k], boundaries[k]);
+    fit_by_neighbours(*set.templates[k], subject.structures[k], *said[k], tried_wider[k] != 0, fitting,
+                      result.structures[k], boundaries[k]);
     tell_result(k);
   });
   if (progress.cancelled()) return fail("", "the fit was cancelled");

@@ -184,6 +184,7 @@ Result<std::vector<Json>> judge_one(const SetOfTemplates& set, const Json& entry
                     {"bars", signs.bars},
                     {"volume", signs.volume},
                     {"lacking", signs.lacking},
+                    {"gap", signs.gap},
                     {"beyond", signs.beyond},
                     {"at_border", signs.at_border},
                     {"has_fit", fitted.fit ? 1 : 0}});

@@ -119,6 +119,45 @@ double LevelChain::share(int by) const {
   return apart.empty() ? 0 : static_cast<double>(count) / static_cast<double>(apart.size());
 }
 
+int LevelChain::errors(int by) const {
+  int sum = 0, before = 0;
+  for (const std::size_t k : from_above) {
+    const int off = apart.at(k) + by;
+    if (off != before) sum += std::abs(off);
+    before = off;
+  }
+  return sum;
+}
+
+int errors_at_ends(const SetInMap& subject, const FittedSet& fitted, const LevelChain& chain, int by) {
+  constexpr int last_of_loin = 23;
+  constexpr double steps_of_one = 1.5;  // from the middle of the last one to the end of one below it
+  const auto& links = chain.from_above;
+  if (links.size() < 2) return 0;
+  const auto level_of = [&](std::size_t k) {
+    const auto is_it = [&](const auto& one) { return one.second == k; };
+    return std::ranges::find_if(chain.by_level, is_it)->first + chain.apart.at(k) + by;
+  };
+  const auto in_map = [&](std::size_t k) { return middle_of(fitted.structures[k].fit->mesh.points); };
+  if (level_of(links.front()) < 0) return 1;
+  const std::size_t above = links[links.size() - 2];
+  const Vec3 last = in_map(links.back());
+  const Vec3 step = (last - in_map(above)) / std::max(1, level_of(links.back()) - level_of(above));
+  int lowest = level_of(links.back());
+  bool has_room = true;
+  for (const LabelOfMap& other : subject.others) {
+    if ((other.box_mm.center() - last).dot(step) <= 0 || !other.box_mm.contains(last + step)) continue;
+    has_room = false;
+    if (level_in_name(other.segment.name)) ++lowest;
+  }
+  const Vec3 below = subject.grid.to_voxel(last + steps_of_one * step);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto axis = static_cast<Eigen::Index>(a);
+    has_room = has_room && below[axis] >= 0 && below[axis] <= subject.grid.dims[a] - 1;
+  }
+  return lowest > last_of_loin || (lowest < last_of_loin && has_room) ? 1 : 0;
+}
+
 std::vector<LevelChain> level_chains(const SetOfTemplates& set, const FittedSet& fitted,
                                      const std::vector<char>& placed) {
   std::map<std::string, LevelChain> families;
@@ -132,7 +171,10 @@ std::vector<LevelChain> level_chains(const SetOfTemplates& set, const FittedSet&
   const double scale = usual_scale(fitted, placed);
   for (auto& [family, chain] : families) {
     const auto links = links_of(chain, set, fitted, placed);
-    for (const Link& link : links) chain.apart[link.k] = 0;
+    for (const Link& link : links) {
+      chain.apart[link.k] = 0;
+      chain.from_above.push_back(link.k);
+    }
     find_contradictions(chain, links, scale);
     chains.push_back(std::move(chain));
   }

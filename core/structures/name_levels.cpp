@@ -99,20 +99,26 @@ std::array<std::optional<double>, 2> level_evidence_of_shapes(const SetOfTemplat
 struct ChainShift {
   int by = 0;
   double evidence = -std::numeric_limits<double>::infinity();  ///< the logarithm of its odds; that: nothing is known
-  double least = 0;                                            ///< from which evidence on names are moved
+  bool some_say_so = false;                                    ///< by their names and places
 };
 
-ChainShift likeliest_shift(const LevelChain& chain, const std::array<std::optional<double>, 2>& shapes,
+const double clearly = std::log(4.0);  ///< from here on names are moved: they may be right
+
+ChainShift likeliest_shift(const SetInMap& subject, const FittedSet& fitted, const LevelChain& chain,
+                           const std::array<std::optional<double>, 2>& shapes,
                            const std::optional<std::array<double, 2>>& others) {
-  const double all_of_them = std::log(4.0);  // to rename all of a map that may be right, more has to speak for it
+  const double one_error = std::log(10.0);
   ChainShift likeliest;
   for (const std::size_t side : {0U, 1U}) {
     const int by = side == 0 ? -1 : 1;
-    const double some = chain.share(-by), most = chain.share(0);
-    if (most == 0 || (some == 0 && !shapes[side] && !others)) continue;
-    const double evidence =
-        (some > 0 ? std::log(some / most) : 0) + shapes[side].value_or(0) + (others ? (*others)[side] : 0);
-    if (evidence > likeliest.evidence) likeliest = {by, evidence, some > 0 ? 0 : all_of_them};
+    const bool some = chain.share(-by) > 0;
+    if (chain.share(0) == 0 || (!some && !shapes[side] && !others)) continue;
+    double evidence = shapes[side].value_or(0) + (others ? (*others)[side] : 0);
+    // Of names that agree their places and ends tell nothing.
+    if (some)
+      evidence += one_error * (chain.errors(0) + errors_at_ends(subject, fitted, chain, 0) - chain.errors(by) -
+                               errors_at_ends(subject, fitted, chain, by));
+    if (evidence > likeliest.evidence) likeliest = {by, evidence, some};
   }
   return likeliest;
 }
@@ -127,6 +133,23 @@ int shift_of_nearest(const SetOfTemplates& set, const LevelChain& chain, int lev
   return shift;
 }
 
+/// What comes of it for one structure, whose chain has been moved or not.
+LevelFound found_of(const SetOfTemplates& set, const LevelChain& chain, const ChainShift& shift, bool moved,
+                    std::size_t k) {
+  const double p_shift = 1 / (1 + std::exp(-shift.evidence));
+  const auto own = chain.apart.find(k);
+  const int apart =
+      own != chain.apart.end() ? own->second : shift_of_nearest(set, chain, *level_of_name(set.set.structures[k].name));
+  if (moved) return {apart, 0, apart == 0 ? p_shift : 1 - p_shift};
+  if (!shift.some_say_so || shift.evidence < -clearly) {
+    const int maybe = apart == 0 && shift.evidence > 0 ? shift.by : 0;
+    return {apart, maybe, apart == 0 ? 1 - p_shift : own != chain.apart.end() ? chain.share(apart) : 1};
+  }
+  // Some are off, and nothing tells which.
+  if (apart == 0) return {0, shift.by, 1 - p_shift};
+  return {0, apart, apart == -shift.by ? p_shift : chain.share(apart)};
+}
+
 }  // namespace
 
 std::vector<LevelFound> find_levels(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
@@ -134,40 +157,26 @@ std::vector<LevelFound> find_levels(const SetOfTemplates& set, const SetInMap& s
   std::vector<LevelChain> chains = level_chains(set, fitted, placed);
   std::vector<std::array<std::optional<double>, 2>> shapes;
   for (const LevelChain& chain : chains) shapes.push_back(level_evidence_of_shapes(set, subject, sound, chain));
-  std::vector<double> p_as_most(chains.size(), 1);
+  std::vector<ChainShift> shifts(chains.size());
   std::vector<char> moved(chains.size());
-  std::vector<int> maybe(chains.size());
   // One after the other, that with the most against its names first: two of which one is wrong accuse each other.
   for (;;) {
     std::size_t worst = chains.size();
-    ChainShift shift;
-    double most_over = 0;
+    double most = clearly;
     for (std::size_t c = 0; c < chains.size(); ++c) {
       if (moved[c] != 0) continue;
-      const ChainShift one =
-          likeliest_shift(chains[c], shapes[c], level_evidence_of_others(set, fitted, placed, chains, c));
-      p_as_most[c] = 1 / (1 + std::exp(one.evidence));
-      maybe[c] = one.evidence > 0 ? one.by : 0;
-      if (const double over = one.evidence - one.least; over > most_over) shift = one, worst = c, most_over = over;
+      shifts[c] = likeliest_shift(subject, fitted, chains[c], shapes[c],
+                                  level_evidence_of_others(set, fitted, placed, chains, c));
+      if (shifts[c].evidence > most) worst = c, most = shifts[c].evidence;
     }
     if (worst == chains.size()) break;
     moved[worst] = 1;
-    for (auto& [k, apart] : chains[worst].apart) apart += shift.by;
+    for (auto& [k, apart] : chains[worst].apart) apart += shifts[worst].by;
   }
   std::vector<LevelFound> found(set.templates.size());
-  for (std::size_t c = 0; c < chains.size(); ++c) {
-    const LevelChain& chain = chains[c];
-    for (const auto& [level, k] : chain.by_level) {
-      if (!subject.structures[k].is_there()) continue;
-      const auto own = chain.apart.find(k);
-      found[k].shift = own != chain.apart.end() ? own->second : shift_of_nearest(set, chain, level);
-      if (moved[c] == 0 && found[k].shift == 0) found[k].maybe = maybe[c];
-      const double share = own != chain.apart.end() ? chain.share(own->second) : 1;
-      found[k].p_named = moved[c] != 0         ? found[k].shift == 0 ? 1 - p_as_most[c] : p_as_most[c]
-                                 : found[k].shift == 0 ? p_as_most[c]
-                                               : share;
-    }
-  }
+  for (std::size_t c = 0; c < chains.size(); ++c)
+    for (const auto& [level, k] : chains[c].by_level)
+      if (subject.structures[k].is_there()) found[k] = found_of(set, chains[c], shifts[c], moved[c] != 0, k);
   return found;
 }
 

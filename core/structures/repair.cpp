@@ -46,6 +46,12 @@ Result<void> repair_renamed(const SetOfTemplates& set, VolumeRead& map, int fram
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto place = place_of(set, names[k].proposed);
     if (!place || !result.subject.structures[k].is_there()) continue;
+    if (came_from[*place]) {  // both are parts of one
+      result.fitted.structures[k] = {};
+      result.fitted.structures[k].why_not = "its label is a part of " + names[k].proposed;
+      renamed->structures[*place].defects.push_back({DefectKind::given_to_neighbour, set.set.structures[k].name});
+      continue;
+    }
     came_from[*place] = k;
     renamed->structures[*place].p_named = *place == k ? names[k].p_named : 1 - names[k].p_named;
   }

@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "core/base/statistics.h"
+#include "core/mesh/mesh_quality.h"
 #include "core/structures/level_names.h"
 #include "core/structures/name_levels.h"
 #include "core/structures/structure_confidence.h"
@@ -36,17 +38,35 @@ void find_exchanged_sides(const SetOfTemplates& set, const FittedSet& fitted, st
   }
 }
 
+/// The volume of each fit by that of its template, as a share of what is usual in the map; 1 where there is no fit.
+std::vector<double> sizes_of(const SetOfTemplates& set, const FittedSet& fitted) {
+  std::vector<double> sizes(set.templates.size(), 1), all;
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    const auto& fit = fitted.structures[k].fit;
+    if (!fit) continue;
+    const Mesh own{set.templates[k]->topology, set.templates[k]->points};
+    sizes[k] = std::abs(enclosed_volume_ml(fit->mesh) / enclosed_volume_ml(own));
+    all.push_back(sizes[k]);
+  }
+  const double usual = all.empty() ? 1 : median_of(all);
+  for (std::size_t k = 0; k < sizes.size(); ++k)
+    if (fitted.structures[k].fit) sizes[k] /= usual;
+  return sizes;
+}
+
 void find_shifted_levels(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
-                         const std::vector<StructureSigns>& signs, std::vector<NameFound>& names) {
-  constexpr double much_smaller = 0.2, cut = 0.002, much_else = 0.1, hardly_dice = 0.9;
+                         const std::vector<StructureSigns>& signs, const std::vector<double>& sizes,
+                         std::vector<NameFound>& names) {
+  constexpr double much_smaller = 0.2, a_part = 0.7, cut = 0.002, much_else = 0.1, hardly_dice = 0.9;
   std::vector<char> placed(names.size()), sound(names.size());
   for (std::size_t k = 0; k < names.size(); ++k) {
     const FittedStructure& one = fitted.structures[k];
     const StructureSigns& own = signs[k];
     const bool is_whole = own.at_border <= cut && own.bridges < much_else && own.holes < much_else &&
                           own.islands < much_else && one.judgement.inside_scan.dice >= hardly_dice;
-    placed[k] = one.fit && !one.judgement.doubtful && is_whole ? 1 : 0;
-    sound[k] = placed[k] != 0 && std::abs(signs[k].volume) < much_smaller ? 1 : 0;
+    // The middle of a part is not that of the whole.
+    placed[k] = one.fit && !one.judgement.doubtful && is_whole && sizes[k] > a_part ? 1 : 0;
+    sound[k] = placed[k] != 0 && std::abs(own.volume) < much_smaller ? 1 : 0;
   }
   const auto levels = find_levels(set, subject, fitted, placed, sound);
   for (std::size_t k = 0; k < levels.size(); ++k) {
@@ -82,8 +102,9 @@ std::vector<NameFound> find_names(const SetOfTemplates& set, const SetInMap& sub
   std::vector<NameFound> names(set.templates.size());
   for (std::size_t k = 0; k < names.size(); ++k) names[k].proposed = set.set.structures[k].name;
   find_exchanged_sides(set, fitted, names);
-  find_shifted_levels(set, subject, fitted, signs, names);
-  settle_clashes(set, subject, names);
+  const std::vector<double> sizes = sizes_of(set, fitted);
+  find_shifted_levels(set, subject, fitted, signs, sizes, names);
+  settle_clashes(set, subject, names, sizes);
   return names;
 }
 
@@ -107,7 +128,14 @@ void doubt_names(const SetOfTemplates& set, const VolumeRead& map, int frame, co
   }
 }
 
-void settle_clashes(const SetOfTemplates& set, const SetInMap& subject, std::vector<NameFound>& names) {
+void settle_clashes(const SetOfTemplates& set, const SetInMap& subject, std::vector<NameFound>& names,
+                    const std::vector<double>& sizes) {
+  constexpr double a_part = 0.8, least = 0.6, most = 1.5;
+  const auto are_parts_of_one = [&](std::size_t a, std::size_t b) {
+    if (sizes.empty() || !level_of_name(set.set.structures[a].name)) return false;
+    const double both = sizes[a] + sizes[b];
+    return sizes[a] < a_part && sizes[b] < a_part && both > least && both < most;
+  };
   for (bool again = true; again;) {
     again = false;
     for (std::size_t k = 0; k < names.size(); ++k) {
@@ -115,6 +143,7 @@ void settle_clashes(const SetOfTemplates& set, const SetInMap& subject, std::vec
       if (names[k].proposed == own || !subject.structures[k].is_there()) continue;
       for (std::size_t other = 0; other < names.size(); ++other) {
         if (other == k || !subject.structures[other].is_there() || names[other].proposed != names[k].proposed) continue;
+        if (are_parts_of_one(k, other)) continue;
         constexpr double nobody_knows = 0.5;
         names[k] = {own, nobody_knows, {}};
         again = true;

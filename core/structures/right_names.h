@@ -27,8 +27,10 @@ std::vector<NameFound> find_names(const SetOfTemplates& set, const SetInMap& sub
 void doubt_names(const SetOfTemplates& set, const VolumeRead& map, int frame, const SetInMap& subject,
                  FittedSet& fitted);
 
-/// Takes back proposals that would give two structures of the map one name, which would make them one label.
-void settle_clashes(const SetOfTemplates& set, const SetInMap& subject, std::vector<NameFound>& names);
+/// Takes back proposals that would give two structures of the map one name, which would make them one label. Levels
+/// that together have about the size of one become it. `sizes`: a share each of what is usual; empty: all are whole.
+void settle_clashes(const SetOfTemplates& set, const SetInMap& subject, std::vector<NameFound>& names,
+                    const std::vector<double>& sizes = {});
 
 /// Whether any other name is proposed.
 bool any_renamed(const SetOfTemplates& set, const std::vector<NameFound>& names);

@@ -228,15 +228,19 @@ class Signs {
     signs_.volume = std::log(static_cast<double>(own_.voxels) / std::max(1.0, all));
     const double far_mm = std::max(far_from_expected * size_mm_, coarse_mm());
     std::map<int, std::size_t> foreign;
-    std::size_t lacking = 0;
+    std::vector<std::uint8_t> lacking(main_.size());
     for (std::size_t v = 0; v < main_.size(); ++v) {
       if (expected.inside[v] == 0) continue;
       const int held = there_.labels[v];
-      if (held == 0 && own_.to[v] > far_mm) ++lacking;
+      lacking[v] = held == 0 && own_.to[v] > far_mm ? 1 : 0;
       if (held != 0 && held != value_) ++foreign[held];
     }
     const double whole = std::max(1.0, static_cast<double>(expected.voxels));
-    signs_.lacking = static_cast<double>(lacking) / whole;
+    signs_.lacking = static_cast<double>(std::ranges::count(lacking, std::uint8_t{1})) / whole;
+    constexpr double large_part = 0.01;
+    lacking = large_parts(std::move(lacking), there_.grid, large_part * whole);
+    for (std::size_t v = 0; v < lacking.size(); ++v)
+      if (lacking[v] != 0) signs_.gap = std::max(signs_.gap, own_.to[v] / size_mm_);
     for (std::size_t n = 0; n < subject_.structures.size(); ++n) {
       const StructureInMap& other = subject_.structures[n];
       if (n == of_ || !other.is_there()) continue;

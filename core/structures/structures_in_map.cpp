@@ -139,6 +139,7 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
   if (layers == 1)
     for (Segment& segment : segments) segment.layer = 0;  // layers that were united
   SetInMap found;
+  found.grid = map.volume.geometry;
   std::set<const Segment*> taken;
   for (const TemplateOfSet& one : set.structures) {
     const NameLikeness enough = std::min(likest_name(segments, one.name), NameLikeness::any_case);

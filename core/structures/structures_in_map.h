@@ -42,6 +42,7 @@ struct LabelOfMap {
 
 /// What a label map has of a set.
 struct SetInMap {
+  VolumeGeometry grid;                        ///< of the map's first layer
   std::vector<StructureInMap> structures;     ///< in the set's order
   std::vector<std::string> without_template;  ///< names of the map's labels that the set lacks
   std::vector<LabelOfMap> others;             ///< the same labels

@@ -83,10 +83,11 @@ TEST_CASE("a part comes back only from a neighbour that shows too much") {
 }
 
 TEST_CASE("half is missing where much lacks and the volume is small or where very much lacks") {
-  const auto half_is_missing = [](double lacking, double volume) {
+  const auto half_is_missing = [](double lacking, double volume, double gap = 0) {
     return Signed::with([&](RepairedMap& found) {
              found.signs[2].lacking = lacking;
              found.signs[2].volume = volume;
+             found.signs[2].gap = gap;
            })
         .has(2, DefectKind::half_missing);
   };
@@ -94,6 +95,10 @@ TEST_CASE("half is missing where much lacks and the volume is small or where ver
   CHECK(half_is_missing(0.17, -0.3));
   CHECK(half_is_missing(0.22, 0));  // what is left was swollen by something else
   CHECK_FALSE(half_is_missing(0.1, -0.3));
+  // A long part that is thin, as a spinous process.
+  CHECK(half_is_missing(0.1, 0, 0.6));
+  CHECK_FALSE(half_is_missing(0.1, 0, 0.3));
+  CHECK_FALSE(half_is_missing(0.03, 0, 0.6));
 }
 
 TEST_CASE("of a bridge with a thin part only the thin part goes") {

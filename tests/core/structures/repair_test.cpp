@@ -201,6 +201,44 @@ TEST_CASE("a structure without neighbours that say where it belongs is never qui
   CHECK(found.structures[0].confidence <= 0.85);
 }
 
+TEST_CASE("two bodies in one label that lie to each other as two structures do are those two") {
+  // As both kidneys in one label: nothing else is there that says where they belong.
+  SetOfTemplates pair;
+  for (const std::size_t k : {1U, 3U}) {
+    pair.set.structures.push_back(the_set().set.structures[k]);
+    pair.set.structures.back().neighbours.clear();
+    pair.set.structures.back().name = k == 1 ? "kidney_right" : "kidney_left";
+    pair.templates.push_back(the_set().templates[k]);
+  }
+  const auto with = [](int first, int second) {
+    VolumeRead map = stone_map();
+    std::visit(
+        [&](auto& voxels) {
+          using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
+          for (auto& voxel : voxels) voxel = static_cast<Voxel>(voxel == 2 ? first : voxel == 4 ? second : 0);
+        },
+        map.volume.data);
+    map.segmentation.segments = {{"kidney_right", 2, 0, {}, {}}, {"kidney_left", 4, 0, {}, {}}};
+    return map;
+  };
+  const VolumeRead truth = with(2, 4);
+  for (const int value : {2, 4}) {
+    CAPTURE(value);
+    VolumeRead map = with(value, value);
+    const RepairedMap found = test::must(repair_map(pair, map, 0));
+    const std::size_t has_both = value == 2 ? 0 : 1;
+    CHECK(kinds_of(found.structures[has_both]) == std::vector<std::string>{"doubled"});
+    CHECK(kinds_of(found.structures[1 - has_both]) == std::vector<std::string>{"missing"});
+    CHECK(map.volume.data == truth.volume.data);
+  }
+  // Two parts that lie otherwise are not.
+  VolumeRead map = with(2, 2);
+  VolumeGeometry& grid = map.volume.geometry;
+  grid.direction = Eigen::AngleAxisd(1.57, Vec3::UnitX()).toRotationMatrix() * grid.direction;
+  const RepairedMap turned = test::must(repair_map(pair, map, 0));
+  CHECK_FALSE(has_kind(turned.structures[0], DefectKind::doubled));
+}
+
 TEST_CASE("a neighbour that took a part is named, and gives it back") {
   const VolumeRead truth = stone_map();
   const Mended mended(DefectKind::taken_from_neighbour, 4);
@@ -286,6 +324,35 @@ TEST_CASE("labels of which some are a level off get their names back, by where t
     for (const std::size_t k : wrong)
       for (const auto& [value, other] : to)
         if (other == static_cast<int>(k) + 1) CHECK(dice_of(map, truth, value) == 1);
+  }
+}
+
+TEST_CASE("a level that is split in two labels becomes one, and those below get their names back") {
+  const VolumeRead truth = stone_map();
+  const Mesh whole = test::must(mask_surface(truth.volume, 3, 0));
+  const double middle = whole.points.col(2).mean();
+  VolumeRead map = truth;
+  std::visit(
+      [&](auto& voxels) {
+        using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
+        for (std::size_t v = 0; v < voxels.size(); ++v) {
+          const int label = rounded_label(voxels[v]);
+          const bool moves = label > 3 || (label == 3 && place_of_voxel(map.volume.geometry, v).z() > middle);
+          if (moves) voxels[v] = static_cast<Voxel>(label + 1);
+        }
+      },
+      map.volume.data);
+  map.volume.range_max = 6;
+  map.segmentation.add({"vertebrae_L6", 6, 0, {}, {}});
+  const RepairedMap found = test::must(repair_map(the_set(), map, 0));
+  CHECK(kinds_of(found.structures[2]) == std::vector<std::string>{"given_to_neighbour"});
+  CHECK(found.structures[2].confidence < 0.5);
+  CHECK(has_kind(found.structures[3], DefectKind::level_shifted));
+  CHECK(found.structures[3].proposed_name == name_of_stone(2));
+  CHECK(found.structures[4].proposed_name == name_of_stone(3));
+  for (const int label : {1, 2, 3, 4}) {
+    CAPTURE(label);
+    CHECK(dice_of(map, truth, label) == 1);
   }
 }
 

@@ -18,6 +18,7 @@
 #include "core/volume/label_likeness.h"
 #include "core/volume/map_on_grid.h"
 #include "core/volume/referenced_images.h"
+#include "core/volume/soft_mask.h"
 #include "core/volume/volume_io.h"
 #include "core/volume/write_dicom_segmentation.h"
 #include "core/volume/write_segmentation.h"
@@ -49,6 +50,11 @@ bool is_dicom_name(const fs::path& path) {
   return lower_case(path.extension().string()) == ".dcm";
 }
 
+/// Whether a volume holds labels, or is a soft mask.
+bool is_mask(const Volume& volume) {
+  return holds_labels(volume) || is_soft(volume, 0);
+}
+
 /// Writes a label map by the ending of its name; one of DICOM refers to a series. Gives warnings.
 Result<std::vector<std::string>> write_labels(const VolumeRead& map, const fs::path& out, const fs::path& series,
                                               Progress& progress, const std::string& record) {
@@ -78,7 +84,7 @@ Result<Report> convert_contours(const fs::path& in, const fs::path& out, const f
   if (auto usable = check_reading(like, "", false, resample); !usable) return fail(usable.error());
   const auto image = read_volume(like, read_options("", {}, progress, resample));
   if (!image) return fail(image.error());
-  auto map = labels_of_contours(in, *contours, like, image->volume, &progress);
+  auto map = labels_of_contours(in, *contours, like, image->volume, &progress, image->resampled);
   if (!map) return fail(map.error());
   const auto written = write_labels(*map, out, like, progress, record);
   if (!written) return fail(written.error());
@@ -95,10 +101,10 @@ Result<VolumeRead> read_on_image(const fs::path& in, VolumeReadOptions reading, 
   if (auto usable = check_reading(like, "", false, resample); !usable) return fail(usable.error());
   const auto image = read_volume(like, read_options("", {}, *reading.progress, resample));
   if (!image) return fail(image.error());
-  reading.image = ImageGrid{image->volume.geometry, image->volume.frame_of_reference};
+  reading.image = ImageGrid{image->volume.geometry, image->volume.frame_of_reference, image->volume.images};
   auto map = read_volume(in, reading);
   if (!map) return map;
-  if (map->segmentation.segments.empty() && !holds_labels(map->volume))
+  if (map->segmentation.segments.empty() && !is_mask(map->volume))
     return fail(in.string(), "is no label map, so that --like has no effect; leave it out");
   auto other = check_scan(in, map->volume.frame_of_reference, map->referenced, like, image->volume, " by --like");
   if (!other) return fail(other.error());
@@ -206,7 +212,7 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     auto read = on_image ? read_on_image(options->in, reading, options->like, options->resample)
                          : read_volume(options->in, reading);
     if (!read) return fail(read.error());
-    if (is_dicom_name(options->out) && read->segmentation.segments.empty() && !holds_labels(read->volume))
+    if (is_dicom_name(options->out) && read->segmentation.segments.empty() && !is_mask(read->volume))
       return fail(options->in.string(),
                   "is no label map, and DICOM files are written of label maps alone; choose another "
                   "format");

@@ -6,6 +6,7 @@
 #include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "core/mesh/mesh_io.h"
+#include "core/volume/dicom_series.h"
 #include "core/volume/label_likeness.h"
 #include "core/volume/volume_io.h"
 
@@ -32,7 +33,7 @@ std::vector<fs::path> files_in(const fs::path& folder, const Wanted& wanted) {
 }  // namespace
 
 std::vector<fs::path> volumes_in(const fs::path& folder) {
-  return files_in(folder, [](const fs::path& file) {
+  const auto by_name = files_in(folder, [](const fs::path& file) {
     const std::string name = lower_case(file.filename().string());
     // Slices of one scan lie in folders of their own.
     for (const char* slice : {".dcm", ".ima", ".png", ".tif", ".tiff", ".jpg", ".jpeg"})
@@ -40,6 +41,7 @@ std::vector<fs::path> volumes_in(const fs::path& folder) {
     const auto& endings = volume_extensions();
     return std::any_of(endings.begin(), endings.end(), [&](const auto& ending) { return name.ends_with(ending); });
   });
+  return by_name.empty() ? segmentations_in(folder) : by_name;
 }
 
 std::vector<fs::path> surfaces_in(const fs::path& folder) {

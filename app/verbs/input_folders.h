@@ -5,7 +5,8 @@
 
 namespace homolog {
 
-/// The volumes in a folder by name, as their endings say; none where the folder is one scan of slices.
+/// The volumes in a folder by name, as their endings say, else its DICOM segmentations [segmentations_in]; none where
+/// the folder is one scan of slices.
 std::vector<std::filesystem::path> volumes_in(const std::filesystem::path& folder);
 /// The surfaces in a folder, by name.
 std::vector<std::filesystem::path> surfaces_in(const std::filesystem::path& folder);

@@ -11,6 +11,7 @@
 #include "core/base/text.h"
 #include "core/volume/dicom_stack.h"
 #include "core/volume/referenced_images.h"
+#include "core/volume/resample_slices.h"
 #include "core/volume/stored_voxels.h"
 
 namespace homolog {
@@ -36,20 +37,63 @@ std::string about_roi(const ContourRoi& roi) {
   return "structure " + std::to_string(roi.number) + " (" + excerpt(roi.name) + ")";
 }
 
+/// How far a polygon reaches across slices.
+std::pair<double, double> reach_across(const Polygon& polygon, int axis) {
+  const auto [low, high] =
+      std::ranges::minmax_element(polygon, [axis](const Vec3& a, const Vec3& b) { return a[axis] < b[axis]; });
+  return {(*low)[axis], (*high)[axis]};
+}
+
 /// The slice across an axis on which a polygon lies. Nothing where there is none.
 std::optional<int> slice_of(const Polygon& polygon, int axis) {
-  double low = polygon.front()[axis], high = low;
-  for (const Vec3& point : polygon) {
-    low = std::min(low, point[axis]);
-    high = std::max(high, point[axis]);
-  }
+  const auto [low, high] = reach_across(polygon, axis);
   const double slice = std::rint(0.5 * (low + high));
   if (!(std::abs(slice) < 1e9) || low < slice - off_slice || high > slice + off_slice) return {};
   return static_cast<int>(slice);
 }
 
-/// The contours of a structure on the slices across the axis where most of them lie on some.
-SlicedRoi sliced(const ContourRoi& roi, const VolumeGeometry& grid) {
+/// The old slices that a grid was resampled from, and those of its slices that are nearest to each.
+class ResampledPlanes {
+ public:
+  ResampledPlanes(const ResampledSlices& done) : slices_(done.slices), nearest_(done.slices.size()) {
+    for (int k = 0; k < done.dims[2]; ++k) {
+      const SliceNeighbours at = neighbours_of(slices_, k);
+      constexpr double half = 0.5 + 1e-6;  // what lies in the middle goes to the lower one
+      const std::size_t old = at.share > half ? at.above : at.below;
+      nearest_[old].push_back({k, Vec3(at.column - slices_[old].column, at.row - slices_[old].row, 0)});
+      farthest_ = std::max(farthest_, std::abs(k - slices_[old].height));
+    }
+  }
+
+  /// Puts a polygon on the slices that take over the old one on which it lies. False where it lies on none.
+  bool add(const Polygon& polygon, bool cuts_out, SlicedRoi& roi) const {
+    const auto [low, high] = reach_across(polygon, 2);
+    const auto on = std::ranges::find_if(
+        slices_, [&](const OldSlice& old) { return low >= old.height - off_slice && high <= old.height + off_slice; });
+    if (on == slices_.end()) return false;
+    for (const auto& [k, way] : nearest_[static_cast<std::size_t>(on - slices_.begin())]) {
+      Polygon moved = polygon;
+      for (Vec3& point : moved) point += way;
+      roi.slices[k].emplace_back(std::move(moved), cuts_out);
+    }
+    return true;
+  }
+
+  double farthest() const { return farthest_; }  ///< of a slice from the old one that it takes over, in slices
+
+ private:
+  struct Taken {
+    int slice = 0;
+    Vec3 way = Vec3::Zero();  ///< in voxels, from the old slice to this one
+  };
+  std::vector<OldSlice> slices_;
+  std::vector<std::vector<Taken>> nearest_;
+  double farthest_ = 0;
+};
+
+/// The contours of a structure on the slices across the axis where most of them lie on some. `resampled`: null where
+/// the grid is that of the series.
+SlicedRoi sliced(const ContourRoi& roi, const VolumeGeometry& grid, const ResampledPlanes* resampled) {
   std::vector<std::pair<Polygon, bool>> polygons;
   const Mat3 back = grid.direction.inverse();
   for (const Contour& contour : roi.contours) {
@@ -63,12 +107,17 @@ SlicedRoi sliced(const ContourRoi& roi, const VolumeGeometry& grid) {
   result.closed = polygons.size();
   std::ptrdiff_t most = 0;
   for (const int axis : {2, 1, 0}) {
+    if (resampled != nullptr) break;
     const auto on =
         std::ranges::count_if(polygons, [&](const auto& one) { return slice_of(one.first, axis).has_value(); });
     if (on > most) result.axis = axis;
     most = std::max(most, on);
   }
   for (auto& [polygon, cuts_out] : polygons) {
+    if (resampled != nullptr) {
+      if (!resampled->add(polygon, cuts_out, result)) ++result.off_slices;
+      continue;
+    }
     if (const auto slice = slice_of(polygon, result.axis))
       result.slices[*slice].emplace_back(std::move(polygon), cuts_out);
     else
@@ -231,7 +280,8 @@ std::size_t put_in_layers(const std::vector<std::uint8_t>& inside, int number, L
 }  // namespace
 
 Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& contours, const fs::path& image_path,
-                                      const Volume& image, Progress* progress) {
+                                      const Volume& image, Progress* progress,
+                                      const std::optional<ResampledSlices>& resampled) {
   auto other = check_scan(path, contours.frame_of_reference, contours.referenced, image_path, image, " by --like");
   if (!other) return fail(other.error());
   const VolumeGeometry& grid = image.geometry;
@@ -246,13 +296,20 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
     result.warnings.push_back(path.string() +
                               ": numbers a structure beyond what a label can be (1 to 65535), so that labels count its "
                               "structures from 1");
+  std::optional<ResampledPlanes> planes;
+  if (resampled) planes.emplace(*resampled);
+  if (planes)
+    result.warnings.push_back(path.string() +
+                              ": was drawn on slices that were resampled; each slice of the grid has "
+                              "the contours of the old one nearest to it, up to " +
+                              mm_text(planes->farthest() * grid.spacing_mm.z()) + " away");
   Layers layers;
   std::optional<Error> off_slices;
   for (std::size_t r = 0; r < contours.rois.size(); ++r) {
     const ContourRoi& roi = contours.rois[r];
     if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
     if (progress) progress->report(static_cast<double>(r) / static_cast<double>(contours.rois.size()));
-    const SlicedRoi on_slices = sliced(roi, grid);
+    const SlicedRoi on_slices = sliced(roi, grid, planes ? &*planes : nullptr);
     if (on_slices.off_slices > 0) {  // the others go on
       const std::string words = off_slices_words(roi, on_slices, image_path);
       result.warnings.push_back(path.string() + ": " + words + " (left out)");

@@ -29,6 +29,8 @@ struct ContourRoi {
   std::optional<std::array<std::uint8_t, 3>> colour{};
   std::vector<Contour> contours{};
   std::vector<Vec3> points{};  ///< marked places, LPS mm
+  /// What was not taken as it stands in the file, each the end of a sentence about the structure: "… twice; …".
+  std::vector<std::string> doubts{};
 
   /// How many points its contours and marked places have in all.
   std::size_t all_points() const;
@@ -55,13 +57,13 @@ bool crosses_itself(const Contour& contour);
 /// Whether a file is a DICOM structure set.
 bool holds_contours(const std::filesystem::path& path);
 
-/// Reads a structure set [DICOM PS3.3, A.19, C.8.8.5 and C.8.8.6]. `warnings`: structures without points, contours that
-/// cross themselves. Errors: no structure set; contours of a structure that is not described; points that are missing
-/// or no numbers; no frame of reference, or several.
+/// Reads a structure set [DICOM PS3.3, A.19, C.8.8.5 and C.8.8.6]. A contour that is there twice is read once.
+/// `warnings`: what doubts_about says. Errors: no structure set; contours of a structure that is not described; points
+/// that are missing or no numbers; no frame of reference, or several.
 Result<Contours> read_contours(const std::filesystem::path& path);
 
-/// What is to be said of structures before anything is made of them: those without points, and contours that cross
-/// themselves.
+/// What is to be said of structures before anything is made of them: those without points, contours that cross
+/// themselves, and `ContourRoi::doubts`.
 std::vector<std::string> doubts_about(const std::filesystem::path& path, const std::vector<ContourRoi>& rois);
 
 /// The structure of a name, in any case, or of a number. Errors: none, or several of the name; those that there are

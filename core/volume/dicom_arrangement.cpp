@@ -164,4 +164,18 @@ Result<DicomArrangement> arrange(const fs::path& path, const std::vector<DicomHe
   return result;
 }
 
+std::vector<SourceImage> images_of(const std::vector<DicomHeader>& headers, const DicomArrangement& arrangement) {
+  std::vector<SourceImage> images;
+  for (std::size_t place = 0; place < arrangement.planes.size(); ++place) {
+    const DicomPlaneSource& source = arrangement.planes[place];
+    const DicomHeader& header = headers[source.file];
+    if (header.instance_uid.empty() || source.plane_in_file > 0) continue;
+    SourceImage& image = images.emplace_back();
+    image.uid = header.instance_uid;
+    if (header.planes.size() == 1) image.position_mm = source.plane->position_mm;
+    image.slice = static_cast<int>(place) % arrangement.slices;
+  }
+  return images;
+}
+
 }  // namespace homolog

@@ -7,6 +7,7 @@
 #include "core/base/geometry.h"
 #include "core/base/result.h"
 #include "core/volume/dicom_header.h"
+#include "core/volume/volume.h"
 
 namespace homolog {
 
@@ -36,5 +37,8 @@ struct DicomArrangement {
 /// `resample`: slices that are missing, uneven or shifted are no error, but for resample_slices.
 Result<DicomArrangement> arrange(const std::filesystem::path& path, const std::vector<DicomHeader>& headers,
                                  std::vector<std::string>& warnings, bool resample = false);
+
+/// The files that have a UID, as the images of the volume that an arrangement is of.
+std::vector<SourceImage> images_of(const std::vector<DicomHeader>& headers, const DicomArrangement& arrangement);
 
 }  // namespace homolog

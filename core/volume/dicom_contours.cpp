@@ -23,7 +23,7 @@ constexpr DicomTag storage = 0x00080016, instance = 0x00081155, images = 0x30060
                    series = 0x30060014, rois = 0x30060020, number = 0x30060022, space_of_roi = 0x30060024,
                    name = 0x30060026, colour = 0x3006002a, drawn = 0x30060039, contours = 0x30060040, kind = 0x30060042,
                    count = 0x30060046, points = 0x30060050, observations = 0x30060080, of_roi = 0x30060084,
-                   type = 0x300600a4;
+                   type = 0x300600a4, offset = 0x30060045;
 }  // namespace rt
 
 bool is_structure_set(const DicomSet& set) {
@@ -107,8 +107,32 @@ Result<std::vector<ContourRoi>> described_rois(const DicomSet& set, std::vector<
   return rois;
 }
 
+/// What of the contours of a structure is not taken as it stands.
+struct OddContours {
+  int doubled = 0, short_ones = 0, moved = 0;
+  std::string unknown_kind;
+  int of_unknown_kind = 0;
+
+  std::vector<std::string> doubts() const {
+    const auto contours = [](int count) { return std::to_string(count) + (count == 1 ? " contour" : " contours"); };
+    std::vector<std::string> all;
+    if (doubled > 0) all.push_back(contours(doubled) + " twice; one of each was taken");
+    if (short_ones > 0)
+      all.push_back(contours(short_ones) + " of fewer than three points, which hold nothing; they were left out");
+    if (of_unknown_kind > 0)
+      all.push_back(contours(of_unknown_kind) +
+                    (unknown_kind.empty() ? std::string(" of no kind")
+                                          : " of the kind " + excerpt(unknown_kind) + ", which is not known") +
+                    "; closed ones were assumed");
+    if (moved > 0)
+      all.push_back(contours(moved) +
+                    " with an offset (Contour Offset Vector), which was not applied; check the place");
+    return all;
+  }
+};
+
 /// Adds one contour. Errors: its points are missing, no numbers, or fewer or more than it says.
-Result<void> add_contour(const DicomItem& item, ContourRoi& roi) {
+Result<void> add_contour(const DicomItem& item, ContourRoi& roi, OddContours& odd) {
   const std::string kind = text_of(item, rt::kind);
   const auto numbers = numbers_of(item, rt::points);
   const auto count = whole_number(item, rt::count);
@@ -123,16 +147,29 @@ Result<void> add_contour(const DicomItem& item, ContourRoi& roi) {
     // Points that are there twice add no edge.
     if (contour.points.empty() || point != contour.points.back()) contour.points.push_back(point);
   }
+  const auto offset = numbers_of(item, rt::offset);
+  odd.moved += std::ranges::any_of(offset, [](double mm) { return mm != 0; }) ? 1 : 0;
   if (kind == "POINT") {
     roi.points.insert(roi.points.end(), contour.points.begin(), contour.points.end());
     return {};
   }
   contour.closed = !kind.starts_with("OPEN");
   contour.cuts_out = kind == "CLOSEDPLANAR_XOR";
+  constexpr std::array known_kinds{"CLOSED_PLANAR", "CLOSEDPLANAR_XOR", "OPEN_PLANAR", "OPEN_NONPLANAR"};
+  if (std::ranges::find(known_kinds, kind) == known_kinds.end()) {
+    odd.unknown_kind = kind;
+    ++odd.of_unknown_kind;
+  }
   if (contour.closed && contour.points.size() > 1 && contour.points.front() == contour.points.back())
     contour.points.pop_back();
-  if (contour.closed && contour.points.size() < 3)  // it has no inside
+  if (contour.closed && contour.points.size() < 3) {  // it has no inside
+    ++odd.short_ones;
     roi.points.insert(roi.points.end(), contour.points.begin(), contour.points.end());
+    return {};
+  }
+  // Two that are combined by exclusive or cancel out, as they are meant to.
+  if (!contour.cuts_out && std::ranges::find(roi.contours, contour) != roi.contours.end())
+    ++odd.doubled;
   else
     roi.contours.push_back(std::move(contour));
   return {};
@@ -141,6 +178,7 @@ Result<void> add_contour(const DicomItem& item, ContourRoi& roi) {
 /// Adds what was drawn to the structures that are described.
 Result<void> add_drawn(const DicomSet& set, std::vector<ContourRoi>& rois) {
   Result<void> result;
+  std::map<int, OddContours> odd;
   for_each_item(set.elements, rt::drawn, [&](const DicomItem& item) {
     if (!result) return;
     const auto number = whole_number(item, rt::of_roi);
@@ -154,11 +192,12 @@ Result<void> add_drawn(const DicomSet& set, std::vector<ContourRoi>& rois) {
     roi->colour = roi_colour(item);
     for_each_item(item, rt::contours, [&](const DicomItem& contour) {
       if (!result) return;
-      if (auto added = add_contour(contour, *roi); !added)
+      if (auto added = add_contour(contour, *roi, odd[roi->number]); !added)
         result = fail(set.path.string(), "in its structure " + std::to_string(roi->number) + " (" + excerpt(roi->name) +
                                              ") " + added.error().what + "; export it again");
     });
   });
+  for (ContourRoi& roi : rois) roi.doubts = odd[roi.number].doubts();
   return result;
 }
 
@@ -278,6 +317,8 @@ std::vector<std::string> doubts_about(const fs::path& path, const std::vector<Co
     if (roi.all_points() == 0)
       warnings.push_back(path.string() + ": has no points in its " + roi_words(roi) +
                          "; draw it, or leave it out of the export");
+    for (const std::string& doubt : roi.doubts)
+      warnings.push_back(path.string() + ": has in its " + roi_words(roi) + " " + doubt);
     const auto crossing = std::count_if(roi.contours.begin(), roi.contours.end(), crosses_itself);
     if (crossing > 0)
       warnings.push_back(

@@ -144,7 +144,18 @@ Result<void> check_beside(const fs::path& path, const PlacedFrames& frames, cons
       std::hypot(rounded_by_mm(frames, frames.axes.first), rounded_by_mm(frames, frames.axes.second));
   if (worst <= std::max({0.1 * pixel, std::min(0.15, 0.25 * pixel), std::min(rounded, 0.5 * pixel)})) return {};
   return fail(path.string(), "has frames that are shifted sideways against one another, by up to " + mm_text(worst) +
-                                 "; export it on slices that lie straight behind one another");
+                                 "; read it with the series that it was drawn on (--like), or export it on slices that "
+                                 "lie straight behind one another");
+}
+
+/// Images by their UIDs; null where several have one.
+std::map<std::string, const SourceImage*> by_uid(const std::vector<SourceImage>& images) {
+  std::map<std::string, const SourceImage*> found;
+  for (const SourceImage& image : images) {
+    const auto [at, is_new] = found.try_emplace(image.uid, &image);
+    if (!is_new) at->second = nullptr;
+  }
+  return found;
 }
 
 }  // namespace
@@ -202,6 +213,57 @@ std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeom
     if (std::abs(known->second - height) > std::max(same_place_mm, 0.02 * grid.spacing_mm.z())) return {};
   }
   return lattice;
+}
+
+std::optional<FrameLattice> on_images(const PlacedFrames& frames, const ImageGrid& series) {
+  const VolumeGeometry& grid = series.geometry;
+  if (grid.dims[0] != frames.columns || grid.dims[1] != frames.rows) return {};
+  const auto images = by_uid(series.images);
+  const auto [columns, rows] = frames.pixel_mm;
+  const Vec3 close = near_voxels(grid.spacing_mm), origin = grid.to_voxel(grid.origin_mm);
+  const Vec3 last_step =
+      columns * (frames.columns - 1) * frames.axes.first + rows * (frames.rows - 1) * frames.axes.second;
+  const Vec3 last_wanted(frames.columns - 1, frames.rows - 1, 0);
+  if ((grid.to_voxel(grid.origin_mm + last_step) - origin - last_wanted).cwiseAbs().cwiseQuotient(close).maxCoeff() > 1)
+    return {};
+  FrameLattice lattice{grid, {}, true};
+  for (std::size_t f = 0; f < frames.positions_mm.size(); ++f) {
+    const auto image = images.find(frames.images[f]);
+    if (image == images.end() || image->second == nullptr || !image->second->position_mm) return {};
+    const Vec3 off = grid.to_voxel(frames.positions_mm[f]) - grid.to_voxel(*image->second->position_mm);
+    if (off.cwiseAbs().cwiseQuotient(close).maxCoeff() > 1) return {};
+    lattice.slices.push_back(image->second->slice);
+  }
+  return lattice;
+}
+
+std::vector<std::string> doubts_about_places(const fs::path& path, const PlacedFrames& frames,
+                                             const FrameLattice& lattice, const std::vector<SourceImage>& series) {
+  constexpr double noticed_mm = 0.1;
+  std::vector<std::string> doubts;
+  const auto images = by_uid(series);
+  double worst = 0;
+  for (std::size_t f = 0; f < frames.positions_mm.size(); ++f) {
+    const int slice = lattice.slices[f];
+    worst = std::max(worst, (frames.positions_mm[f] - lattice.geometry.to_mm(Vec3(0, 0, slice))).norm());
+    const auto image = images.find(frames.images[f]);
+    if (image == images.end() || image->second == nullptr || image->second->slice == slice || !doubts.empty()) continue;
+    doubts.push_back(path.string() + ": its frame " + std::to_string(f + 1) + " lies on slice " +
+                     std::to_string(slice + 1) + " of its series and refers to the image of slice " +
+                     std::to_string(image->second->slice + 1) + "; its place was taken");
+  }
+  const Vec3 normal = frames.axes.first.cross(frames.axes.second);
+  const double rounded = Vec3(rounded_by_mm(frames, frames.axes.first), rounded_by_mm(frames, frames.axes.second),
+                              rounded_by_mm(frames, normal))
+                             .norm();
+  if (worst > std::max(noticed_mm, rounded))
+    doubts.push_back(path.string() +
+                     (lattice.by_images
+                          ? ": its frames were put on the slices of the images that they refer to, which "
+                            "lie up to " +
+                                mm_text(worst) + " off even ones"
+                          : ": its frames lie up to " + mm_text(worst) + " off the even slices that they were put on"));
+  return doubts;
 }
 
 }  // namespace homolog

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/volume/volume.h"
+#include "core/volume/volume_io.h"
 
 namespace homolog {
 
@@ -17,6 +17,7 @@ struct PlacedFrames {
   std::pair<Vec3, Vec3> axes;          ///< unit directions of increasing column and row index
   std::pair<double, double> pixel_mm;  ///< distance between columns, between rows
   std::vector<Vec3> positions_mm;      ///< of each frame, the centre of its first voxel
+  std::vector<std::string> images{};   ///< of each frame: the UID of the only image it was made of; empty: not said
   /// Distance between slices and their thickness, as far as the file gives them.
   std::optional<double> spacing_mm, thickness_mm;
 };
@@ -25,6 +26,7 @@ struct PlacedFrames {
 struct FrameLattice {
   VolumeGeometry geometry;
   std::vector<int> slices;
+  bool by_images = false;  ///< frames were put where the images are that they refer to
 };
 
 /// The slices of frames of which the empty ones may have been left out, so that gaps stay gaps. Their distance is the
@@ -42,5 +44,14 @@ Vec3 near_voxels(const Vec3& spacing_mm);
 /// The slices on a known grid, such as that of the series that was segmented; nothing where the frames do not lie on
 /// it [near_voxels], or where two of different places lie on one slice.
 std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeometry& grid);
+
+/// The slices of the images that frames refer to, whether or not these lie evenly; nothing where a frame refers to none
+/// of them, or lies beside its image [near_voxels].
+std::optional<FrameLattice> on_images(const PlacedFrames& frames, const ImageGrid& series);
+
+/// What is to be said of frames (of `path`) that were put on slices: that they lie off these by more than rounded
+/// places do, and which refers to an image of another slice than the one it lies on.
+std::vector<std::string> doubts_about_places(const std::filesystem::path& path, const PlacedFrames& frames,
+                                             const FrameLattice& lattice, const std::vector<SourceImage>& images);
 
 }  // namespace homolog

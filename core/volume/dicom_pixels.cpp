@@ -181,6 +181,10 @@ tl::unexpected<Error> unreadable_syntax(const DicomHeader& header) {
                                         ", which cannot be read; export it uncompressed (Explicit VR Little Endian)");
 }
 
+/// Those that change values: JPEG but for its lossless kinds, and near-lossless JPEG-LS.
+constexpr std::array<std::string_view, 3> lossy_syntaxes{"1.2.840.10008.1.2.4.50", "1.2.840.10008.1.2.4.51",
+                                                         "1.2.840.10008.1.2.4.81"};
+
 /// A plane that is deflated by itself, into room of its size.
 Result<void> inflate_plane(const DicomHeader& header, std::size_t plane, std::span<std::byte> out) {
   const DicomPixels::Fragment& fragment = header.pixels->fragments[plane];
@@ -267,6 +271,12 @@ Result<void> check_pixel_claim(const DicomHeader& header, std::size_t plane_byte
   if (packed && static_cast<double>(header.rows) * header.columns > most_pixels)
     return fail(header.path.string(), "has compressed planes of more than 30 million pixels; export it uncompressed");
   return {};
+}
+
+Result<void> check_exact(const DicomHeader& header) {
+  if (std::ranges::find(lossy_syntaxes, header.transfer_syntax) == lossy_syntaxes.end()) return {};
+  return fail(header.path.string(), "keeps its labels in the transfer syntax " + named_syntax(header.transfer_syntax) +
+                                        ", which changes them; export it uncompressed (Explicit VR Little Endian)");
 }
 
 Result<void> read_dicom_pixels(const DicomHeader& header, const Room& room, Progress* progress) {

@@ -18,6 +18,9 @@ bool is_run_length_encoded(const DicomHeader& header);
 /// Refuses sizes that a file's pixels cannot hold, before memory is taken for them. `plane_bytes`: of a decoded plane.
 Result<void> check_pixel_claim(const DicomHeader& header, std::size_t plane_bytes);
 
+/// Refuses pixels whose transfer syntax changes values, as labels do not bear.
+Result<void> check_exact(const DicomHeader& header);
+
 /// Reads and decodes all planes of a file, in its order, as rows · columns values of its stored type each, into room
 /// that is asked for as they arrive: what a header claims costs no memory before there are pixels for it. Fails where
 /// pixels are missing or do not decode.

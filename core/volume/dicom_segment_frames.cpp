@@ -20,7 +20,8 @@ constexpr DicomTag frame_of_reference = 0x00200052, position = 0x00200032, orien
 // Sequences: of a frame's place on a slide, its place, direction, pixels and segment.
 constexpr DicomTag slide_group = 0x0048021a, position_group = 0x00209113, orientation_group = 0x00209116,
                    measures_group = 0x00289110, segment_group = 0x0062000a, referenced_number = 0x0062000b,
-                   groups_of_frames = 0x52009230;
+                   groups_of_frames = 0x52009230, derivation_group = 0x00089124, source_images = 0x00082112;
+constexpr DicomTag instance = 0x00081155;  // UID of an image that is referred to
 }  // namespace seg
 
 std::optional<std::array<double, 3>> three_shorts(const DicomItem& item, DicomTag tag, bool big_endian) {
@@ -135,6 +136,20 @@ std::optional<std::pair<Vec3, Vec3>> axes_of(const std::vector<double>& numbers)
   return std::pair(columns.normalized(), rows.normalized());
 }
 
+/// The UID of the image that a frame was made of; empty where it names none, or several.
+std::string source_of(const DicomItem& data, std::size_t frame) {
+  std::string uid;
+  const DicomItem* derivation = own_aspect(data, frame, seg::derivation_group);
+  for (std::size_t k = 0; derivation != nullptr; ++k) {
+    const DicomItem* image = item_of(*derivation, seg::source_images, k);
+    if (image == nullptr) break;
+    const std::string own = text_of(*image, seg::instance);
+    if (!uid.empty() && own != uid) return {};
+    uid = own;
+  }
+  return uid;
+}
+
 /// Errors: the place, direction or pixel size of a frame is missing, or differs where all have to be alike.
 Result<PlacedFrames> placed_frames(const DicomSet& set, const DicomHeader& header) {
   const DicomItem& data = set.elements;
@@ -177,6 +192,7 @@ Result<PlacedFrames> placed_frames(const DicomSet& set, const DicomHeader& heade
       return fail(name, "mixes frames of different directions or pixel sizes (1 and " + std::to_string(f + 1) +
                             "); export each as a segmentation of its own");
     placed.positions_mm.emplace_back(p[0], p[1], p[2]);
+    placed.images.push_back(source_of(data, f));
   }
   return placed;
 }

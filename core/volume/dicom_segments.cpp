@@ -87,6 +87,8 @@ Result<FramePixels> read_bits(const SegmentationFile& file) {
 }
 
 Result<FramePixels> read_values(const SegmentationFile& file) {
+  if (file.frames.kind != SegmentFrames::Kind::fractional)
+    if (auto exact = check_exact(file.header); !exact) return fail(exact.error());
   DicomHeader header = file.header;
   header.photometric = "MONOCHROME2";  // of a palette the indices are the labels
   const auto type = dicom_stored_type(header);
@@ -331,7 +333,7 @@ ReferencedImages segmented_images(const DicomSet& set) {
   }
 }
 
-Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optional<VolumeGeometry>& series,
+Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optional<ImageGrid>& series,
                                            Progress* progress) {
   const DicomHeader header = dicom_header(set);
   if (!header.is_image())
@@ -345,13 +347,17 @@ Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optio
   VolumeRead result;
   result.referenced = segmented_images(set);
   result.warnings = frames->warnings;
-  auto lattice = series ? on_grid(frames->placed, *series) : std::nullopt;
+  auto lattice = series ? on_images(frames->placed, *series) : std::nullopt;
+  if (!lattice && series) lattice = on_grid(frames->placed, series->geometry);
   const bool on_series = lattice.has_value();
   if (!lattice) {
     auto own = lattice_of(set.path, frames->placed, result.warnings);
     if (!own) return fail(own.error());
     lattice = std::move(*own);
   }
+  const std::vector<SourceImage> none;
+  const auto doubts = doubts_about_places(set.path, frames->placed, *lattice, on_series ? series->images : none);
+  result.warnings.insert(result.warnings.end(), doubts.begin(), doubts.end());
   return place_voxels({header, *frames, std::move(*lattice), on_series, progress}, std::move(result));
 }
 

@@ -18,11 +18,12 @@ ReferencedImages segmented_images(const DicomSet& set);
 
 /// Reads a segmentation [DICOM PS3.3, A.51 and A.52, C.8.20]: binary, fractional or a label map. A label is the number
 /// of its segment. Segments that overlap lie in layers. Fractional ones are soft masks from 0 to 1, each in a layer of
-/// its own as label 1. Frames that were left out are empty slices: on `series`, where the frames lie on that grid, else
-/// on the slices that the file declares [dicom_lattice.h], from the first frame to the last; unless the file keeps
-/// empty ones, more may lie beyond (Volume::empty_beyond_slices). Errors: no frame of reference, a segment that is not
-/// described, frames without a place, two of a segment at one place, pixels that are missing or cannot be decoded.
-Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optional<VolumeGeometry>& series,
+/// its own as label 1. Frames that were left out are empty slices: on `series`, where the frames lie on that grid or on
+/// the images that they refer to, else on the slices that the file declares [dicom_lattice.h], from the first frame to
+/// the last; unless the file keeps empty ones, more may lie beyond (Volume::empty_beyond_slices). Errors: no frame of
+/// reference, a segment that is not described, frames without a place, two of a segment at one place, pixels that are
+/// missing or cannot be decoded.
+Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optional<ImageGrid>& series,
                                            Progress* progress);
 
 }  // namespace homolog

@@ -22,4 +22,7 @@ struct DicomSeries {
 /// Reads the only series of images of a folder, or one file of several planes. Errors: those of read_volume.
 Result<DicomSeries> read_dicom_series(const std::filesystem::path& path, Progress* progress = nullptr);
 
+/// The segmentations (SEG) of a folder that holds several of them and no images, by name; none of any other folder.
+std::vector<std::filesystem::path> segmentations_in(const std::filesystem::path& folder);
+
 }  // namespace homolog

@@ -10,12 +10,13 @@ namespace fs = std::filesystem;
 
 std::optional<std::string> other_images(const fs::path& path, const ReferencedImages& referenced,
                                         const std::string& image, const std::string& series_uid,
-                                        const std::vector<std::string>& instance_uids) {
+                                        const std::vector<SourceImage>& images) {
   const auto& series = referenced.series;
   if (!series.empty() && !series_uid.empty() && std::ranges::find(series, series_uid) == series.end())
     return path.string() + ": refers to the series " + excerpt(series.front()) + ", and " + image + " is series " +
            excerpt(series_uid) + " in the same space; check that it was made on that image";
-  const std::set<std::string> there(instance_uids.begin(), instance_uids.end());
+  std::set<std::string> there;
+  for (const SourceImage& one : images) there.insert(one.uid);
   const std::set<std::string> wanted(referenced.instances.begin(), referenced.instances.end());
   const auto lacking = std::ranges::count_if(wanted, [&](const std::string& uid) { return !there.contains(uid); });
   if (there.empty() || lacking == 0) return {};
@@ -37,7 +38,7 @@ Result<std::optional<std::string>> check_scan(const fs::path& path, const std::s
                                    excerpt(frame_of_reference) + " and " + excerpt(image.frame_of_reference) +
                                    "); give the series that it was drawn on" + how);
   if (image.modality == "SEG") return std::optional<std::string>();  // its series is one of its own
-  return other_images(path, referenced, image_path.string(), image.series_uid, image.instance_uids);
+  return other_images(path, referenced, image_path.string(), image.series_uid, image.images);
 }
 
 }  // namespace homolog

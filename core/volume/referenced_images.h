@@ -15,7 +15,7 @@ namespace homolog {
 /// images are called.
 std::optional<std::string> other_images(const std::filesystem::path& path, const ReferencedImages& referenced,
                                         const std::string& image, const std::string& series_uid,
-                                        const std::vector<std::string>& instance_uids);
+                                        const std::vector<SourceImage>& images);
 
 /// What must be known before a segmentation or contours (`path`) are used with an image: the warning that they were
 /// made on other images of the same space, as `other_images` says it; nothing where all is well.

@@ -19,12 +19,6 @@ namespace {
 /// What decimals leave of whole steps, in voxels.
 constexpr double rounded_voxels = 1e-3;
 
-/// One of the old slices, as the new grid sees it.
-struct OldSlice {
-  double height = 0;           ///< along the normal, in new slices from the first
-  double column = 0, row = 0;  ///< of its first voxel, in pixels of the new grid
-};
-
 /// The old slices of a frame, and the new grid.
 struct SlicePlaces {
   std::vector<std::vector<OldSlice>> frames;
@@ -96,15 +90,7 @@ std::optional<double> value_in_slice(std::span<const T> slice, int columns, int 
 template <class T>
 void fill_slice(std::span<const T> voxels, const VolumeGeometry& old, const std::vector<OldSlice>& slices, int k,
                 const VolumeGeometry& grid, float outside, std::span<float> filled) {
-  // The two old slices next to it; where it is one of them, that one alone.
-  std::size_t above = 0;
-  while (above + 1 < slices.size() && slices[above].height < k - rounded_voxels) ++above;
-  const std::size_t below = above > 0 && slices[above].height > k + rounded_voxels ? above - 1 : above;
-  const double gap = slices[above].height - slices[below].height;
-  const double t = gap > 0 ? (k - slices[below].height) / gap : 0;
-  // Slices that are shifted are followed along the way on which they are.
-  const double column = (1 - t) * slices[below].column + t * slices[above].column;
-  const double row = (1 - t) * slices[below].row + t * slices[above].row;
+  const auto [below, above, t, column, row] = neighbours_of(slices, k);
   const std::size_t pixels = static_cast<std::size_t>(old.dims[0]) * static_cast<std::size_t>(old.dims[1]);
   const auto lower = voxels.subspan(below * pixels, pixels), upper = voxels.subspan(above * pixels, pixels);
   std::size_t at = 0;
@@ -117,6 +103,19 @@ void fill_slice(std::span<const T> voxels, const VolumeGeometry& old, const std:
 }
 
 }  // namespace
+
+SliceNeighbours neighbours_of(std::span<const OldSlice> slices, int k) {
+  SliceNeighbours found;
+  while (found.above + 1 < slices.size() && slices[found.above].height < k - rounded_voxels) ++found.above;
+  const bool between = found.above > 0 && slices[found.above].height > k + rounded_voxels;
+  found.below = between ? found.above - 1 : found.above;
+  const OldSlice &lower = slices[found.below], &upper = slices[found.above];
+  const double gap = upper.height - lower.height;
+  found.share = gap > 0 ? (k - lower.height) / gap : 0;
+  found.column = (1 - found.share) * lower.column + found.share * upper.column;
+  found.row = (1 - found.share) * lower.row + found.share * upper.row;
+  return found;
+}
 
 Result<ResampledSlices> resample_slices(const fs::path& path, const DicomArrangement& arrangement, Volume& volume,
                                         Progress* progress) {
@@ -136,6 +135,7 @@ Result<ResampledSlices> resample_slices(const fs::path& path, const DicomArrange
   const VolumeGeometry& grid = places.grid;
   done.dims = grid.dims;
   done.spacing_mm = grid.spacing_mm;
+  done.slices = places.frames.front();
   for (const auto& frame : places.frames)
     for (const OldSlice& slice : frame)
       for (const OldSlice& other : frame)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "core/base/progress.h"
@@ -9,6 +10,14 @@
 #include "core/volume/volume_io.h"
 
 namespace homolog {
+
+/// The old slices next to slice k of the grid that they became; where it is one of them, that one alone.
+struct SliceNeighbours {
+  std::size_t below = 0, above = 0;
+  double share = 0;            ///< of the upper one
+  double column = 0, row = 0;  ///< of the first voxel there: slices that are shifted are followed along their way
+};
+SliceNeighbours neighbours_of(std::span<const OldSlice> slices, int k);
 
 /// Makes a rectangular grid of slices that are no even stack [DicomArrangement::uneven]: `volume` has their voxels, one
 /// slice behind another, and becomes 32-bit floats on the new grid. Its slices lie across the normal, from the first of

@@ -58,6 +58,13 @@ using VoxelData =
 /// "uint8", "int16", "uint16" or "float32".
 const char* voxel_type_name(const VoxelData& data);
 
+/// A DICOM image that a volume was read from.
+struct SourceImage {
+  std::string uid;
+  std::optional<Vec3> position_mm{};  ///< of its first voxel as the file says it, LPS mm; none of several planes
+  int slice = 0;                      ///< of the volume: where that plane lies
+};
+
 /// A scan, a label map, or a cine (several frames on one grid). Voxels are stored i fastest, then j, k, frame.
 struct Volume {
   VolumeGeometry geometry;
@@ -68,10 +75,10 @@ struct Volume {
   double range_min = 0, range_max = 0;  ///< over all finite voxels of all frames
   /// The window that the file itself asks for (DICOM): centre and width in intensity units.
   std::optional<std::pair<double, double>> file_window;
-  std::string series_uid;                  ///< DICOM series instance UID; empty elsewhere
-  std::string modality;                    ///< "CT", "MR", …; empty where unknown
-  std::string frame_of_reference;          ///< UID of the space that positions are given in (DICOM); empty elsewhere
-  std::vector<std::string> instance_uids;  ///< of the DICOM images that it was read from; empty elsewhere
+  std::string series_uid;           ///< DICOM series instance UID; empty elsewhere
+  std::string modality;             ///< "CT", "MR", …; empty where unknown
+  std::string frame_of_reference;   ///< UID of the space that positions are given in (DICOM); empty elsewhere
+  std::vector<SourceImage> images;  ///< DICOM: what it was read from, those that have a UID; empty elsewhere
   /// A mask of one structure, label 1, whose surface lies where values between voxels pass 0.5 [soft_mask.h].
   bool soft = false;
   /// Slices before the first and behind the last were left out, or may have been, since they are empty (DICOM

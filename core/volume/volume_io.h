@@ -19,10 +19,11 @@ struct SeriesInfo {
   int files = 0;
 };
 
-/// The grid of an image, and the space that it lies in (DICOM; empty elsewhere).
+/// The grid of an image, and of DICOM the space that it lies in and the images that are its slices (empty elsewhere).
 struct ImageGrid {
   VolumeGeometry geometry;
   std::string frame_of_reference;
+  std::vector<SourceImage> images{};
 };
 
 /// UIDs of the DICOM images that a segmentation or contours were made on, as far as the file names them.
@@ -44,6 +45,12 @@ struct VolumeReadOptions {
   std::optional<ImageGrid> image{};
 };
 
+/// One of the slices that a series had, as the rectangular grid sees it that they became.
+struct OldSlice {
+  double height = 0;           ///< along the normal, in slices of the grid from the first
+  double column = 0, row = 0;  ///< of its first voxel, in pixels of the grid
+};
+
 /// How slices that are no even stack became a rectangular grid.
 struct ResampledSlices {
   std::string why;                   ///< what was no even stack: "slices that are shifted sideways …"
@@ -52,6 +59,7 @@ struct ResampledSlices {
   double shifted_mm = 0;             ///< by how much they lie sideways against one another
   std::array<int, 3> dims{0, 0, 0};  ///< of the new grid
   Vec3 spacing_mm = Vec3::Zero();    ///< of the new grid
+  std::vector<OldSlice> slices{};    ///< of the first frame, by height
 };
 
 /// A volume and what had to be mended to read it (each a sentence for `homolog: warning: …`).

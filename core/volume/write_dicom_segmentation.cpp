@@ -16,6 +16,7 @@
 #include "core/volume/dicom_elements.h"
 #include "core/volume/dicom_series.h"
 #include "core/volume/dicom_text.h"
+#include "core/volume/dicom_written_frames.h"
 #include "core/volume/map_on_grid.h"
 
 namespace homolog {
@@ -24,90 +25,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* segmentation_storage = "1.2.840.10008.5.1.4.1.1.66.4";
-
-/// The voxels of one segment, as it will be written.
-struct WrittenSegment {
-  Segment segment;  ///< its value and layer in the map
-  int number = 0;   ///< in the file
-};
-
-/// A layer of the map on the grid of the series, and the labels that occur on each of its slices.
-struct SeriesLayer {
-  std::vector<int> labels;
-  std::vector<std::set<int>> on_slice;
-};
-
-SeriesLayer on_series(const Volume& layer, const VolumeGeometry& grid, const VoxelMapping& mapping) {
-  SeriesLayer result;
-  result.labels.reserve(grid.voxels());
-  result.on_slice.resize(static_cast<std::size_t>(grid.dims[2]));
-  for (std::int64_t k = 0; k < grid.dims[2]; ++k)
-    for (std::int64_t j = 0; j < grid.dims[1]; ++j)
-      for (std::int64_t i = 0; i < grid.dims[0]; ++i) {
-        const auto at = mapping.at(i, j, k);
-        bool inside = true;
-        for (std::size_t b = 0; b < 3; ++b) inside = inside && at[b] >= 0 && at[b] < layer.geometry.dims[b];
-        const auto voxel = [&](std::size_t b) { return static_cast<int>(at[b]); };
-        const int label = inside ? rounded_label(layer.at(voxel(0), voxel(1), voxel(2))) : 0;
-        const bool goes_on = i > 0 && label == result.labels.back();
-        if (label != 0 && !goes_on) result.on_slice[static_cast<std::size_t>(k)].insert(label);
-        result.labels.push_back(label);
-      }
-  return result;
-}
-
-std::vector<WrittenSegment> segments_to_write(const VolumeRead& map) {
-  std::vector<WrittenSegment> written;
-  const auto add_layer = [&](const Volume& layer, std::size_t index) {
-    for (const auto& [value, voxels] : labels_of(layer)) {
-      const Segment* known =
-          map.other_layers.empty() ? map.segmentation.find(value) : map.segmentation.find(value, index);
-      Segment segment = known != nullptr ? *known : Segment{.name = {}, .value = value};
-      segment.layer = index;
-      written.push_back({std::move(segment), 0});
-    }
-  };
-  add_layer(map.volume, 0);
-  for (std::size_t l = 0; l < map.other_layers.size(); ++l) add_layer(map.other_layers[l], l + 1);
-  std::stable_sort(written.begin(), written.end(),
-                   [](const WrittenSegment& a, const WrittenSegment& b) { return a.segment.value < b.segment.value; });
-  for (std::size_t s = 0; s < written.size(); ++s) written[s].number = static_cast<int>(s) + 1;
-  return written;
-}
-
-/// All that goes into the frames: pixels, which segment and slice each is of.
-struct WrittenFrames {
-  std::string bits;
-  std::vector<std::pair<int, int>> of;  ///< segment's number, slice
-  Hash hash;
-};
-
-WrittenFrames frames_to_write(const VolumeRead& map, const std::vector<WrittenSegment>& segments,
-                              const VolumeGeometry& grid, const VoxelMapping& mapping, Progress* progress) {
-  WrittenFrames frames;
-  std::vector<SeriesLayer> layers{on_series(map.volume, grid, mapping)};
-  for (const Volume& layer : map.other_layers) layers.push_back(on_series(layer, grid, mapping));
-  const std::size_t pixels = static_cast<std::size_t>(grid.dims[0]) * static_cast<std::size_t>(grid.dims[1]);
-  std::size_t bit = 0;
-  for (const WrittenSegment& one : segments) {
-    if (progress && progress->cancelled()) return frames;
-    const SeriesLayer& layer = layers[one.segment.layer];
-    for (std::size_t k = 0; k < layer.on_slice.size(); ++k) {
-      if (!layer.on_slice[k].contains(one.segment.value)) continue;
-      frames.bits.resize((bit + pixels + 7) / 8);
-      for (std::size_t p = 0; p < pixels; ++p) {
-        if (layer.labels[k * pixels + p] != one.segment.value) continue;
-        char& byte = frames.bits[(bit + p) / 8];
-        byte = static_cast<char>(static_cast<unsigned char>(byte) | 1U << (bit + p) % 8);
-        frames.hash.add(p);
-      }
-      bit += pixels;
-      frames.of.emplace_back(one.number, static_cast<int>(k));
-      frames.hash.add(static_cast<std::uint64_t>(one.number) << 32 | k);
-    }
-  }
-  return frames;
-}
 
 /// A UID of what a hash has taken in and of what it names [DICOM PS3.5, B.2]: 38 digits at most.
 std::string made_uid(Hash hash, std::string_view of) {
@@ -263,14 +180,17 @@ void put_equipment(DicomElements& data) {
 }
 
 void put_image(const VolumeGeometry& grid, const WrittenFrames& frames, DicomElements& data) {
+  const std::uint16_t bits = frames.full > 0 ? 8 : 1;
+  if (frames.full > 0)
+    data.put_shorts(0x0062000e, {static_cast<std::uint16_t>(frames.full)}).put(0x00620010, "CS", "PROBABILITY");
   data.put_shorts(0x00280002, {1})
       .put(0x00280004, "CS", "MONOCHROME2")
       .put(0x00280008, "IS", std::to_string(frames.of.size()))
       .put_shorts(0x00280010, {static_cast<std::uint16_t>(grid.dims[1])})
       .put_shorts(0x00280011, {static_cast<std::uint16_t>(grid.dims[0])})
-      .put_shorts(0x00280100, {1})
-      .put_shorts(0x00280101, {1})
-      .put_shorts(0x00280102, {0})
+      .put_shorts(0x00280100, {bits})
+      .put_shorts(0x00280101, {bits})
+      .put_shorts(0x00280102, {static_cast<std::uint16_t>(bits - 1)})
       .put_shorts(0x00280103, {0});
 }
 
@@ -318,7 +238,7 @@ DicomElements data_set(const DicomSeries& series, const std::vector<WrittenSegme
       .put(0x00200011, "IS", "900")
       .put(0x00200013, "IS", "1")
       .put(0x00201040, "LO", "")
-      .put(0x00620001, "CS", "BINARY")
+      .put(0x00620001, "CS", frames.full > 0 ? "FRACTIONAL" : "BINARY")
       .put_items(0x00620002, described_ones)
       .put(0x00700080, "CS", "SEGMENTATION")
       .put(0x00700081, "LO", "")
@@ -371,23 +291,24 @@ Result<std::vector<std::string>> write_dicom_segmentation(const VolumeRead& map,
   if (auto enough = check_memory(path, layers * sizeof(int) * static_cast<double>(series->grid.voxels())); !enough)
     return fail(enough.error());
   const auto segments = segments_to_write(map);
+  if (!segments) return fail(path.string(), segments.error().what);
   constexpr std::size_t most_segments = 65535;
-  if (segments.empty() || segments.size() > most_segments)
-    return fail(path.string(), segments.empty() ? "would hold no segment, since the label map is empty"
-                                                : "cannot hold more than 65,535 segments; choose fewer labels");
-  const WrittenFrames frames = frames_to_write(map, segments, series->grid, *mapping, progress);
+  if (segments->empty() || segments->size() > most_segments)
+    return fail(path.string(), segments->empty() ? "would hold no segment, since the label map is empty"
+                                                 : "cannot hold more than 65,535 segments; choose fewer labels");
+  const WrittenFrames frames = frames_to_write(map, *segments, series->grid, *mapping, progress);
   if (progress && progress->cancelled()) return fail(path.string(), "was not written: cancelled");
-  if (frames.bits.size() > std::numeric_limits<std::uint32_t>::max() - 2)
+  if (frames.pixels.size() > std::numeric_limits<std::uint32_t>::max() - 2)
     return fail(path.string(), "would be larger than a DICOM file can be; choose fewer labels");
   Hash of_series = frames.hash;
   add_text(text_of(series->about, 0x0020000d), of_series);
   add_text(series->headers.front().series_uid, of_series);
   std::vector<std::string> lost;
-  DicomElements data = data_set(*series, segments, frames, of_series, lost);
+  DicomElements data = data_set(*series, *segments, frames, of_series, lost);
   Hash of_all = of_series;
   add_text(data.bytes(), of_all);
   const std::string instance = made_uid(of_all, "instance");
-  data.put(0x00080018, "UI", instance).put(0x7fe00010, "OB", frames.bits);
+  data.put(0x00080018, "UI", instance).put(0x7fe00010, "OB", frames.pixels);
   DicomElements meta;
   meta.put(0x00020001, "OB", std::string("\0\1", 2))
       .put(0x00020002, "UI", segmentation_storage)
@@ -400,7 +321,13 @@ Result<std::vector<std::string>> write_dicom_segmentation(const VolumeRead& map,
   const std::string content = std::string(128, '\0') + "DICM" + length.bytes() + head + data.bytes();
   if (auto written = write_whole_file(path, content); !written) return fail(written.error());
   std::vector<std::string> warnings = lost_texts(path, *series, lost);
-  for (std::string& one : numbered_anew(path, segments)) warnings.push_back(std::move(one));
+  if (frames.full == 0)
+    for (std::string& one : numbered_anew(path, *segments)) warnings.push_back(std::move(one));
+  constexpr double equal = 1e-6;
+  if (frames.rounded > equal)
+    warnings.push_back(path.string() +
+                       ": keeps shares in 255ths, as DICOM does, so that they changed by up to 0.002; write a .nrrd to "
+                       "keep them as they are");
   return warnings;
 }
 

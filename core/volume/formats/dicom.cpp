@@ -10,11 +10,11 @@
 #include "core/volume/dicom_copies.h"
 #include "core/volume/dicom_header.h"
 #include "core/volume/dicom_pixels.h"
+#include "core/volume/dicom_segmented_series.h"
 #include "core/volume/dicom_segments.h"
 #include "core/volume/dicom_series.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
-#include "core/volume/referenced_images.h"
 #include "core/volume/resample_slices.h"
 
 // DICOM: planes from one file or a folder, put in their place.
@@ -143,8 +143,7 @@ Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHea
   volume.series_uid = headers.front().series_uid;
   volume.modality = headers.front().modality;
   volume.frame_of_reference = headers.front().frame_of_reference;
-  for (const DicomHeader& header : headers)
-    if (!header.instance_uid.empty()) volume.instance_uids.push_back(header.instance_uid);
+  volume.images = images_of(headers, *arrangement);
   volume.file_window = arrangement->planes[static_cast<std::size_t>(arrangement->slices / 2)].plane->window;
   auto stored = read_planes(path, headers, *arrangement, progress);
   if (!stored) return fail(stored.error());
@@ -217,67 +216,10 @@ Result<FolderContents> scan_folder(const fs::path& folder, Progress* progress) {
   return contents;
 }
 
-/// The grid of a series; nothing where its slices are no even stack.
-std::optional<VolumeGeometry> grid_of_series(const fs::path& folder, const std::vector<DicomHeader>& all) {
-  std::vector<std::string> ignored;
-  const std::vector<DicomHeader> headers = without_copies(folder, all, ignored);
-  const auto arrangement = arrange(folder, headers, ignored);
-  if (!arrangement) return {};
-  const auto grid = make_geometry(folder, {headers.front().columns, headers.front().rows, arrangement->slices},
-                                  arrangement->steps_mm, arrangement->origin_mm);
-  return grid ? std::optional(*grid) : std::nullopt;
-}
-
-/// The series in the folder of a segmentation that lie in its space. Files that cannot be read are no part of it.
-std::map<std::string, std::vector<DicomHeader>> series_beside(const DicomSet& segmentation, Progress* progress) {
-  const std::string space = text_of(segmentation.elements, 0x00200052);
-  const fs::path folder = segmentation.path.has_parent_path() ? segmentation.path.parent_path() : fs::path(".");
-  std::vector<fs::path> files;
-  std::error_code error, not_a_file;
-  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
-       entry.increment(error))
-    if (entry->is_regular_file(not_a_file) && !is_hidden(entry->path()) && looks_like_dicom(entry->path()))
-      files.push_back(entry->path());
-  std::sort(files.begin(), files.end());
-  std::map<std::string, std::vector<DicomHeader>> series;
-  for (const fs::path& file : files) {
-    if (progress && progress->cancelled()) return {};
-    const auto set = parse_dicom(file);
-    if (!set || is_dicom_segmentation(*set)) continue;
-    DicomHeader header = dicom_header(*set);
-    if (header.is_image() && header.frame_of_reference == space) series[header.series_uid].push_back(std::move(header));
-  }
-  return series;
-}
-
-/// `image`: beside which it is read. Where that has another space or other voxels, the series that it was made on
-/// counts, if its files lie in the same folder.
-Result<VolumeRead> read_segmentation(const DicomSet& set, const std::optional<ImageGrid>& image, Progress* progress) {
-  const bool in_space =
-      image && (image->frame_of_reference.empty() || image->frame_of_reference == text_of(set.elements, 0x00200052));
-  auto on_image = in_space ? read_dicom_segmentation(set, image->geometry, progress) : Result<VolumeRead>(VolumeRead());
-  if (!on_image || (in_space && !on_image->volume.empty_beyond_slices)) return on_image;
-  const ReferencedImages made_on = segmented_images(set);
-  const auto series =
-      made_on.series.empty() ? std::map<std::string, std::vector<DicomHeader>>() : series_beside(set, progress);
-  const auto own = std::ranges::find_if(made_on.series, [&](const auto& uid) { return series.contains(uid); });
-  const auto beside = own == made_on.series.end() ? series.begin() : series.find(*own);
-  if (beside == series.end())
-    return in_space ? std::move(on_image) : read_dicom_segmentation(set, std::nullopt, progress);
-  const fs::path folder = set.path.parent_path();
-  std::vector<std::string> instances;
-  for (const DicomHeader& header : beside->second) instances.push_back(header.instance_uid);
-  auto read = read_dicom_segmentation(
-      set, own == made_on.series.end() ? std::nullopt : grid_of_series(folder, beside->second), progress);
-  auto other = other_images(set.path, made_on, "the image beside it", beside->first, instances);
-  if (read && other) read->warnings.push_back(std::move(*other));
-  return read;
-}
-
 Result<VolumeRead> read_dicom_file(const fs::path& path, const VolumeReadOptions& options) {
   const auto set = parse_dicom(path);
   if (!set) return fail(set.error());
-  if (is_dicom_segmentation(*set)) return read_segmentation(*set, options.image, options.progress);
+  if (is_dicom_segmentation(*set)) return read_segmentation_on_series(*set, options.image, options.progress);
   DicomHeader header = dicom_header(*set);
   return read_headers(path, {std::move(header)}, options.resample, options.progress);
 }
@@ -286,7 +228,8 @@ Result<VolumeRead> read_dicom_file(const fs::path& path, const VolumeReadOptions
 Result<VolumeRead> read_lone_segmentation(const fs::path& folder, const std::vector<DicomSet>& segmentations,
                                           const VolumeReadOptions& options) {
   if (segmentations.empty()) return fail(folder.string(), "holds no DICOM images; choose the folder that does");
-  if (segmentations.size() == 1) return read_segmentation(segmentations.front(), options.image, options.progress);
+  if (segmentations.size() == 1)
+    return read_segmentation_on_series(segmentations.front(), options.image, options.progress);
   std::vector<std::string> names;
   for (const DicomSet& set : segmentations) names.push_back(set.path.filename().string());
   return fail(folder.string(), "holds " + std::to_string(names.size()) +
@@ -301,7 +244,7 @@ Result<VolumeRead> read_dicom_folder(const fs::path& folder, const VolumeReadOpt
   const auto& series = contents->series;
   for (const DicomSet& set : contents->segmentations)
     if (!series_uid.empty() && text_of(set.elements, 0x0020000e) == series_uid)
-      return read_segmentation(set, options.image, options.progress);
+      return read_segmentation_on_series(set, options.image, options.progress);
   if (series.empty() && series_uid.empty()) return read_lone_segmentation(folder, contents->segmentations, options);
   const auto chosen = series_uid.empty() ? series.begin() : series.find(series_uid);
   if (chosen != series.end() && (!series_uid.empty() || series.size() == 1))

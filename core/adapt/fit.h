@@ -46,7 +46,8 @@ struct FitResult {
   bool mirrored = false;                  ///< the template's mirror image fits clearly better [other_lie]
   bool half_turned = false;               ///< not that, but the template turned from RAS to LPS does [other_lie]
   std::size_t turned_triangles = 0, self_intersections = 0;
-  std::size_t landmarks_used = 0;     ///< of those given: that pulled on the mesh
+  std::vector<std::string> believed;  ///< names of the landmarks given that pulled on the mesh
+  std::size_t landmarks_used = 0;     ///< how many these are
   bool landmarks_place = false;       ///< three or more were used, so that they had a say in the placement too
   std::vector<std::string> warnings;  ///< each a sentence
 };

@@ -64,7 +64,8 @@ FitResult Fitting::finish() {
     if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
   result.outliers = lacking_;
   result.landmarks = carried_landmarks(reference_, mesh.points);
-  result.landmarks_used = static_cast<std::size_t>((placed_.trust.array() >= believable).count());
+  result.believed = believed_landmarks(reference_, options_.landmarks, placed_.trust);
+  result.landmarks_used = result.believed.size();
   result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
   if (options_.rough) {
     result.mesh = std::move(mesh);

@@ -32,6 +32,15 @@ void pull_landmarks(const Template& the_template, const std::map<std::string, Ve
   }
 }
 
+std::vector<std::string> believed_landmarks(const Template& the_template, const std::map<std::string, Vec3>& landmarks,
+                                            const VertexScalars& trust) {
+  std::vector<std::string> names;
+  Eigen::Index k = -1;
+  for (const Landmark& landmark : the_template.landmarks)
+    if (landmarks.contains(landmark.name) && trust[++k] >= believable) names.push_back(landmark.name);
+  return names;
+}
+
 std::vector<std::string> warnings_of_landmarks(const Template& the_template,
                                                const std::map<std::string, Vec3>& landmarks, const VertexScalars& trust,
                                                const VertexScalars& off_mm) {

@@ -28,12 +28,11 @@ constexpr std::size_t contour_pieces = 400, rough_pieces = 200, most_pins = 120;
 constexpr Annealing onto_contours{.steps = 15, .softest_edges = 0.25, .stiffest_share = 0.1};
 constexpr Annealing roughly_onto_contours{.steps = 6, .softest_edges = 0.25, .stiffest_share = 0.1};
 
-/// Without the rims of holes where the template has no walls that these could belong to. `holes`: how many pieces were.
-ContourSamples samples_for(const Template& the_template, const std::vector<DrawnContour>& contours, std::size_t pieces,
+/// Without the rims of holes where the mesh has no walls that these could belong to. `holes`: how many pieces were.
+ContourSamples samples_for(const Topology& topology, const std::vector<DrawnContour>& contours, std::size_t pieces,
                            std::size_t& holes) {
   ContourSamples drawn = sampled_contours(contours, pieces);
-  if (the_template.topology->genus() == 0)
-    holes = std::erase_if(drawn.samples, [](const ContourSample& one) { return one.hole; });
+  if (topology.genus() == 0) holes = std::erase_if(drawn.samples, [](const ContourSample& one) { return one.hole; });
   return drawn;
 }
 
@@ -43,7 +42,7 @@ class ContourFitting {
   ContourFitting(const Template& the_template, const std::vector<DrawnContour>& contours, const FitOptions& options)
       : template_(the_template),
         options_(options),
-        target_(samples_for(the_template, contours, options.rough ? rough_pieces : contour_pieces, holes_)) {}
+        target_(samples_for(*the_template.topology, contours, options.rough ? rough_pieces : contour_pieces, holes_)) {}
 
   Result<FitResult> alone() {
     if (auto usable = check(); !usable) return fail(usable.error());
@@ -75,7 +74,8 @@ class ContourFitting {
       return result;
     }
     finish(std::move(*drawn), result);
-    result.landmarks_used = static_cast<std::size_t>((trust_.array() >= believable).count());
+    result.believed = believed_landmarks(template_, options_.landmarks, trust_);
+    result.landmarks_used = result.believed.size();
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
     result.doubt_mm =
         fit_doubt_mm(result.mesh, warp.deviation.cwiseAbs2(),
@@ -167,7 +167,9 @@ class ContourFitting {
 }  // namespace
 
 ContourDistance contour_distance(const std::vector<DrawnContour>& contours, const Mesh& mesh) {
-  const VertexScalars off = ContourTarget(sampled_contours(contours, contour_pieces)).off_pieces_mm(mesh);
+  std::size_t holes = 0;
+  const VertexScalars off =
+      ContourTarget(samples_for(*mesh.topology, contours, contour_pieces, holes)).off_pieces_mm(mesh);
   if (off.size() == 0) return {};
   return {off.mean(), quantile(std::vector<double>(off.begin(), off.end()), 0.95)};
 }

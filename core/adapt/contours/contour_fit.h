@@ -7,6 +7,7 @@
 namespace homolog {
 
 /// How far contours lie from a mesh, mm; of one that lies outside of the organ, how far the mesh reaches beyond it.
+/// The rims of holes are left out of a mesh without tunnels.
 struct ContourDistance {
   double mean_mm = 0, p95_mm = 0;
 };

@@ -2,9 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 
@@ -83,32 +81,36 @@ std::vector<ContourSample> pieces_of(const Contour& curve, std::size_t count) {
   return pieces;
 }
 
+/// The end of the last edge of a path along which an edge from the path's end runs back, or beside it with a slit
+/// between them as some programs leave; 0 where there is none.
+std::size_t edge_back(const std::vector<Vec3>& path, const Vec3& to) {
+  constexpr double widest_slit_mm = 0.1, widest_share = 0.1;  // of the edge
+  const double width_mm = std::min(widest_slit_mm, widest_share * (to - path.back()).norm());
+  const auto near = [&](const Vec3& a, const Vec3& b) { return (a - b).squaredNorm() <= width_mm * width_mm; };
+  std::size_t end = path.size() - 1;
+  while (end > 0 && !(near(path[end - 1], to) && near(path[end], path.back()))) --end;
+  return end;
+}
+
 /// The closed curves that are left of one when edges that it runs back the other way are dropped, both passes.
 std::vector<Contour> without_channels(const Contour& curve) {
   std::vector<Contour> parts;
   std::vector<Vec3> path{curve.points.front()};
-  std::map<std::array<double, 6>, std::size_t> edges;  // by their ends: where each begins in the path
-  const auto edge = [](const Vec3& from, const Vec3& to) {
-    return std::array{from.x(), from.y(), from.z(), to.x(), to.y(), to.z()};
-  };
   // Takes away the end of the path, from a point on that is its last one too.
   const auto cut = [&](std::size_t begin) {
     Contour part = curve;
     part.points.assign(path.begin() + static_cast<std::ptrdiff_t>(begin), path.end() - 1);
-    for (std::size_t k = begin; k + 1 < path.size(); ++k) edges.erase(edge(path[k], path[k + 1]));
     path.resize(begin + 1);
     if (part.points.size() > 2) parts.push_back(std::move(part));
   };
   for (std::size_t k = 1; k <= curve.points.size(); ++k) {
     const Vec3& to = curve.points[k % curve.points.size()];
-    const auto back = edges.find(edge(to, path.back()));
-    if (back == edges.end()) {
-      edges[edge(path.back(), to)] = path.size() - 1;
+    const std::size_t back = edge_back(path, to);
+    if (back == 0) {
       path.push_back(to);
       continue;
     }
-    cut(back->second + 1);
-    edges.erase(back);
+    cut(back);
     path.pop_back();
   }
   cut(0);

@@ -17,6 +17,18 @@ Result<Similarity> placement_by_landmarks(const Template& the_template, const st
   return placement;
 }
 
+std::vector<Pin> landmark_pins(const Template& the_template, const Points& points,
+                               const std::map<std::string, Vec3>& landmarks, double reach_mm) {
+  std::vector<Pin> pins;
+  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
+    const auto there = landmarks.find(the_template.landmarks[l].name);
+    if (there == landmarks.end()) continue;
+    if ((carried_landmark(the_template, l, points) - there->second).norm() <= reach_mm)
+      pins.push_back({the_template.landmark_points[l], there->second});
+  }
+  return pins;
+}
+
 Result<ImageFit> fit_to_image(const Template& the_template, const Volume& image, int frame, const Similarity& placement,
                               const std::map<std::string, Vec3>& landmarks, SnapOptions options,
                               const AllowedShapes* allowed, double beyond) {
@@ -30,12 +42,8 @@ Result<ImageFit> fit_to_image(const Template& the_template, const Volume& image,
   }
   fit.placed = fit.mesh.points;
   SnapStart start{fit.mesh, fit.placed, the_template.stiffness, VertexScalars::Ones(fit.placed.rows())};
-  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
-    const auto there = landmarks.find(the_template.landmarks[l].name);
-    if (there == landmarks.end()) continue;
-    if ((carried_landmark(the_template, l, fit.placed) - there->second).norm() <= options.edges.reach_mm)
-      start.pins.push_back({the_template.landmark_points[l], there->second});
-  }
+  start.pins = landmark_pins(the_template, fit.placed, landmarks, options.edges.reach_mm);
+  fit.held_landmarks = start.pins.size();
   auto snapped = snap(image, frame, start, options);
   if (!snapped) return fail(snapped.error());
   fit.snapped = std::move(*snapped);

@@ -13,11 +13,16 @@ namespace homolog {
 /// three of them, or places that contradict each other.
 Result<Similarity> placement_by_landmarks(const Template& the_template, const std::map<std::string, Vec3>& landmarks);
 
+/// What holds a mesh at those of the template's landmarks that lie within `reach_mm` of where `points` (n×3) have them.
+std::vector<Pin> landmark_pins(const Template& the_template, const Points& points,
+                               const std::map<std::string, Vec3>& landmarks, double reach_mm);
+
 /// A template as it was drawn to the boundary that an image shows.
 struct ImageFit {
   Mesh mesh;
   Points placed;  ///< n×3, LPS mm: where the snap began; with a model the allowed shape that is nearest to the image
   SnapResult snapped;
+  std::size_t held_landmarks = 0;
 };
 
 /// Draws a template to the boundary that a frame of an image shows, from where `placement` puts it [snap.h].

@@ -58,7 +58,7 @@ Result<Report> fit_image(const FitJob& options, const FitShared& shared, Progres
   const auto placement = shared.fit.placement ? Result<Similarity>(*shared.fit.placement)
                                               : placement_by_landmarks(*shared.the_template, landmarks->places);
   if (!placement) return fail(options.image.string(), placement.error().what);
-  auto image = read_image(options.image, options.snap.frame, progress);
+  auto image = read_image(options.image, options.snap.frame, progress, options.resample);
   if (!image) return fail(image.error());
   const Template& the_template = *shared.the_template;
   auto snapping = snap_options(options.snap, the_template.points.rows(), progress);
@@ -90,7 +90,12 @@ Result<Report> fit_image(const FitJob& options, const FitShared& shared, Progres
     report.values["model"] = {{"beyond_mm", {{"mean", beyond_mm.mean()}, {"max", beyond_mm.maxCoeff()}}}};
   }
   report.values["seconds"] = seconds;
-  report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
+  if (const std::size_t far = landmarks->places.size() - drawn->held_landmarks; far > 0 && !shared.fit.placement)
+    report.warnings.push_back(options.image.string() + ": " + std::to_string(far) +
+                              (far == 1 ? " landmark" : " landmarks") +
+                              " lay farther from the placed template than --reach-mm, and was not held; check " +
+                              (far == 1 ? "its place" : "their places"));
+  report_image(options, *image, report);
   return report;
 }
 
@@ -282,8 +287,9 @@ void check_effect(const FitJob& options, const CLI::App& verb) {
     if (options.masks.empty())
       for (const char* name : {"--label", "--closing-mm"}) refuse_without_effect(verb, name, "label maps");
     if (!image)
-      for (const char* name : {"--reach-mm", "--strength", "--polarity", "--done"})
+      for (const char* name : {"--reach-mm", "--strength", "--polarity", "--done", "--resample"})
         refuse_without_effect(verb, name, "an --image");
+    if (!options.placement.empty()) refuse_without_effect(verb, "--orientation", "a fit without --placement");
     return;
   }
   for (const char* name : {"--structure", "--off-mm", "--outside"}) refuse_without_effect(verb, name, "--contours");
@@ -294,7 +300,7 @@ void check_effect(const FitJob& options, const CLI::App& verb) {
     refuse_without_effect(verb, "--by-others", "several cases");
     return;
   }
-  for (const char* name : {"--reach-mm", "--strength", "--polarity", "--done"})
+  for (const char* name : {"--reach-mm", "--strength", "--polarity", "--done", "--resample"})
     refuse_without_effect(verb, name, "an --image");
   if (options.to_meshes()) refuse_without_effect(verb, "--frame", "images and label maps");
   if (options.cases().size() < 2 && !options.of_folder) refuse_without_effect(verb, "--by-others", "several cases");
@@ -399,6 +405,7 @@ void add_fit(CLI::App& app, CommandLine& asked) {
       ->needs(model)
       ->capture_default_str();
   add_snap_arguments(*verb, options->snap);
+  add_resample_option(*verb, options->resample);
   verb->add_flag("--partial", options->partial,
                  "Parts of the organ may be missing: they are found, left to the template's shape or the model's, and "
                  "marked as outlier in the mesh");

@@ -259,6 +259,16 @@ Result<FitShared> shared_of_fits(const FitJob& options) {
   return shared;
 }
 
+void report_image(const FitJob& options, const VolumeRead& image, Report& report) {
+  std::vector<std::string> warnings = image.warnings;
+  if (image.volume.frames > 1) {
+    report.values["frame"] = options.snap.frame;
+    if (!options.frame) warnings.push_back(frame_taken(options.image, image.volume.frames, options.snap.frame));
+  }
+  report_resampled(image, report.values);
+  report.warnings.insert(report.warnings.begin(), warnings.begin(), warnings.end());
+}
+
 MeshFile fitted_file(const Template& the_template, const FitResult& fit, bool partial) {
   MeshFile file = to_mesh_file(the_template);
   file.points = fit.mesh.points;

@@ -12,6 +12,7 @@
 #include "app/verbs/verb.h"
 #include "core/adapt/judge_fit.h"
 #include "core/model/study.h"
+#include "core/volume/volume_io.h"
 
 namespace homolog {
 
@@ -30,6 +31,7 @@ struct FitJob {
   std::string label;
   std::optional<double> level;  ///< of a soft mask
   std::optional<double> closing_mm;
+  bool resample = false;  ///< the image's slices, where they are no even stack
   bool mirror = false, partial = false;
   bool of_folder = false;  ///< cases were named by their folder
 
@@ -88,6 +90,9 @@ Result<Report> fit_case(const FitJob& options, const FitShared& shared, const st
 
 /// How far vertices and landmarks of a fit may lie from where they belong, for the report.
 Json described_doubt(const Template& the_template, const FitResult& fit);
+
+/// Says in a report of a fit to an image what was done to read it, and which frame was taken.
+void report_image(const FitJob& options, const VolumeRead& image, Report& report);
 
 /// The template's file with the fitted shape; `partial`: with the outliers marked.
 MeshFile fitted_file(const Template& the_template, const FitResult& fit, bool partial);

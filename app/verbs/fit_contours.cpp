@@ -6,6 +6,7 @@
 
 #include "app/verbs/read_image.h"
 #include "core/adapt/contours/contour_fit.h"
+#include "core/adapt/image/fit_to_image.h"
 #include "core/base/listed.h"
 #include "core/base/text.h"
 #include "core/case/action_json.h"
@@ -22,12 +23,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What was drawn of the organ.
-struct DrawnOrgan {
-  std::vector<DrawnContour> contours;
-  std::vector<std::string> structures, warnings;
-};
-
 /// The structure of a file that is meant.
 Result<const ContourRoi*> structure_of(const fs::path& path, const Contours& read, const std::string& asked) {
   if (asked.empty() && read.rois.size() > 1) {
@@ -42,7 +37,92 @@ Result<const ContourRoi*> structure_of(const fs::path& path, const Contours& rea
   return roi;
 }
 
-/// `scan`: the volume that is used with them, null where there is none.
+/// Goes on from a fit to contours to the boundary that an image shows; the contours stay where they are, and so do the
+/// landmarks that the fit believed.
+Result<void> snap_between(const FitJob& options, const Volume& image, const Template& the_template,
+                          const std::vector<DrawnContour>& contours, const std::map<std::string, Vec3>& landmarks,
+                          FitResult& fit, Report& report, Progress& progress) {
+  auto snapping = snap_options(options.snap, the_template.points.rows(), progress);
+  if (!snapping) return fail(snapping.error());
+  snapping->progress = &progress;
+  SnapStart start{fit.mesh, fit.mesh.points, the_template.stiffness, VertexScalars::Ones(fit.mesh.points.rows())};
+  start.pins = contour_pins(contours, fit.mesh);
+  std::map<std::string, Vec3> believed;
+  for (const std::string& name : fit.believed) believed.emplace(name, landmarks.at(name));
+  const auto held = landmark_pins(the_template, fit.mesh.points, believed, options.snap.reach_mm);
+  start.pins.insert(start.pins.end(), held.begin(), held.end());
+  const auto snapped = snap(image, options.snap.frame, start, *snapping);
+  if (!snapped) return fail(options.image.string(), snapped.error().what);
+  fit.mesh.points = snapped->points;
+  fit.unseen = snapped->unseen;
+  fit.turned_triangles =
+      turned_triangles(*the_template.topology, fit.placement.apply(the_template.points), fit.mesh.points).size();
+  report = snap_report(*snapped, fit.mesh, start.placed, options.image);
+  return {};
+}
+
+/// The fit to what is there: contours alone, with a label map, or with an image.
+Result<FitResult> fit_to_all(const FitJob& options, const FitShared& shared, const FitOptions& fitting,
+                             const DrawnOrgan& organ, const MaskRead* mask, const VolumeRead* image, Report& report,
+                             Progress& progress) {
+  const Template& the_template = *shared.the_template;
+  if (mask != nullptr) {
+    const auto boundary = label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm,
+                                         the_template.points.rows(), parts_for(*the_template.topology));
+    if (!boundary) return fail(options.masks.front().string(), mask->named(boundary.error().what));
+    auto fit = fit_to_contours_and_boundary(the_template, organ.contours, *boundary, fitting);
+    if (!fit) return fail(options.masks.front().string(), fit.error().what);
+    report.warnings = mask->warnings;
+    return fit;
+  }
+  auto fit = fit_to_contours(the_template, organ.contours, fitting);
+  if (!fit) return fail(options.contours.front().string(), fit.error().what);
+  if (image == nullptr) return fit;
+  if (auto done =
+          snap_between(options, image->volume, the_template, organ.contours, fitting.landmarks, *fit, report, progress);
+      !done)
+    return fail(done.error());
+  return fit;
+}
+
+/// Says what the fit came to.
+void describe_fit(const DrawnOrgan& organ, const Template& the_template, const FitResult& fit, double seconds,
+                  const fs::path& path, Report& report) {
+  constexpr double off_share = 0.01, doubt_share = 0.06;
+  const ContourDistance off = contour_distance(organ.contours, fit.mesh);
+  const double diagonal_mm = bounds_of(fit.mesh.points).diagonal().norm();
+  const bool off_contours = off.mean_mm > off_share * diagonal_mm,
+             in_doubt = fit.doubt_mm.mean() > doubt_share * std::sqrt(surface_area_mm2(fit.mesh)),
+             before = report.values.value("doubtful", false);
+  if (off_contours) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  ": the mesh lies off the contours by %.1f mm on average; check that they are of the template's organ",
+                  off.mean_mm);
+    report.warnings.push_back(path.string() + text);
+  }
+  if (in_doubt)
+    report.warnings.push_back(path.string() +
+                              ": the contours say too little of where the organ lies between them; "
+                              "draw more of them");
+  for (const std::string& warning : organ.warnings) report.warnings.push_back(warning);
+  for (const std::string& warning : fit.warnings) report.warnings.push_back(path.string() + ": " + warning);
+  report.values.update(
+      Json{{"contours_mm", {{"mean", off.mean_mm}, {"p95", off.p95_mm}}},
+           {"contours", organ.contours.size()},
+           {"structures", organ.structures},
+           {"turned_triangles", fit.turned_triangles},
+           {"self_intersections", self_intersections(fit.mesh).size()},
+           {"doubtful", before || off_contours || in_doubt},
+           {"landmarks_used", fit.landmarks_used},
+           {"landmarks_place", fit.landmarks_place},
+           {"placement", to_json(nearest_similarity(the_template.points, fit.mesh.points, fit.placement))},
+           {"seconds", seconds}});
+  report.values["doubt_mm"] = described_doubt(the_template, fit);
+}
+
+}  // namespace
+
 Result<DrawnOrgan> read_organ(const FitJob& options, const fs::path& scan_path, const Volume* scan) {
   DrawnOrgan organ;
   std::string space;
@@ -87,85 +167,6 @@ Result<DrawnOrgan> read_organ(const FitJob& options, const fs::path& scan_path, 
   return organ;
 }
 
-/// Goes on from a fit to contours to the boundary that an image shows; the contours stay where they are.
-Result<void> snap_between(const FitJob& options, const Volume& image, const Template& the_template,
-                          const std::vector<DrawnContour>& contours, FitResult& fit, Report& report,
-                          Progress& progress) {
-  auto snapping = snap_options(options.snap, the_template.points.rows(), progress);
-  if (!snapping) return fail(snapping.error());
-  snapping->progress = &progress;
-  SnapStart start{fit.mesh, fit.mesh.points, the_template.stiffness, VertexScalars::Ones(fit.mesh.points.rows())};
-  start.pins = contour_pins(contours, fit.mesh);
-  const auto snapped = snap(image, options.snap.frame, start, *snapping);
-  if (!snapped) return fail(options.image.string(), snapped.error().what);
-  fit.mesh.points = snapped->points;
-  fit.unseen = snapped->unseen;
-  fit.turned_triangles =
-      turned_triangles(*the_template.topology, fit.placement.apply(the_template.points), fit.mesh.points).size();
-  report = snap_report(*snapped, fit.mesh, start.placed, options.image);
-  return {};
-}
-
-/// The fit to what is there: contours alone, with a label map, or with an image.
-Result<FitResult> fit_to_all(const FitJob& options, const FitShared& shared, const FitOptions& fitting,
-                             const DrawnOrgan& organ, const MaskRead* mask, const VolumeRead* image, Report& report,
-                             Progress& progress) {
-  const Template& the_template = *shared.the_template;
-  if (mask != nullptr) {
-    const auto boundary = label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm,
-                                         the_template.points.rows(), parts_for(*the_template.topology));
-    if (!boundary) return fail(options.masks.front().string(), mask->named(boundary.error().what));
-    auto fit = fit_to_contours_and_boundary(the_template, organ.contours, *boundary, fitting);
-    if (!fit) return fail(options.masks.front().string(), fit.error().what);
-    report.warnings = mask->warnings;
-    return fit;
-  }
-  auto fit = fit_to_contours(the_template, organ.contours, fitting);
-  if (!fit) return fail(options.contours.front().string(), fit.error().what);
-  if (image == nullptr) return fit;
-  if (auto done = snap_between(options, image->volume, the_template, organ.contours, *fit, report, progress); !done)
-    return fail(done.error());
-  return fit;
-}
-
-/// Says what the fit came to.
-void describe_fit(const DrawnOrgan& organ, const Template& the_template, const FitResult& fit, double seconds,
-                  const fs::path& path, Report& report) {
-  constexpr double off_share = 0.01, doubt_share = 0.06;
-  const ContourDistance off = contour_distance(organ.contours, fit.mesh);
-  const double diagonal_mm = bounds_of(fit.mesh.points).diagonal().norm();
-  const bool off_contours = off.mean_mm > off_share * diagonal_mm,
-             in_doubt = fit.doubt_mm.mean() > doubt_share * std::sqrt(surface_area_mm2(fit.mesh)),
-             before = report.values.value("doubtful", false);
-  if (off_contours) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  ": the mesh lies off the contours by %.1f mm on average; check that they are of the template's organ",
-                  off.mean_mm);
-    report.warnings.push_back(path.string() + text);
-  }
-  if (in_doubt)
-    report.warnings.push_back(path.string() +
-                              ": the contours say too little of where the organ lies between them; "
-                              "draw more of them");
-  for (const std::string& warning : organ.warnings) report.warnings.push_back(warning);
-  for (const std::string& warning : fit.warnings) report.warnings.push_back(path.string() + ": " + warning);
-  report.values.update(
-      Json{{"contours_mm", {{"mean", off.mean_mm}, {"p95", off.p95_mm}}},
-           {"contours", organ.contours.size()},
-           {"structures", organ.structures},
-           {"turned_triangles", fit.turned_triangles},
-           {"self_intersections", self_intersections(fit.mesh).size()},
-           {"doubtful", before || off_contours || in_doubt},
-           {"landmarks_used", fit.landmarks_used},
-           {"landmarks_place", fit.landmarks_place},
-           {"placement", to_json(nearest_similarity(the_template.points, fit.mesh.points, fit.placement))},
-           {"seconds", seconds}});
-  report.values["doubt_mm"] = described_doubt(the_template, fit);
-}
-
-}  // namespace
-
 Result<Report> fit_contours(const FitJob& options, const FitShared& shared, Progress& progress) {
   std::optional<MaskRead> mask;
   std::optional<VolumeRead> image;
@@ -175,7 +176,7 @@ Result<Report> fit_contours(const FitJob& options, const FitShared& shared, Prog
     mask = std::move(*read);
   }
   if (!options.image.empty()) {
-    auto read = read_image(options.image, options.snap.frame, progress);
+    auto read = read_image(options.image, options.snap.frame, progress, options.resample);
     if (!read) return fail(read.error());
     image = std::move(*read);
   }
@@ -205,7 +206,7 @@ Result<Report> fit_contours(const FitJob& options, const FitShared& shared, Prog
   if (auto written = write_mesh_file(file, options.out); !written) return fail(written.error());
   describe_fit(*organ, *shared.the_template, *fit, seconds, options.contours.front(), report);
   report.warnings.insert(report.warnings.begin(), landmarks->warnings.begin(), landmarks->warnings.end());
-  if (image) report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
+  if (image) report_image(options, *image, report);
   return report;
 }
 

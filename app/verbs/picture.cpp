@@ -315,7 +315,8 @@ void add_picture(CLI::App& app, CommandLine& asked) {
       all->add_option("--structures", options->structures,
                       "Join several structures, as A,B, of a folder with CASE/A.ply as fit SET writes it")
           ->delimiter(',')
-          ->excludes("--all-frames");
+          ->excludes("--all-frames")
+          ->excludes("--flip-mirrored");
   all->add_option("--structure", options->structure, "Of those this one alone")->needs(structures);
   add_options(*all, *options);
   all->callback([options, &asked] {
@@ -376,7 +377,10 @@ void add_picture(CLI::App& app, CommandLine& asked) {
   one->callback(
       [options, &asked] { asked.run = [options](Progress& progress) { return of_case(*options, progress); }; });
   // A name that no picture can have is refused before anything is drawn.
-  picture->final_callback([options, &asked] {
+  picture->final_callback([picture, options, &asked] {
+    for (const CLI::App* kind : picture->get_subcommands())
+      if (is_page_name(options->out) && kind->get_option_no_throw("--size") != nullptr)
+        refuse_without_effect(*kind, "--size", "pictures in pixels; --width-mm is how wide a page is");
     asked.run = [options, draw = std::move(asked.run)](Progress& progress) -> Result<Report> {
       const fs::path& out = options->out;
       if (!is_page_name(out) && !is_gif_name(out))

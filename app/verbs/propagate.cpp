@@ -178,9 +178,19 @@ Report report_of(const PropagateVerb& verb, const Topology& topology, const Prop
   return report;
 }
 
+/// The frame that a mesh's file notes; none of a built-in template.
+Result<std::optional<int>> noted_in(const std::string& mesh) {
+  if (!names_file(mesh)) return std::optional<int>();
+  const auto file = read_mesh_file(mesh);
+  if (!file) return fail(file.error());
+  return noted_frame(*file);
+}
+
 Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   auto the_template = load_template(verb.mesh);
   if (!the_template) return fail(the_template.error());
+  const auto noted = noted_in(verb.mesh);
+  if (!noted) return fail(noted.error());
   auto image = read_image(verb.image, verb.frame, progress);
   if (!image) return fail(image.error());
   if (auto safe = check_written(verb, image->volume.frames); !safe) return fail(safe.error());
@@ -202,6 +212,10 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
   const auto of_template = template_warnings(**the_template);
   report.warnings.insert(report.warnings.begin(), of_template.begin(), of_template.end());
+  if (*noted && **noted != verb.frame)
+    report.warnings.insert(report.warnings.begin(), verb.mesh + ": notes that it is of frame " +
+                                                        std::to_string(**noted) + ", and was carried from frame " +
+                                                        std::to_string(verb.frame) + "; check --frame");
   return report;
 }
 

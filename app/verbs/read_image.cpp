@@ -41,17 +41,25 @@ ImageInMemory::~ImageInMemory() {
   images_in_memory.by_name.erase(place_);
 }
 
-Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress) {
+Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress, bool resample) {
   constexpr double share_of_work = 0.05;  // what is done with an image takes longer than to read it
   Progress own(progress, share_of_work);
   VolumeReadOptions reading;
   reading.progress = &own;
+  reading.resample = resample;
   const auto lent = image_in_memory(path);
+  if (lent && resample) return fail(path.string(), "is in memory, so --resample has no effect; leave it out");
+  if (auto usable = check_reading(path, "", false, resample); !usable) return fail(usable.error());
   auto read = lent ? Result<VolumeRead>(*lent) : read_volume(path, reading);
   if (read && frame >= read->volume.frames)
     return fail(path.string(),
                 "has " + std::to_string(read->volume.frames) + " frames, counted from 0; choose --frame among them");
   return read;
+}
+
+std::string frame_taken(const std::filesystem::path& path, int frames, int frame) {
+  return path.string() + ": has " + std::to_string(frames) + " frames, of which frame " + std::to_string(frame) +
+         " was taken; choose another by --frame";
 }
 
 CLI::Option* add_label_option(CLI::App& verb, std::string& label, const std::string& help) {
@@ -235,9 +243,7 @@ Result<MaskRead> chosen_mask(VolumeRead read, const std::filesystem::path& path,
   if (!level) return fail(level.error());
   if (auto held = check_frame(read.volume, labels, frame); !held) return fail(path.string(), held.error().what);
   if (auto there = check_labels(read, labels, frame); !there) return fail(path.string(), there.error().what);
-  if (frames > 1 && !asked.frame && !asked.of_mesh)
-    read.warnings.push_back(path.string() + ": has " + std::to_string(frames) +
-                            " frames, of which frame 0 was taken; choose another by --frame");
+  if (frames > 1 && !asked.frame && !asked.of_mesh) read.warnings.push_back(frame_taken(path, frames, 0));
   if (!*level) warn_of_soft_labels(path, read.volume, frame, read.warnings);
   if (labels.size() > 1 && !*level) {  // one that does not occur adds nothing: most kidneys have no tumour
     const int united = unite_segments(read.volume, *segments, frame);

@@ -28,8 +28,12 @@ class ImageInMemory {
   LentImages::iterator place_;
 };
 
-/// The image, of which `frame` must exist.
-Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress);
+/// The image, of which `frame` must exist. `resample`: VolumeReadOptions::resample; an error where it has no effect
+/// [check_reading].
+Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress, bool resample = false);
+
+/// The warning that a frame was taken of several that nobody asked for.
+std::string frame_taken(const std::filesystem::path& path, int frames, int frame);
 
 /// Adds `--spacing X,Y,Z` in mm; without it `spacing_mm` stays empty.
 void add_spacing_option(CLI::App& verb, std::vector<double>& spacing_mm);

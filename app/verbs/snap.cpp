@@ -31,14 +31,18 @@ struct SnapVerb {
 };
 
 /// The mesh on its image as a case in memory, as it lies.
-Result<EditSession> session_of(const SnapVerb& verb, Progress& progress) {
+Result<EditSession> session_of(const SnapVerb& verb, Progress& progress, std::vector<std::string>& warnings) {
   auto mesh = load_template(verb.source.string());
   if (!mesh) return fail(mesh.error());
   const auto file = read_mesh_file(verb.source);
   if (!file) return fail(file.error());
-  const int frame = verb.frame_given ? verb.snap.frame : noted_frame(*file).value_or(0);
+  const auto noted = noted_frame(*file);
+  const int frame = verb.frame_given ? verb.snap.frame : noted.value_or(0);
   auto image = read_image(verb.image, frame, progress);
   if (!image) return fail(image.error());
+  warnings = image->warnings;
+  if (image->volume.frames > 1 && !verb.frame_given && !noted)
+    warnings.push_back(frame_taken(verb.image, image->volume.frames, frame));
   EditSession session(
       new_document(verb.image.string(), std::make_shared<const Volume>(std::move(image->volume)), *mesh));
   for (const Action& action : {Action(SetFrame{frame}), Action(SetPlacement{Similarity{}})})
@@ -46,8 +50,8 @@ Result<EditSession> session_of(const SnapVerb& verb, Progress& progress) {
   return session;
 }
 
-Result<EditSession> opened(const SnapVerb& verb, Progress& progress) {
-  if (!verb.of_case()) return session_of(verb, progress);
+Result<EditSession> opened(const SnapVerb& verb, Progress& progress, std::vector<std::string>& warnings) {
+  if (!verb.of_case()) return session_of(verb, progress, warnings);
   auto read = open_case(verb.source, &progress);
   if (!read) return fail(read.error());
   return std::move(read->session);
@@ -66,7 +70,8 @@ std::vector<std::string> meeting_warnings(const SnapVerb& verb, const Scan& scan
 
 Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   if (auto there = check_folder_of(verb.out); !there) return fail(there.error());
-  auto session = opened(verb, progress);
+  std::vector<std::string> of_image;
+  auto session = opened(verb, progress, of_image);
   if (!session) return fail(session.error());
   const Scan& scan = session->document().scan;
   const auto before = session->document().view();
@@ -99,6 +104,7 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   }
   Report report = snap_report(snapped->result, after->mesh(), *after->shape.placed, image);
   report.warnings.insert(report.warnings.begin(), met.begin(), met.end());
+  report.warnings.insert(report.warnings.begin(), of_image.begin(), of_image.end());
   report.values["held_landmarks"] = snapped->landmarks;
   report.values["held_contours"] = snapped->contours;
   report.values["held_pulls"] = snapped->pulls;

@@ -295,6 +295,8 @@ TEST_CASE("propagate writes a mesh a frame with volumes and a study") {
   REQUIRE(run(folder, "replay out/cine.homolog --frame 2 -o replayed.ply").status == 0);
   CHECK(run(folder, "compare out/frame-02.ply --mesh replayed.ply --json").json()["vertex_distance_mm"]["max"] < 1e-6);
   check_refused(run(folder, "propagate first.ply --image cine.nii.gz --frame 4 -o out"), "cine.nii.gz");
+  const Ran other = run(folder, "propagate out/frame-01.ply --image cine.nii.gz --frame 0 -o other");
+  CHECK(other.errors.find("notes that it is of frame 1, and was carried from frame 0") != std::string::npos);
 }
 
 TEST_CASE("a case without an image is not snapped and says why") {

@@ -66,6 +66,8 @@ TEST_CASE("contours that cannot be used are refused in a sentence") {
   check_refused(run(folder, fit + "drawn.mrk.json --structure spleen"), "spleen");
   CHECK(run(folder, fit + "drawn.mrk.json --mesh m.ply").status == 2);
   CHECK(run(folder, fit + "drawn.mrk.json --partial").status == 2);
+  CHECK(run(folder, fit + "drawn.mrk.json --resample").status == 2);
+  CHECK(run(folder, fit + "drawn.mrk.json --placement p.json --orientation any").status == 2);
   CHECK_FALSE(fs::exists(folder.path / "m.ply"));
 }
 

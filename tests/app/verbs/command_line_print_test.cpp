@@ -87,6 +87,7 @@ TEST_CASE("pictures for print are SVG with texts that lie over no shape at 300 d
   const std::string files = put_shapes(folder);
   REQUIRE(run(folder, "model" + files + " -o m.h5.json").status == 0);
   if (cannot_draw(run(folder, "picture modes m.h5.json -o x.png"))) return;
+  CHECK(run(folder, "picture modes m.h5.json -o x.svg --size 640x480").status == 2);
   REQUIRE(run(folder, "score k5.ply --model m.h5.json -o scores").status == 0);
   const std::vector<std::pair<std::string, std::string>> pictures{
       {"modes m.h5.json",

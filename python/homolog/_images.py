@@ -41,10 +41,32 @@ def _says_no_place(image: Any) -> bool:
     return not any(codes) and numpy.allclose(image.affine, header.get_best_affine(), equal_nan=True)
 
 
+def _is_sheared(affine: Any) -> bool:
+    """Whether axes are not at right angles, as read_volume sees it: a thousandth is rounding."""
+    axes = numpy.asarray(affine, dtype=float)[:3, :3]
+    lengths = numpy.linalg.norm(axes, axis=0)
+    if not numpy.isfinite(axes).all() or not lengths.all():
+        return True
+    return numpy.abs((axes / lengths).T @ (axes / lengths) - numpy.eye(3)).max() > 1e-3
+
+
+def _sound_affine(image: Any) -> Any:
+    """The image's affine; where that is a sheared sform and the qform is sound, that, with a warning as read_volume has."""
+    header = getattr(image, "header", None)
+    if not hasattr(header, "get_qform") or not _is_sheared(image.affine):
+        return image.affine
+    qform = header.get_qform(coded=True)[0]
+    sform = header.get_sform(coded=True)[0]
+    if qform is None or sform is None or _is_sheared(qform) or not numpy.allclose(image.affine, sform, equal_nan=True):
+        return image.affine
+    warnings.warn("image: its sform is sheared or damaged, so its qform was used", _core.HomologWarning, stacklevel=5)
+    return qform
+
+
 def _affine_of(image: Any, mm_per_unit: float) -> numpy.ndarray:
     """From voxel index to LPS mm, as read_volume has it of the same file; it warns likewise."""
     if not _says_no_place(image):
-        turned = _RAS_TO_LPS @ numpy.asarray(image.affine, dtype=float)
+        turned = _RAS_TO_LPS @ numpy.asarray(_sound_affine(image), dtype=float)
         turned[:3] *= mm_per_unit
         return turned
     sizes = numpy.ones(3)

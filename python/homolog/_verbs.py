@@ -47,7 +47,7 @@ def fit(template: Any, labels: Any = None, *, label: Any = None, mesh: Any = Non
         frame: Optional[int] = None, parts: Optional[str] = None, placement: Any = None, landmarks: Any = None,
         orientation: Optional[str] = None, model: Any = None, beyond: Optional[float] = None, partial: bool = False,
         mirror: bool = False, reach_mm: Optional[float] = None, strength: Optional[float] = None,
-        polarity: Optional[str] = None, done: Any = None, progress: Progress = None,
+        polarity: Optional[str] = None, done: Any = None, resample: bool = False, progress: Progress = None,
         jobs: Optional[int] = None) -> Fit:
     """Fits a template to a label map, a surface (``mesh``), an image (``image``) or contours; see docs/fit.md.
 
@@ -56,7 +56,8 @@ def fit(template: Any, labels: Any = None, *, label: Any = None, mesh: Any = Non
     {name: (x, y, z)} in LPS mm. placement: a file, or {"rotation": [w, x, y, z], "scale": s, "translation": [x, y, z]}.
     model: a Model or a file. contours: a file, or several; alone, or with labels or an image. structure: which of theirs,
     by number or name. off_mm: how far they may lie off the boundary. outside: the organ lies inside of them. done: of an
-    image [(mesh, image)] of finished cases, to learn how the boundary looks there.
+    image [(mesh, image)] of finished cases, to learn how the boundary looks there. resample: an image's DICOM slices that
+    are tilted or uneven become a rectangular grid.
     """
     with Call("fit") as call:
         call.add(template, lend="template")
@@ -69,7 +70,7 @@ def fit(template: Any, labels: Any = None, *, label: Any = None, mesh: Any = Non
         call.options(label=label, level=level, closing_mm=closing_mm, parts=parts, placement=placement,
                      landmarks=landmarks, orientation=orientation, model=model, beyond=beyond, frame=frame,
                      reach_mm=reach_mm, strength=strength, polarity=polarity, partial=partial, mirror=mirror,
-                     structure=structure, off_mm=off_mm, outside=outside)
+                     structure=structure, off_mm=off_mm, outside=outside, resample=resample)
         call.done(done)
         call.arguments += ["-o", out]
         report = call.run(progress, jobs)

@@ -1,3 +1,4 @@
+#include "app/verbs/fit_contours.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
 #include "core/adapt/boundary/boundary.h"
@@ -251,6 +252,56 @@ py::dict fit_into(HeldCase& self, const py::object& given, const py::object& ask
   return apply(self, {std::move(edit.action), of});
 }
 
+/// One file, or several.
+std::vector<std::filesystem::path> files_from(const py::object& value) {
+  const auto file = [](const py::object& one) {
+    return std::filesystem::path(path_from(one, "contours", "a file, or a list of files"));
+  };
+  if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value)) return {file(value)};
+  std::vector<std::filesystem::path> files;
+  for (const py::handle& one : value) files.push_back(file(py::reinterpret_borrow<py::object>(one)));
+  if (files.empty()) refuse("contours", "name no file; give one");
+  return files;
+}
+
+py::dict fit_to_contours(HeldCase& self, const py::object& files, const std::string& structure, double off_mm,
+                         bool outside, bool with_image, const std::string& of, const py::object& progress) {
+  const auto kept = document_of(self);
+  const ShapeView view = shown(*kept, of);
+  const Scan& scan = kept->scan;
+  if (with_image && !scan.image) refuse("case", "has no image to go on to; leave out with_image");
+  FitJob job;
+  job.contours = files_from(files);
+  job.structure = structure;
+  job.off_mm = off_mm;
+  job.outside = outside;
+  const std::string image_name = scan.source.empty() ? "the image of the case" : scan.source;
+  auto organ = value_of(read_organ(job, image_name, scan.image.get()));
+  warn(organ.warnings);
+  auto curves = std::make_shared<std::vector<Contour>>();
+  for (DrawnContour& one : organ.contours) curves->push_back(std::move(one.curve));
+  SetContours drawn{.id = free_contour_id(*kept), .name = organ.structures.front(), .curves = std::move(curves)};
+  drawn.off_mm = off_mm;
+  drawn.outside = outside;
+  apply(self, {std::move(drawn), of});
+  try {
+    const auto now = document_of(self);
+    const ShapeView there = shown(*now, of);
+    auto edit = computed<FitEdit>(self, progress, [&](Progress& own) -> Result<FitEdit> {
+      BetweenContours between;
+      if (with_image) between.image = now->scan.image;
+      FitOptions options;
+      options.progress = &own;
+      return fit_shape_to_contours(there, between, false, options);
+    });
+    warn(edit.result.warnings);
+    return apply(self, {std::move(edit.action), of, true});
+  } catch (...) {
+    apply(self, {Undo{}});  // the contours go with the fit
+    throw;
+  }
+}
+
 py::dict snap_into(HeldCase& self, const py::object& at, double sigma_mm, double reach_mm, double strength,
                    const std::string& polarity, const std::string& of, const py::object& progress) {
   const auto kept = document_of(self);
@@ -323,6 +374,11 @@ void add_automatic(py::class_<HeldCase, std::shared_ptr<HeldCase>>& type) {
            py::arg("progress") = none,
            "Fits the structure's template to a label, as one edit. label: its number or name, or a list of them for "
            "their union. as_placed: from where it lies.")
+      .def("fit_to_contours", &fit_to_contours, py::arg("contours"), py::kw_only(), py::arg("structure") = "",
+           py::arg("off_mm") = 0.0, py::arg("outside") = false, py::arg("with_image") = false, py::arg("of") = "",
+           py::arg("progress") = none,
+           "Takes contours of files (RTSTRUCT, .mrk.json, .vtp) into the case and fits the structure's template to all "
+           "that it holds, as one edit. structure: which of theirs. with_image: between them the image counts.")
       .def("snap", &snap_into, py::arg("at") = none, py::kw_only(), py::arg("sigma_mm") = 10.0,
            py::arg("reach_mm") = 10.0, py::arg("strength") = 1.0, py::arg("polarity") = "automatic", py::arg("of") = "",
            py::arg("progress") = none,

@@ -86,6 +86,7 @@ class FileStamp {
   explicit FileStamp(const std::filesystem::path& file);
   /// Whether the file is there and as it was; never of no file.
   bool holds() const;
+  bool operator==(const FileStamp&) const = default;
 
  private:
   std::filesystem::path file_;

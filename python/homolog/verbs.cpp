@@ -1,4 +1,5 @@
 #include <deque>
+#include <map>
 
 #include "app/verbs/program.h"
 #include "app/verbs/read_image.h"
@@ -8,11 +9,43 @@ namespace homolog::python {
 
 namespace {
 
-py::object run(const std::vector<std::string>& arguments,
-               const std::vector<std::pair<std::string, std::shared_ptr<HeldVolume>>>& lent, const py::object& progress,
+using Lent = std::vector<std::pair<std::string, std::shared_ptr<HeldVolume>>>;
+
+/// What calls of all threads lend now by the names of files, and as what these were read. The interpreter's lock keeps
+/// it.
+std::map<std::string, std::pair<FileStamp, int>> lent_files;
+
+/// Lends volumes to a verb for a while. Errors: a file that another call lends as it was before somebody wrote it anew,
+/// since a verb could not tell the two apart.
+class Lending {
+ public:
+  explicit Lending(const Lent& lent) {
+    for (const auto& [name, volume] : lent)
+      if (const auto other = lent_files.find(name);
+          name == volume->source && other != lent_files.end() && !(other->second.first == volume->stamp))
+        refuse(name, "was written anew while another call works with what it held before; wait for that call");
+    for (const auto& [name, volume] : lent) {
+      in_memory_.emplace_back(name, volume->read);
+      if (name != volume->source) continue;
+      ++lent_files.try_emplace(name, volume->stamp, 0).first->second.second;
+      files_.push_back(name);
+    }
+  }
+  ~Lending() {
+    for (const std::string& name : files_)
+      if (const auto one = lent_files.find(name); --one->second.second == 0) lent_files.erase(one);
+  }
+  Lending(const Lending&) = delete;
+  Lending& operator=(const Lending&) = delete;
+
+ private:
+  std::deque<ImageInMemory> in_memory_;
+  std::vector<std::string> files_;
+};
+
+py::object run(const std::vector<std::string>& arguments, const Lent& lent, const py::object& progress,
                const std::optional<int>& jobs) {
-  std::deque<ImageInMemory> in_memory;
-  for (const auto& [name, volume] : lent) in_memory.emplace_back(name, volume->read);
+  const Lending lending(lent);
   bool wrong = false;
   std::optional<Result<Report>> done;
   do_watched({progress, jobs}, [&](Progress& own) { done.emplace(run_verb_here(arguments, own, wrong)); });

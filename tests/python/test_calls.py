@@ -229,3 +229,25 @@ def test_fits_are_taken_where_meshes_are(folder):
         homolog.Case.create(7)
     with pytest.raises(homolog.Error, match="image: is a list; give a Volume"):
         homolog.Case.create("built-in:kidney", [])
+
+
+def test_a_file_written_anew_while_it_is_lent_is_not_taken_for_what_it_held(tmp_path):
+    i, j, k = numpy.indices((24, 24, 24))
+    ball = lambda radius: homolog.LabelMap(((i - 12) ** 2 + (j - 12) ** 2 + (k - 12) ** 2 < radius ** 2).astype("uint8"))  # noqa: E731
+    file = tmp_path / "a.nrrd"
+    ball(6).write(file)
+    first, refused = homolog.read_label_map(file), []
+
+    def meanwhile(*_):
+        if refused:
+            return
+        ball(9).write(file)
+        try:
+            homolog.make_template(homolog.read_label_map(file), tmp_path / "b.ply", vertices=300)
+            refused.append("")
+        except homolog.Error as error:
+            refused.append(str(error))
+
+    homolog.make_template(first, tmp_path / "c.ply", vertices=300, progress=meanwhile)
+    assert "written anew while another call" in refused[0]
+    homolog.make_template(homolog.read_label_map(file), tmp_path / "b.ply", vertices=300)

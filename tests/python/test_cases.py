@@ -280,3 +280,25 @@ def test_a_label_is_a_number_or_a_name(kidney):
             case.fit(kidney["labels"], label=label)
     with pytest.raises(homolog.Error, match="labels: is a int; give a LabelMap"):
         case.fit(5)
+
+
+def test_a_case_is_fitted_to_contours_of_a_file_as_one_edit(tmp_path):
+    angles = numpy.arange(16) * numpy.pi / 8
+    markups = []
+    for z in (-24, -12, 0, 12, 24):
+        across = numpy.sqrt(1 - z * z / 900)
+        points = [{"id": str(n), "position": [20 * across * numpy.cos(a), 26 * across * numpy.sin(a), z]} for n, a in enumerate(angles)]
+        markups.append({"type": "ClosedCurve", "coordinateSystem": "LPS", "controlPoints": points})
+    file = tmp_path / "drawn.mrk.json"
+    file.write_text(json.dumps({"markups": markups}))
+    case = homolog.Case.create("built-in:kidney")
+    before = case.points()
+    case.fit_to_contours(file)
+    after = case.points()
+    assert numpy.abs(after.min(axis=0) + [20, 26, 30]).max() < 4 and numpy.abs(after.max(axis=0) - [20, 26, 30]).max() < 4
+    case.undo()
+    assert numpy.array_equal(case.points(), before)
+    with pytest.raises(homolog.Error, match="spleen"):
+        case.fit_to_contours(file, structure="spleen")
+    with pytest.raises(homolog.Error, match="no image"):
+        case.fit_to_contours([file], with_image=True)

@@ -235,3 +235,22 @@ def test_lists_are_arrays_too():
     assert numpy.array_equal(homolog.Volume([[[1, 2], [3, 4]]]).array, [[[1, 2], [3, 4]]])
     assert homolog.LabelMap([[[0, 2]]]).labels[0]["value"] == 2
     assert homolog.Volume(numpy.ma.array(ball())).shape == ball().shape  # nothing is hidden
+
+
+def test_a_sheared_sform_gives_way_to_a_sound_qform_as_in_a_file(tmp_path):
+    nibabel = pytest.importorskip("nibabel")
+    sound, sheared = numpy.diag([1, 2, 3, 1.0]), numpy.diag([1, 2, 3, 1.0])
+    sheared[0, 1] = 0.6
+    image = nibabel.Nifti1Image(ball(), sheared)
+    image.header.set_sform(sheared, code=1)
+    image.header.set_qform(sound, code=1)
+    image = nibabel.Nifti1Image(ball(), sheared, image.header)
+    nibabel.save(image, tmp_path / "a.nii.gz")
+    with pytest.warns(homolog.HomologWarning, match="qform was used"):
+        read = homolog.read_volume(tmp_path / "a.nii.gz")
+    with pytest.warns(homolog.HomologWarning, match="qform was used"):
+        given = homolog.from_nibabel(nibabel.load(tmp_path / "a.nii.gz"))
+    assert numpy.allclose(given.affine, read.affine)
+    image.header.set_qform(sound, code=0)
+    with pytest.raises(homolog.Error, match="sheared"):
+        homolog.from_nibabel(nibabel.Nifti1Image(ball(), sheared, image.header))

@@ -192,6 +192,68 @@ def move_sliders(browser, coefficients):
     browser.frames()
 
 
+def drag(browser, mode, deviations):
+    """Takes the thumb of a slider with the mouse and lets it go at so many standard deviations."""
+    left, top, width, height, value = browser.evaluate(
+        "(() => { const slider = document.querySelectorAll('#sliders input')[%d]; slider.scrollIntoView({ block: 'center' });"
+        " const box = slider.getBoundingClientRect(); return [box.left, box.top, box.width, box.height, Number(slider.value)]; })()" % mode)
+    thumb = height  # which the ends of the way keep inside: it is about as wide as the slider is high
+
+    def at(deviations_there):
+        return left + thumb / 2 + (width - thumb) * (deviations_there + 3) / 6
+
+    def mouse(kind, x, buttons):
+        browser.ask("Input.dispatchMouseEvent", type=kind, x=x, y=top + height / 2, button="left", buttons=buttons, clickCount=1)
+
+    mouse("mousePressed", at(value), 1)
+    for step in range(1, 6):
+        mouse("mouseMoved", at(value + (deviations - value) * step / 5), 1)
+    mouse("mouseReleased", at(deviations), 0)
+    browser.frames()
+
+
+def press(browser, key, times=1):
+    code = {"ArrowRight": 39, "ArrowLeft": 37, "Home": 36, "End": 35, "Tab": 9}[key]
+    for _ in range(times):
+        for kind in ("keyDown", "keyUp"):
+            browser.ask("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
+    browser.frames()
+
+
+def check_moved_by_hand(browser, folder):
+    """The sliders as a person moves them, with the mouse and with keys alone."""
+
+    def check_place(what, wanted):
+        values = browser.evaluate("[...document.querySelectorAll('#sliders input')].map(slider => Number(slider.value))")
+        check(f"{what}: the first two sliders stand at {wanted}, not {values[:2]}",
+              all(abs(value - aim) < 0.11 for value, aim in zip(values, wanted)))
+        said = browser.evaluate("[...document.querySelectorAll('#sliders output')].map(one => one.textContent.replace('\\u2212', '-'))")
+        check(f"{what}: what stands beside them, {said}, is where they stand",
+              all(abs(float(text) - value) < 0.051 for text, value in zip(said, values)))
+        shown = browser.evaluate("homologReport.positions()")
+        off = max(abs(a - b) for a, b in zip(shown, points_of(folder, "m.h5.json", values)))
+        print(f"{what}: vertices within {off:.2g} mm of the model")
+        check(f"{what}: vertices are where the model has them", off < 1e-3)
+
+    move_sliders(browser, [0, 0])
+    drag(browser, 0, 1.5)
+    check_place("the first slider dragged", [1.5, 0])
+    drag(browser, 1, -2)
+    check_place("then the second", [1.5, -2])
+    drag(browser, 0, 9)
+    check_place("the first beyond its end", [3, -2])
+    browser.evaluate("document.querySelectorAll('#sliders input')[1].focus()")
+    press(browser, "Home")
+    check_place("the second by Home", [3, -3])
+    press(browser, "ArrowRight", 4)
+    check_place("and four steps on", [3, -2.8])
+    browser.evaluate("document.querySelectorAll('.point')[1].dispatchEvent(new MouseEvent('click'))")
+    press(browser, "End")
+    check_place("a key while a case is shown", [0, 3])
+    check("the case is left then", "p2" not in browser.evaluate("document.getElementById('shown').textContent"))
+    move_sliders(browser, [0, 0])
+
+
 def check_page(browser, folder):
     page = folder / "page.html"
     browser.open(page)
@@ -209,6 +271,7 @@ def check_page(browser, folder):
         off = max(abs(a - b) for a, b in zip(shown, wanted))
         print(f"sliders at {coefficients}: vertices within {off:.2g} mm of the model")
         check(f"sliders at {coefficients} move vertices to where the model has them", off < 1e-3)
+    check_moved_by_hand(browser, folder)
     browser.evaluate("document.querySelectorAll('.slider button')[0].click()")
     before = browser.evaluate("homologReport.positions()")
     browser.frames(20)

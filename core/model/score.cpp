@@ -15,16 +15,39 @@ auto rows_of_part(const Points& points, const StructurePart& part) {
   return points.middleRows(part.first_vertex, part.vertices);
 }
 
+/// The centroid size to which the training shapes of a part were brought, mm. It is larger than the mean's, which has
+/// lost what they vary by.
+double trained_size_mm(const ShapeModel& model, const Points& mean, Eigen::Index first_vertex) {
+  const auto shapes = static_cast<double>(model.scores.cols());
+  double varied = model.noise_variance * static_cast<double>(mean.size());
+  for (Eigen::Index k = 0; k < model.modes(); ++k)
+    varied += model.variances[k] * model.basis.col(k).segment(3 * first_vertex, mean.size()).squaredNorm();
+  const double size = centroid_size_mm(mean);
+  return std::sqrt(size * size + varied * (shapes > 1 ? (shapes - 1) / shapes : 1));
+}
+
+/// A shape of a part brought to its mean as the training shapes were.
+Points part_as_trained(const ShapeModel& model, const Points& shape, const Points& mean, Eigen::Index first_vertex,
+                       Alignment alignment) {
+  Points aligned = aligned_to(shape, mean, alignment);
+  if (alignment != Alignment::similarity) return aligned;
+  const double size = centroid_size_mm(aligned);
+  if (!(size > 0)) return aligned;
+  const Eigen::RowVector3d middle = aligned.colwise().mean();
+  aligned = (aligned.rowwise() - middle) * (trained_size_mm(model, mean, first_vertex) / size);
+  return aligned.rowwise() + middle;
+}
+
 /// A shape brought to the mean as the training shapes were.
 Points aligned_as_trained(const ShapeModel& model, const Points& shape) {
   const Alignment alignment = model.alignment.value_or(Alignment::similarity);
   const Points mean = points_of(model.mean);
   if (alignment == Alignment::none) return shape;
-  if (!model.poses || !model.poses->apart) return aligned_to(shape, mean, alignment);
+  if (!model.poses || !model.poses->apart) return part_as_trained(model, shape, mean, 0, alignment);
   Points aligned(shape.rows(), 3);
   for (const StructurePart& part : model.parts) {
     const Points target = rows_of_part(mean, part);
-    Points own = aligned_to(rows_of_part(shape, part), target, alignment);
+    Points own = part_as_trained(model, rows_of_part(shape, part), target, part.first_vertex, alignment);
     // Each lies in its mean place.
     const Vec3 to = target.colwise().mean(), from = own.colwise().mean();
     aligned.middleRows(part.first_vertex, part.vertices) = own.rowwise() + (to - from).transpose();

@@ -58,6 +58,29 @@ TEST_CASE("a shape that modes make has their coordinates, and nothing beyond") {
   CHECK(*mean.percentile == 0);
 }
 
+TEST_CASE("a training shape has the coordinates that it has in the model, whose shapes were brought to one size") {
+  const Mesh ball = icosphere(2, 30);
+  ShapeMatrix shapes(ball.points.size(), 12);
+  for (Eigen::Index k = 0; k < shapes.cols(); ++k) {
+    const double wide = 5 * std::sin(1.7 * static_cast<double>(k)), high = 3 * std::cos(2.9 * static_cast<double>(k));
+    for (Eigen::Index v = 0; v < ball.points.rows(); ++v) {
+      const Vec3 p = ball.points.row(v).transpose();
+      shapes.col(k).segment<3>(3 * v) =
+          (1 + 0.02 * static_cast<double>(k)) * (p + p / 30 * (wide * p.x() / 30 + high * p.y() * p.z() / 450));
+    }
+  }
+  const ShapeMatrix raw = shapes;
+  align(shapes, Alignment::similarity);
+  ShapeModel model = make_model(principal_components(std::move(shapes)), 1, ball.topology, {});
+  model.alignment = Alignment::similarity;
+  for (Eigen::Index k = 0; k < raw.cols(); ++k) {
+    const ShapeScore score = test::must(score_shape(model, points_of(raw, k)));
+    const Eigen::VectorXd own = model.scores.col(k).cwiseQuotient(model.variances.cwiseSqrt());
+    CHECK((score.modes - own).cwiseAbs().head(2).maxCoeff() < 1e-6);
+    CHECK(score.residual_mm < 1e-6);
+  }
+}
+
 TEST_CASE("a bump that no mode knows lies beyond the model, and stands out where it is") {
   const ShapeModel model = ball_model();
   Points shape = points_of(model.mean);

@@ -63,7 +63,7 @@ Json hundred_shapes() {
   (void)specificity_rms(components, 1000, 1);
   const auto rms = Clock::now();
   const std::vector<int> modes{static_cast<int>(modes_holding(components.variances(), 0.95))};
-  (void)generalisation_mean(components, modes);
+  (void)generalisation(components, nullptr, modes);
   (void)specificity_mean(components, modes, 1000, 1);
   const auto mean = Clock::now();
   return {{"shapes", 100},

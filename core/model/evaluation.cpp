@@ -83,32 +83,26 @@ Result<Evaluation> evaluate_model(const PrincipalComponents& components,
   evaluation.at_every = {{"compactness", shares},
                          {"generalization_rms", generalisation_rms(components)},
                          {"specificity_rms", specificity_rms(components, samples, seed)}};
-  // The surface distance takes most of the time, where there are surfaces.
-  const double surface_from = topology ? 0.4 : 1;
   const auto part = [&](double from, double to) {
-    if (progress != nullptr) progress->part(from * surface_from, to * surface_from);
+    if (progress != nullptr) progress->part(from, to);
   };
-  part(0, 0.2);
-  auto general = generalisation_mean(components, modes, progress);
+  const double surface_to = topology ? 0.7 : 0.2;  // the surface distance takes most of the time
+  part(0, surface_to);
+  auto general = generalisation(components, topology, modes, progress);
   if (!general) return fail(general.error());
-  part(0.2, 0.6);
+  part(surface_to, (1 + surface_to) / 2);
   auto specific = specificity_mean(components, modes, samples, seed, false, progress);
   if (!specific) return fail(specific.error());
-  part(0.6, 1);
+  part((1 + surface_to) / 2, 1);
   auto shapeworks = specificity_mean(components, modes, samples, seed, true, progress);
   if (!shapeworks) return fail(shapeworks.error());
   Measures shares_at_modes;
   for (const int m : modes) shares_at_modes.push_back(shares[static_cast<std::size_t>(m) - 1]);
-  evaluation.at_modes = {{"generalization", *general}, {"specificity", std::move(*specific)}};
+  evaluation.at_modes = {{"generalization", general->mean}, {"specificity", std::move(*specific)}};
   evaluation.shapeworks = {{"compactness", std::move(shares_at_modes)},
-                           {"generalization", std::move(*general)},
+                           {"generalization", std::move(general->mean)},
                            {"specificity", std::move(*shapeworks)}};
-  if (topology) {
-    if (progress != nullptr) progress->part(surface_from, 1);
-    auto surface = generalisation_surface(components, topology, modes, progress);
-    if (!surface) return fail(surface.error());
-    evaluation.at_modes.emplace_back("generalization_surface", std::move(*surface));
-  }
+  if (topology) evaluation.at_modes.emplace_back("generalization_surface", std::move(general->surface));
   if (progress != nullptr) progress->part(0, 1);
   return evaluation;
 }

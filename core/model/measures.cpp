@@ -116,6 +116,43 @@ class NearestShape {
   Eigen::MatrixXd weights_, sums_;
 };
 
+/// The mean distance of each shape's vertices to its reconstruction, mm. `combinations`: left_out_errors.
+Eigen::VectorXd mean_distances_mm(const PrincipalComponents& components, const Eigen::MatrixXd& combinations) {
+  const Eigen::Index vertices = components.vertices();
+  Eigen::VectorXd distances(components.shapes());
+  in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
+    Eigen::VectorXd sums = Eigen::VectorXd::Zero(last - first);
+    Eigen::MatrixXd errors;
+    for (Eigen::Index v = 0; v < vertices; v += block_vertices) {
+      const Eigen::Index rows = 3 * std::min(block_vertices, vertices - v);
+      errors.noalias() = components.centred.middleRows(3 * v, rows) * combinations.middleCols(first, last - first);
+      for (Eigen::Index i = 0; i < errors.cols(); ++i)
+        sums[i] += errors.col(i).reshaped(3, rows / 3).colwise().norm().sum();
+    }
+    distances.segment(first, last - first) = sums / static_cast<double>(vertices);
+  });
+  return distances;
+}
+
+/// The surface distance of each shape to its reconstruction, mm. `report`: is told how much is done, 0…1.
+template <class Report>
+Eigen::VectorXd surface_distances_mm(const PrincipalComponents& components,
+                                     const std::shared_ptr<const Topology>& topology,
+                                     const Eigen::MatrixXd& combinations, const Progress* progress,
+                                     const Report& report) {
+  Eigen::VectorXd distances(components.shapes());
+  in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index i = first; i < last; ++i) {
+      if (progress != nullptr && progress->cancelled()) return;
+      const Eigen::VectorXd shape = components.mean + components.centred.col(i);
+      const Eigen::VectorXd rebuilt = shape - components.centred * combinations.col(i);
+      distances[i] = mean_surface_distance_mm({topology, points_of(shape)}, {topology, points_of(rebuilt)});
+      if (first == 0) report(static_cast<double>(i + 1) / static_cast<double>(last));
+    }
+  });
+  return distances;
+}
+
 }  // namespace
 
 Measured measured(const Eigen::VectorXd& values) {
@@ -179,27 +216,25 @@ Measures specificity_rms(const PrincipalComponents& components, Eigen::Index sam
   return measured_rows(distances);
 }
 
-Result<Measures> generalisation_mean(const PrincipalComponents& components, const std::vector<int>& modes,
-                                     Progress* progress) {
-  const Eigen::Index vertices = components.vertices();
-  Measures measures;
+Result<Generalisation> generalisation(const PrincipalComponents& components,
+                                      const std::shared_ptr<const Topology>& topology, const std::vector<int>& modes,
+                                      Progress* progress) {
+  Generalisation measures;
+  const auto report = [&](double of_this_count) {
+    if (progress != nullptr)
+      progress->report((static_cast<double>(measures.mean.size()) - 1 + of_this_count) /
+                       static_cast<double>(modes.size()));
+  };
   for (const int m : modes) {
     if (progress != nullptr && progress->cancelled()) return fail(stopped());
     const Eigen::MatrixXd combinations = left_out_errors(components, m);
-    Eigen::VectorXd distances(components.shapes());
-    in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
-      Eigen::VectorXd sums = Eigen::VectorXd::Zero(last - first);
-      Eigen::MatrixXd errors;
-      for (Eigen::Index v = 0; v < vertices; v += block_vertices) {
-        const Eigen::Index rows = 3 * std::min(block_vertices, vertices - v);
-        errors.noalias() = components.centred.middleRows(3 * v, rows) * combinations.middleCols(first, last - first);
-        for (Eigen::Index i = 0; i < errors.cols(); ++i)
-          sums[i] += errors.col(i).reshaped(3, rows / 3).colwise().norm().sum();
-      }
-      distances.segment(first, last - first) = sums / static_cast<double>(vertices);
-    });
-    measures.push_back(measured(distances));
-    if (progress != nullptr) progress->report(static_cast<double>(measures.size()) / static_cast<double>(modes.size()));
+    measures.mean.push_back(measured(mean_distances_mm(components, combinations)));
+    if (topology) {
+      const Eigen::VectorXd distances = surface_distances_mm(components, topology, combinations, progress, report);
+      if (progress != nullptr && progress->cancelled()) return fail(stopped());
+      measures.surface.push_back(measured(distances));
+    }
+    report(1);
   }
   return measures;
 }
@@ -216,31 +251,6 @@ Result<Measures> specificity_mean(const PrincipalComponents& components, const s
     if (progress != nullptr && progress->cancelled()) return fail(stopped());
     measures.push_back(measured(nearest.distances_mm(b.topRows(std::min<Eigen::Index>(m, b.rows())))));
     if (progress != nullptr) progress->report(static_cast<double>(measures.size()) / static_cast<double>(modes.size()));
-  }
-  return measures;
-}
-
-Result<Measures> generalisation_surface(const PrincipalComponents& components,
-                                        const std::shared_ptr<const Topology>& topology, const std::vector<int>& modes,
-                                        Progress* progress) {
-  Measures measures;
-  for (const int m : modes) {
-    const Eigen::MatrixXd combinations = left_out_errors(components, m);
-    Eigen::VectorXd distances(components.shapes());
-    in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
-      for (Eigen::Index i = first; i < last; ++i) {
-        if (progress != nullptr && progress->cancelled()) return;
-        const Eigen::VectorXd shape = components.mean + components.centred.col(i);
-        const Eigen::VectorXd rebuilt = shape - components.centred * combinations.col(i);
-        distances[i] = mean_surface_distance_mm({topology, points_of(shape)}, {topology, points_of(rebuilt)});
-        if (progress != nullptr && first == 0) {
-          const double of_this_count = static_cast<double>(i + 1) / static_cast<double>(last);
-          progress->report((static_cast<double>(measures.size()) + of_this_count) / static_cast<double>(modes.size()));
-        }
-      }
-    });
-    if (progress != nullptr && progress->cancelled()) return fail(stopped());
-    measures.push_back(measured(distances));
   }
   return measures;
 }

@@ -34,20 +34,21 @@ Measures generalisation_rms(const PrincipalComponents& components);
 /// mode count.
 Measures specificity_rms(const PrincipalComponents& components, Eigen::Index samples, std::uint64_t seed);
 
-/// The same two with the mean Euclidean distance of the vertices, at the mode counts `modes` (each 1…M−2). The working
-/// memory beside the components is a few MB. Errors: cancelled.
-Result<Measures> generalisation_mean(const PrincipalComponents& components, const std::vector<int>& modes,
-                                     Progress* progress = nullptr);
+/// How far each shape lies from its reconstruction by the model of all others, averaged over the shapes.
+struct Generalisation {
+  Measures mean;     ///< the mean Euclidean distance of the vertices
+  Measures surface;  ///< the symmetric mean surface distance; empty without faces
+};
+/// At the mode counts `modes` (each 1…M−2). The models of the others are made once for both: of many shapes that takes
+/// long. The working memory beside the components is M×M numbers. Errors: cancelled.
+Result<Generalisation> generalisation(const PrincipalComponents& components,
+                                      const std::shared_ptr<const Topology>& topology, const std::vector<int>& modes,
+                                      Progress* progress = nullptr);
+/// As specificity_rms with the mean Euclidean distance of the vertices, at the mode counts `modes`.
 /// `singular_values_as_variances` draws b ~ N(0, √((M−1) λ)): ShapeWorks takes the singular values of the centred
 /// shapes for the variances of its samples.
 Result<Measures> specificity_mean(const PrincipalComponents& components, const std::vector<int>& modes,
                                   Eigen::Index samples, std::uint64_t seed, bool singular_values_as_variances = false,
                                   Progress* progress = nullptr);
-
-/// Symmetric mean surface distance of each shape to its reconstruction by the others' model, at the mode counts
-/// `modes`. Errors: cancelled.
-Result<Measures> generalisation_surface(const PrincipalComponents& components,
-                                        const std::shared_ptr<const Topology>& topology, const std::vector<int>& modes,
-                                        Progress* progress = nullptr);
 
 }  // namespace homolog

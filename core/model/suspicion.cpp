@@ -11,7 +11,8 @@ namespace homolog {
 
 namespace {
 
-/// The value below which `share` of the sorted values lie, interpolated.
+/// The value below which `share` of the sorted values lie, interpolated between two: fences of a few shapes would jump
+/// from one shape's value to the next with `quantile` of core/base, which gives a value that occurs.
 double sorted_quantile(const std::vector<double>& sorted, double share) {
   const double at = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(at);

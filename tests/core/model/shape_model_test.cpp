@@ -299,7 +299,7 @@ TEST_CASE("measures agree with building every model directly") {
   REQUIRE(general.size() == 7);
   REQUIRE(specific.size() == 7);
   const std::vector<int> modes{1, 2, 3, 4, 5, 6, 7};
-  const Measures general_mean = generalisation_mean(components, modes).value();
+  const Measures general_mean = generalisation(components, nullptr, modes).value().mean;
   const Measures specific_mean = specificity_mean(components, modes, 60, 7).value();
   const Measures shapeworks = specificity_mean(components, modes, 60, 7, true).value();
   const Eigen::MatrixXd b = sampled_coefficients(components.variances(), 60, 7);
@@ -369,14 +369,21 @@ TEST_CASE("the surface measure is the distance between the rebuilt surface and t
   const Mesh ball = icosphere(3, 40);
   const ShapeMatrix shapes = smooth_shapes(6);
   const PrincipalComponents components = principal_components(shapes);
-  const Measured measure = generalisation_surface(components, ball.topology, {2}).value()[0];
+  const Generalisation both = generalisation(components, ball.topology, {2, 3}).value();
+  REQUIRE(both.surface.size() == 2);
+  const Measured measure = both.surface[0];
   Eigen::VectorXd direct(6);
   for (Eigen::Index i = 0; i < 6; ++i) {
     const Eigen::VectorXd rebuilt = shapes.col(i) - direct_error(shapes, i, 2);
     direct[i] = compare_meshes({ball.topology, points_of(shapes, i)}, {ball.topology, points_of(rebuilt)}).assd_mm;
   }
   check_equal(measure, measured(direct));
-  CHECK(measure.mean <= generalisation_mean(components, {2}).value()[0].mean);
+  CHECK(measure.mean <= both.mean[0].mean);
+  // Alone and beside other counts, with faces and without: the same numbers.
+  const Generalisation alone = generalisation(components, nullptr, {3}).value();
+  CHECK(alone.mean[0].mean == both.mean[1].mean);
+  CHECK(alone.surface.empty());
+  CHECK(generalisation(components, ball.topology, {2}).value().surface[0].mean == measure.mean);
 }
 
 TEST_CASE("measures of two shapes and of more modes than there are measures for are refused") {
@@ -391,7 +398,7 @@ TEST_CASE("a stopped measure says so") {
   const PrincipalComponents components = principal_components(random_shapes(10, 5));
   Progress progress;
   progress.cancel();
-  CHECK(!generalisation_mean(components, {1}, &progress));
+  CHECK(!generalisation(components, nullptr, {1}, &progress));
   CHECK(!specificity_mean(components, {1}, 10, 1, false, &progress));
-  CHECK(!generalisation_surface(components, icosphere(0, 1).topology, {1}, &progress));
+  CHECK(!generalisation(components, icosphere(0, 1).topology, {1}, &progress));
 }

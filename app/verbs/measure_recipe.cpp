@@ -269,9 +269,7 @@ class RecipeWork {
   /// A sentence for each shape and reason; one for all where all shapes lack the same.
   void say_missing() {
     if (!job_.the_template.empty() && !template_suits_)
-      warnings_.push_back(job_.the_template +
-                          ": has other vertices or faces than the shapes, so its landmarks and regions are not used; "
-                          "give the template that they were fitted with");
+      warnings_.push_back(unsuited_template(job_.the_template, "the shapes"));
     std::map<std::string, std::size_t> shapes_without;
     for (const auto& [name, reasons] : missing_)
       for (const auto& [reason, unused] : reasons) ++shapes_without[reason];

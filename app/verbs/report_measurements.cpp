@@ -17,12 +17,15 @@ constexpr int page_measured_modes = 3, page_most_sd = 3;
 constexpr int page_steps = 2 * page_most_sd + 1;  ///< of a mode
 
 /// A model has no landmarks: those of the template, or of the first shape, are carried along its modes.
-Result<Lenders> lenders_of_page(const ReportVerb& verb, const PageContent& content) {
+Result<Lenders> lenders_of_page(const ReportVerb& verb, PageContent& content) {
   Lenders lenders;
   if (!verb.the_template.empty()) {
     auto lender = load_template(verb.the_template);
     if (!lender) return fail(lender.error());
     lenders.add(std::move(*lender));
+    auto mean = measured_shape(content.model, points_of(content.model.mean));
+    if (!mean) return fail(mean.error());
+    if (!lenders.lend_to(*mean)) content.warnings.push_back(unsuited_template(verb.the_template, "the model"));
   }
   if (content.from_model || !content.model.parts.empty()) return lenders;
   const auto sources = shape_sources(verb.training.files, verb.training.reading.group);

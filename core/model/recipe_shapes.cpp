@@ -51,6 +51,11 @@ bool Lenders::lend_to(MeasuredShape& shape) const {
   return suits_one;
 }
 
+std::string unsuited_template(const std::string& the_template, const std::string& what) {
+  return the_template + ": has other vertices or faces than " + what +
+         ", so its landmarks and regions are not used; give the template of the fits";
+}
+
 Result<MeasuredShape> measured_shape(const ShapeModel& model, const Points& points) {
   MeasuredShape shape;
   if (model.parts.empty()) {

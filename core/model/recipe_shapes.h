@@ -34,6 +34,9 @@ class Lenders {
   std::vector<std::shared_ptr<const Template>> lenders_;
 };
 
+/// That a template lends nothing, a sentence. `what`: that it has other faces than, as "the shapes".
+std::string unsuited_template(const std::string& the_template, const std::string& what);
+
 /// A shape of a model as what is measured: of a joint model each structure by its name. `points`: n×3 of the model.
 /// Errors: faces that are no surface.
 Result<MeasuredShape> measured_shape(const ShapeModel& model, const Points& points);

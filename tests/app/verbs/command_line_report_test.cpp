@@ -208,6 +208,12 @@ TEST_CASE("a report has the values of a recipe along the first modes as measure 
   const Ran of_model = run(folder, "report m.h5 --template size.ply -o model.html --json");
   REQUIRE_MESSAGE(of_model.status == 0, of_model.errors);
   CHECK(of_model.json()["measurements"] == 2);
+  CHECK(of_model.errors.find("has other vertices") == std::string::npos);
+  // A template of another numbering lends nothing, and that is said.
+  REQUIRE(write_mesh(icosphere(1, 20), folder.path / "other.ply"));
+  const Ran other = run(folder, "report m.h5 --template other.ply --recipe size.recipe.json -o other.html");
+  CHECK(other.status == 0);
+  CHECK(other.errors.find("other.ply: has other vertices or faces than the model") != std::string::npos);
   check_refused(run(folder, "report m.h5 --template e1.ply -o none.html"), "has no recipe beside it");
   CHECK_FALSE(fs::exists(folder.path / "none.html"));
   CHECK(run(folder, "report organs.study.json -o plain.html").status == 0);

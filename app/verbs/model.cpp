@@ -5,6 +5,7 @@
 #include "app/verbs/training.h"
 #include "core/base/files.h"
 #include "core/base/listed.h"
+#include "core/base/text.h"
 #include "core/groupwise/optimise.h"
 #include "core/mesh/formats/formats.h"
 #include "core/model/leave_one_out.h"
@@ -13,6 +14,7 @@
 #include "core/model/statismo.h"
 #include "core/model/structure_files.h"
 #include "core/model/training_set.h"
+#include "core/statistics/parallel_analysis.h"
 
 // The verb `model`.
 
@@ -30,11 +32,13 @@ Json cumulative(const PrincipalComponents& components) {
   return shares;
 }
 
+constexpr const char* by_chance = "parallel";
+
 struct ModelOptions {
   TrainingVerb training;
   fs::path out, tables, aligned, optimised;
   double variance = 0.95;
-  bool optimise = false, free_landmarks = false;
+  bool optimise = false, free_landmarks = false, modes_by_chance = false;
   GivenCommand command;
 
   /// Where optimised meshes go: as asked, or beside the model under its name.
@@ -169,6 +173,19 @@ Result<void> write_beside(const ModelOptions& options, const Training& training,
                           training.parts, names, options.aligned);
 }
 
+/// How many modes the model keeps. Errors: those above chance are asked for, and there is none.
+Result<Eigen::Index> modes_kept(const ModelOptions& options, const PrincipalComponents& components,
+                                Progress& progress) {
+  if (options.training.leading_modes > 0) return options.training.leading_modes;
+  if (!options.modes_by_chance) return modes_holding(components.variances(), options.variance);
+  constexpr std::uint64_t seed = 1;  // as test has it
+  const Eigen::Index modes = modes_above_chance(components.centred, seed, &progress);
+  if (progress.cancelled()) return fail("", "cancelled");
+  if (modes == 0)
+    return fail(std::string("--modes ") + by_chance, "finds no mode that holds more than chance; ask for a number");
+  return modes;
+}
+
 Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   if (!is_model_name(options.out)) return fail(options.out.string(), "is not the name of a model; use .h5.json or .h5");
   Json optimised;
@@ -180,10 +197,9 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   if (!options.aligned.empty())
     if (auto safe = check_written(options, names, options.aligned); !safe) return fail(safe.error());
   if (auto done = write_beside(options, *training, names); !done) return fail(done.error());
-  const Eigen::Index modes = options.training.leading_modes > 0
-                                 ? options.training.leading_modes
-                                 : modes_holding(components.variances(), options.variance);
-  ShapeModel model = model_of_modes(components, modes, training->topology, names);
+  const auto modes = modes_kept(options, components, progress);
+  if (!modes) return fail(modes.error());
+  ShapeModel model = model_of_modes(components, *modes, training->topology, names);
   model.alignment = options.training.alignment();
   model.parts = training->parts;
   model.poses = training->poses;
@@ -217,9 +233,20 @@ void add_model(CLI::App& app, CommandLine& asked) {
       ->required();
   verb->add_option("--variance", options->variance, "Keep as many modes as hold this share of the variance")
       ->check(CLI::Range(0.01, 1.0));
-  verb->add_option("--modes", options->training.leading_modes,
-                   "Keep this many modes. Of thousands of shapes no others are computed, which is faster")
-      ->check(CLI::PositiveNumber)
+  verb->add_option_function<std::string>(
+          "--modes",
+          [options](const std::string& text) {
+            options->modes_by_chance = text == by_chance;
+            options->training.leading_modes = as_number<Eigen::Index>(text).value_or(0);
+          },
+          "Keep this many modes; of thousands of shapes no others are computed, which is faster. Or \"parallel\": "
+          "those "
+          "that hold more than chance, by parallel analysis")
+      ->check([](const std::string& text) {
+        return text == by_chance || as_number<Eigen::Index>(text).value_or(0) > 0
+                   ? std::string()
+                   : text + " is neither a number of modes nor parallel";
+      })
       ->excludes("--variance");
   verb->add_option("--csv", options->tables, "Folder for mean.csv, variances.csv and scores.csv");
   verb->add_option("--aligned", options->aligned, "Folder for the aligned shapes as .ply and .particles");

@@ -1,12 +1,13 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "app/verbs/test_job.h"
-#include "core/base/files.h"
+#include "app/verbs/test_tables.h"
+#include "core/base/listed.h"
 #include "core/mesh/formats/formats.h"
-#include "core/model/groups.h"
-#include "core/model/model_files.h"
-#include "core/statistics/landmark_test.h"
 
 // The verb `test`: what shapes have to do with what is known of their cases.
 
@@ -16,105 +17,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string case_named(const TestCases& cases, Eigen::Index k) {
-  return cases.names[static_cast<std::size_t>(k)];
-}
+constexpr std::array<std::pair<Sided, const char*>, 3> sides{
+    {{Sided::two, "two"}, {Sided::greater, "greater"}, {Sided::less, "less"}}};
 
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.12g", value);
-  return text;
-}
-
-/// The rows of one term, a vertex each.
-std::string landmark_rows(const std::string& term, const LandmarkTest& test, const VertexScalars& outward) {
-  std::string rows;
-  for (Eigen::Index v = 0; v < test.p.size(); ++v) {
-    rows += csv_field(term) + ',' + std::to_string(v) + ',' + number(test.p[v]) + ',' + number(test.q[v]) + ',' +
-            number(test.effect[v]) + ',' + (outward.size() > 0 ? number(outward[v]) : "") + '\n';
-  }
-  return rows;
-}
-
-/// Where no q is small since p cannot be: what would help. Empty: that is not so.
-std::string too_few_permutations(const DesignTerm& term, const LandmarkTest& test, Eigen::Index permutations) {
-  const double least = 1 / static_cast<double>(permutations + 1);
-  if (test.q.minCoeff() <= 0.05 || test.p.minCoeff() > least) return {};
-  const double vertices = static_cast<double>(test.p.size());
-  return term.name + ": no vertex has a q up to 0.05, and none can with " + std::to_string(permutations) +
-         " permutations unless " + std::to_string(static_cast<int>(std::ceil(vertices * least / 0.05))) +
-         " vertices have the least p that these allow; ask for more with --permutations";
-}
-
-Result<void> write_table(TestJob& job, const fs::path& file, const std::string& table) {
-  job.tables.push_back(file);
-  return write_whole_file(file, table);
-}
-
-Result<void> write_landmarks(TestJob& job, const fs::path& file, Progress& progress) {
-  std::string table = "term,vertex,p,q,effect_mm,outward_mm\n";
-  const Eigen::VectorXd mean = job.cases.shapes.rowwise().mean();
-  const double terms = static_cast<double>(job.design.terms.size());
-  for (std::size_t t = 0; t < job.design.terms.size(); ++t) {
-    if (!job.design.terms[t].tested) continue;
-    progress.part(0.4 + 0.4 * static_cast<double>(t) / terms, 0.4 + 0.4 * static_cast<double>(t + 1) / terms);
-    const LandmarkTest test =
-        test_landmarks(job.design, t, job.responses, job.root_weights, job.permutations, &progress);
-    if (progress.cancelled()) return fail("", "cancelled");
-    if (std::string why = too_few_permutations(job.design.terms[t], test, job.permutations.rows()); !why.empty())
-      job.cases.warnings.push_back(std::move(why));
-    VertexScalars outward;
-    if (test.offset.size() > 0 && job.cases.topology)
-      outward = outward_mm(Mesh{job.cases.topology, points_of(mean)}, test.offset);
-    table += landmark_rows(job.design.terms[t].name, test, outward);
-  }
-  return write_table(job, file, table);
-}
-
-Result<void> write_cases(TestJob& job, const fs::path& file) {
-  std::string table = "case,size_mm,weight\n";
-  for (Eigen::Index k = 0; k < job.design.cases(); ++k)
-    table += csv_field(case_named(job.cases, k)) + ',' + number(job.cases.sizes_mm[k]) + ',' +
-             number(job.root_weights[k] * job.root_weights[k]) + '\n';
-  return write_table(job, file, table);
-}
-
-/// Where each case has a vertex, aligned, and how far outside of the mean shape.
-Result<void> write_places(TestJob& job, Eigen::Index vertex, const fs::path& file) {
-  const ShapeMatrix& shapes = job.cases.shapes;
-  const Eigen::VectorXd mean = shapes.rowwise().mean();
-  std::string table = "case,x_mm,y_mm,z_mm,outward_mm\n";
-  for (Eigen::Index k = 0; k < shapes.cols(); ++k) {
-    table += csv_field(case_named(job.cases, k));
-    for (Eigen::Index axis = 0; axis < 3; ++axis) table += ',' + number(shapes(3 * vertex + axis, k));
-    table += ',';
-    if (job.cases.topology) {
-      const Points offset = points_of(shapes, k) - points_of(mean);
-      table += number(outward_mm(Mesh{job.cases.topology, points_of(mean)}, offset)[vertex]);
-    }
-    table += '\n';
-  }
-  return write_table(job, file, table);
-}
-
-/// The tables that --csv asks for; gives the path of that of the vertices, null without one.
-Result<Json> write_tables(TestJob& job, Progress& progress) {
-  const fs::path& tables = job.options.tables;
-  const auto folder = ResultFolder::make(tables);
-  if (!folder) return fail(folder.error());
-  if (auto done = write_cases(job, tables / "cases.csv"); !done) return fail(done.error());
-  for (const Eigen::Index vertex : job.options.at)
-    if (auto done = write_places(job, vertex, tables / ("vertex-" + std::to_string(vertex) + ".csv")); !done)
-      return fail(done.error());
-  if (!job.of_shape()) return Json();
-  const fs::path landmarks = tables / "landmarks.csv";
-  if (auto done = write_landmarks(job, landmarks, progress); !done) return fail(done.error());
-  return Json(landmarks.string());
+const char* word_of(Sided sided) {
+  return std::ranges::find(sides, sided, &std::pair<Sided, const char*>::first)->second;
 }
 
 Json json_of(const LinearTest& test, const TestJob& job) {
   Json terms = Json::array(), pairs = Json::array();
-  for (const TermTest& one : test.terms)
+  Json taken_out = Json::array();
+  for (const TermTest& one : test.terms) {
     terms.push_back({{"name", one.name},
                      {"df", one.df},
                      {"ss", one.ss},
@@ -122,7 +35,12 @@ Json json_of(const LinearTest& test, const TestJob& job) {
                      {"partial_r2", one.partial_r2},
                      {"f", one.f},
                      {"z", one.z},
-                     {"p", one.p}});
+                     {"p", one.p},
+                     {"sided", word_of(one.sided)}});
+    if (!job.of_shape()) terms.back()["change"] = std::isnan(one.change) ? Json() : Json(one.change);
+  }
+  for (const TermSum& one : test.taken_out)
+    taken_out.push_back({{"name", one.name}, {"df", one.df}, {"ss", one.ss}, {"r2", one.r2}});
   // Of shapes the root mean square over the vertices; of numbers their difference.
   const double share = job.of_shape() ? std::sqrt(job.vertices()) : 1;
   for (const PairTest& one : test.pairs)
@@ -132,10 +50,13 @@ Json json_of(const LinearTest& test, const TestJob& job) {
                      {job.of_shape() ? "distance_mm" : "difference", one.distance / share},
                      {"p", one.p},
                      {"q", one.q}});
-  return {{"terms", std::move(terms)},
-          {"residual", {{"df", test.residual_df}, {"ss", test.residual_ss}}},
-          {"total", {{"df", job.design.cases() - 1}, {"ss", test.total_ss}}},
-          {"pairs", std::move(pairs)}};
+  Json values{{"terms", std::move(terms)},
+              {"residual", {{"df", test.residual_df}, {"ss", test.residual_ss}}},
+              {"total", {{"df", job.design.cases() - 1}, {"ss", test.total_ss}}},
+              {"taken_out", std::move(taken_out)},
+              {"pairs", std::move(pairs)}};
+  if (!taken_out.empty()) values["taken_out"] = std::move(taken_out);
+  return values;
 }
 
 Json report_of(const TestJob& job, const LinearTest& test) {
@@ -143,12 +64,19 @@ Json report_of(const TestJob& job, const LinearTest& test) {
               {"vertices", job.cases.shapes.rows() / 3},
               {"formula", job.options.formula},
               {"permutations", job.permutations.rows()},
-              {"sided", "two"}};
+              {"sided", word_of(job.options.sided)}};
   if (job.modes > 0) values["modes"] = job.modes;
   values.update(json_of(test, job));
   if (job.options.by_doubt) {
     const Eigen::VectorXd weights = job.root_weights.cwiseAbs2();
     values["weights"] = {{"min", weights.minCoeff()}, {"mean", weights.mean()}, {"max", weights.maxCoeff()}};
+  }
+  if (job.options.asked.object_symmetry) values["symmetry_off_mm"] = job.cases.symmetry_off_mm;
+  if (const auto pairs = subject_pairs(job); !pairs.empty()) {
+    values["subjects"] = Json::array();
+    for (const SubjectPair& one : pairs)
+      values["subjects"].push_back(
+          {{"name", one.name}, {"difference_mm", one.difference_mm}, {"individual_mm", one.individual_mm}});
   }
   values["landmarks"] = nullptr;
   values["left_out"] = Json::array();
@@ -244,6 +172,7 @@ Result<void> add_robustness(const TestJob& job, const LinearTest& test, Report& 
 }
 
 Result<Report> run_test(TestOptions options, Progress& progress) {
+  if (options.asked.object_symmetry) options.asked.paired = whose_column;
   auto formula = read_formula(options.formula);
   if (!formula) return fail(formula.error());
   options.asked.formula = std::move(*formula);
@@ -280,10 +209,9 @@ void add_test(CLI::App& app, CommandLine& asked) {
       "A table (.csv) of what is known of the cases: a row a case, its name in the column name, case, id or "
       "the first (default: what the study knows)");
   verb->add_option(
-          "--formula", options->formula,
-          "What is tested, as \"shape ~ group + age + log(size)\"; also a:b, a*b, factor(x), and \"size ~ group\" "
-          "or \"age ~ shape\"")
-      ->required();
+      "--formula", options->formula,
+      "What is tested, as \"shape ~ group + age + log(size)\"; also a:b, a*b, factor(x), and \"size ~ group\" "
+      "or \"age ~ shape\"");
   auto* count = verb->add_option("--permutations", options->permutations, "How often residuals are permuted")
                     ->check(CLI::Range(1, 1000000));
   auto* seed = verb->add_option("--seed", options->seed, "Other permutations");
@@ -295,6 +223,17 @@ void add_test(CLI::App& app, CommandLine& asked) {
       "--paired", options->asked.paired,
       "A column whose values (subjects) hold cases that belong together: it is taken out, and cases change "
       "places within it alone");
+  verb->add_flag(
+          "--object-symmetry", options->asked.object_symmetry,
+          "Of an organ that is symmetric in itself, as a vertebra: each shape counts as it is and as its mirror "
+          "image, and \"mirrored\" is a word of the formula (default: \"shape ~ mirrored\", directional asymmetry)")
+      ->excludes("--paired")
+      ->excludes("--no-align")
+      ->excludes("--all-frames");
+  verb->add_option("--sided", options->sided_word,
+                   "two (default), or of a number whether it is greater or less in the second group, or with larger "
+                   "numbers")
+      ->check(CLI::IsMember({"two", "greater", "less"}));
   verb->add_option("--without-direction", options->asked.direction,
                    "Two shapes, as a jaw closed and open: what the cases differ along the way from one to the other "
                    "is taken out first")
@@ -306,6 +245,7 @@ void add_test(CLI::App& app, CommandLine& asked) {
       ->delimiter(',')
       ->excludes("--all-frames")
       ->excludes("--flip-mirrored")
+      ->excludes("--object-symmetry")
       ->excludes("--group");
   verb->add_flag("--by-doubt", options->by_doubt, "Cases in more doubt weigh less");
   verb->add_option("--modes", options->modes,
@@ -315,12 +255,19 @@ void add_test(CLI::App& app, CommandLine& asked) {
                    "Shapes of the same cases in other templates, a folder or a study each: is the answer theirs too?")
       ->excludes("--without-direction");
   auto* tables = verb->add_option("--csv", options->tables, "Folder for cases.csv and, of shapes, landmarks.csv");
-  verb->add_option("--at", options->at, "Also write where each case has this vertex (N,N,…) into vertex-N.csv there")
+  verb->add_option("--at", options->at,
+                   "Also write where each case has these vertices (their numbers) or landmarks (their names) into "
+                   "vertex-N.csv or landmark-NAME.csv there")
       ->delimiter(',')
-      ->check(CLI::NonNegativeNumber)
       ->needs(tables);
-  verb->callback(
-      [options, &asked] { asked.run = [options](Progress& progress) { return run_test(*options, progress); }; });
+  verb->callback([options, &asked] {
+    for (const auto& [sided, word] : sides)
+      if (options->sided_word == word) options->sided = sided;
+    if (options->formula.empty() && options->asked.object_symmetry)
+      options->formula = std::string("shape ~ ") + mirrored_column;
+    if (options->formula.empty()) throw CLI::RequiredError("--formula");
+    asked.run = [options](Progress& progress) { return run_test(*options, progress); };
+  });
 }
 
 }  // namespace homolog

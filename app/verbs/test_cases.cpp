@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "core/base/file_stem.h"
@@ -11,6 +12,7 @@
 #include "core/base/text_table.h"
 #include "core/model/joint_set.h"
 #include "core/model/model_files.h"
+#include "core/model/self_mirror.h"
 #include "core/model/shape_files.h"
 #include "core/model/structure_files.h"
 #include "core/model/study.h"
@@ -68,10 +70,12 @@ Result<std::vector<std::size_t>> needed_columns(const TestCasesAsked& asked, con
     const auto column = table.column(one.name);
     if (column && one.name != "shape") columns.insert(*column);
     if (column || one.name == "shape" || one.name == "size") continue;
+    if (asked.object_symmetry && (one.name == mirrored_column || one.name == whose_column)) continue;
     if (table.columns.empty())
       return fail("--covariates", "is needed for " + one.name + ": the shapes are of no study that knows it");
     std::vector<std::string> words = table.columns;
     words.insert(words.end(), {"shape", "size"});
+    if (asked.object_symmetry) words.emplace_back(mirrored_column);
     return fail(one.name, "is no column of " + table.source + "; there are " + listed(words, " and ") +
                               ". Did you mean " + listed(nearest_names(one.name, words, 1), " or ") + "?");
   }
@@ -220,6 +224,48 @@ void leave_out_incomplete(std::vector<Partner>& partners, const std::vector<std:
   });
 }
 
+/// Puts each case's mirror image behind the cases, and says so in the table. Errors: shapes that are not symmetric, a
+/// column of that name.
+Result<void> add_mirror_images(const TestCasesAsked& asked, TestCases& cases) {
+  if (cases.table.column(mirrored_column))
+    return fail(cases.table.source, std::string("has a column ") + mirrored_column +
+                                        ", which --object-symmetry makes; give it another name");
+  if (!cases.topology) return fail("--object-symmetry", "needs faces, and the shapes are points alone; give meshes");
+  ShapeMatrix aligned = cases.shapes;
+  align(aligned, asked.shapes.alignment());
+  const Eigen::VectorXd mean = aligned.rowwise().mean();
+  const auto mirror = self_mirror({cases.topology, points_of(mean)});
+  if (!mirror) return fail(asked.shapes.files.front().string(), mirror.error().what);
+  cases.symmetry_off_mm = mirror->off_mm;
+  const Eigen::Index count = cases.shapes.cols();
+  const bool has_whose = cases.table.column(whose_column).has_value();
+  CovariateTable table = cases.table;
+  table.cases.clear();
+  table.cells.clear();
+  table.columns.emplace_back(mirrored_column);
+  if (!has_whose) table.columns.emplace_back(whose_column);
+  cases.shapes.conservativeResize(Eigen::NoChange, 2 * count);
+  cases.sizes_mm.conservativeResize(2 * count);
+  for (Eigen::Index i = 0; i < 2 * count; ++i) {
+    const bool is_image = i >= count;
+    const Eigen::Index of = is_image ? i - count : i;
+    const std::string name = cases.names[static_cast<std::size_t>(of)];
+    table.cases.push_back(is_image ? name + " mirrored" : name);
+    table.cells.push_back(cases.table.cells[cases.rows[static_cast<std::size_t>(of)]]);
+    table.cells.back().emplace_back(is_image ? "yes" : "no");
+    if (!has_whose) table.cells.back().push_back(name);
+    if (!is_image) continue;
+    const Points image = mirrored_in_itself(*mirror, points_of(cases.shapes, of));
+    cases.shapes.col(i) = Eigen::Map<const Eigen::VectorXd>(image.data(), image.size());
+    cases.sizes_mm[i] = cases.sizes_mm[of];
+  }
+  cases.names = table.cases;
+  cases.rows.resize(table.cases.size());
+  std::iota(cases.rows.begin(), cases.rows.end(), std::size_t{0});
+  cases.table = std::move(table);
+  return {};
+}
+
 Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& read,
                          const std::vector<std::string>& names, const std::vector<Partner>& partners,
                          TestCases& cases) {
@@ -239,6 +285,8 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& rea
     cases.shapes.col(i) = set.shapes.col(one.shape);
     cases.sizes_mm[i] = centroid_size_mm(points_of(cases.shapes, i));
   }
+  if (asked.object_symmetry)
+    if (auto added = add_mirror_images(asked, cases); !added) return added;
   align(cases.shapes, asked.shapes.alignment());
   if (!asked.direction.empty())
     if (auto out = take_direction_out(asked.direction, asked.shapes, cases.shapes); !out) return out;
@@ -255,6 +303,10 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& rea
     known += is_known ? 1 : 0;
   }
   if (known > 0) cases.vertex_doubt_mm = (squares / known).cwiseSqrt();
+  if (asked.object_symmetry) {
+    const auto own = cases.doubt_mm;
+    cases.doubt_mm.insert(cases.doubt_mm.end(), own.begin(), own.end());
+  }
   return {};
 }
 
@@ -296,7 +348,8 @@ Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progres
   }
   auto found = partners(*read, names, RowFinder(cases.table, *studies), asked.shapes.reading, cases);
   if (!found) return fail(found.error());
-  leave_out_incomplete(*found, *columns, asked.paired, cases);
+  // What object symmetry pairs is made of each case alone.
+  leave_out_incomplete(*found, *columns, asked.object_symmetry ? std::string() : asked.paired, cases);
   std::set<std::size_t> rows;
   const bool has_frames = std::ranges::any_of(*found, [&](const Partner& one) { return !rows.insert(one.row).second; });
   if (has_frames && asked.paired.empty())

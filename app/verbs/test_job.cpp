@@ -1,9 +1,11 @@
 #include "app/verbs/test_job.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 
+#include "core/base/text.h"
 #include "core/statistics/parallel_analysis.h"
 
 namespace homolog {
@@ -118,6 +120,15 @@ Result<void> put_permutations(TestJob& job) {
 Result<void> check_functions(const Formula& formula, const CovariateTable& table) {
   std::vector<Variable> variables{formula.response};
   for (const FormulaTerm& term : formula.terms) variables.insert(variables.end(), term.begin(), term.end());
+  if (const auto column = table.column(formula.response.name); column && formula.response.name != "shape") {
+    const auto is_number = [&](const std::vector<std::string>& row) {
+      return as_number<double>(row[*column]).has_value();
+    };
+    if (std::ranges::none_of(table.cells, is_number))
+      return fail(
+          formula.response.text(),
+          "is what is tested, and groups are no number; test shape by them instead: shape ~ " + formula.response.name);
+  }
   for (const Variable& one : variables) {
     if (one.by == Variable::By::itself) continue;
     if (one.name == "shape")
@@ -130,6 +141,21 @@ Result<void> check_functions(const Formula& formula, const CovariateTable& table
   return {};
 }
 
+/// Errors: a side of what has none.
+Result<void> check_sided(const TestJob& job) {
+  if (job.options.asked.object_symmetry && !job.of_shape())
+    return fail("--object-symmetry", "compares shapes with their mirror images; write shape before the ~");
+  if (job.options.sided == Sided::two) return {};
+  const std::string option = "--sided " + job.options.sided_word;
+  if (job.of_shape())
+    return fail(option,
+                "has no meaning for shapes, which differ in many directions at once; test a number, as size, or read "
+                "outward_mm of each vertex");
+  if (std::ranges::none_of(job.design.terms, [](const DesignTerm& one) { return one.tested && has_direction(one); }))
+    return fail(option, "needs a term of two groups or of a number, which the formula lacks; leave the option out");
+  return {};
+}
+
 }  // namespace
 
 Result<TestJob> test_job(const TestOptions& options, Progress& progress) {
@@ -137,19 +163,16 @@ Result<TestJob> test_job(const TestOptions& options, Progress& progress) {
   if (!cases) return fail(cases.error());
   if (auto known = check_functions(options.asked.formula, cases->table); !known) return fail(known.error());
   TestJob job{options, std::move(*cases)};
-  for (const Eigen::Index vertex : options.at)
-    if (vertex >= job.cases.shapes.rows() / 3)
-      return fail("--at", "names vertex " + std::to_string(vertex) + ", and the shapes have " +
-                              std::to_string(job.cases.shapes.rows() / 3) + ", counted from 0");
   if (auto done = put_responses(job); !done) return fail(done.error());
   if (auto done = put_design(job, progress); !done) return fail(done.error());
+  if (auto done = check_sided(job); !done) return fail(done.error());
   if (auto done = put_weights(job); !done) return fail(done.error());
   if (auto done = put_permutations(job); !done) return fail(done.error());
   return job;
 }
 
 LinearTest tests_of(const TestJob& job, const Eigen::MatrixXd& responses, Progress& progress) {
-  return test_terms(job.design, responses, job.root_weights, job.permutations, &progress);
+  return test_terms(job.design, responses, job.root_weights, job.permutations, &progress, job.options.sided);
 }
 
 }  // namespace homolog

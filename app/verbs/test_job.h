@@ -18,9 +18,11 @@ struct TestOptions {
   Eigen::Index permutations = 999, modes = 0;
   std::uint64_t seed = 1;
   std::filesystem::path permutation_file, tables;
-  std::vector<Eigen::Index> at;                  ///< vertices whose places are written
+  std::vector<std::string> at;                   ///< vertices by number and landmarks by name, whose places are written
   std::vector<std::filesystem::path> templates;  ///< shapes of the same cases in other templates, a folder each
   bool by_doubt = false;                         ///< cases in more doubt weigh less
+  std::string sided_word = "two";
+  Sided sided = Sided::two;
 };
 
 /// What is computed with.

@@ -32,17 +32,23 @@ Eigen::VectorXd column_sums(const Eigen::MatrixXd& q, const Eigen::MatrixXd& pro
 /// F, and the squared distance of every pair of groups, once as a share of what the whole model leaves: as with F,
 /// that makes chance alike in every order.
 struct Found {
-  double f = 0;
+  double f = 0, statistic = 0;  ///< what p counts by: F, or t where one side counts
   Eigen::VectorXd pairs, pair_shares;
 };
 
 /// One term's test, for the order as it is and for permutations.
 class TermTester {
  public:
+  /// `weighted`: the responses; `products`: their inner products.
   TermTester(const Design& design, std::size_t term, const Eigen::VectorXd& root_weights,
-             const Eigen::MatrixXd& products)
+             const Eigen::MatrixXd& weighted, const Eigen::MatrixXd& products, Sided sided)
       : term_(design.terms[term]), basis_(basis_of(design, term, root_weights)) {
     residual_ = residual_products(products, basis_.reduced);
+    if (weighted.rows() == 1) {
+      const Eigen::VectorXd y = weighted.transpose();
+      left_of_one_ = y - basis_.reduced * (basis_.reduced.transpose() * y);
+      if (has_direction(term_)) sided_ = sided;
+    }
     total_ = residual_.trace();
     df_left_ = design.cases() - design.parameters();
     const auto groups = static_cast<Eigen::Index>(term_.levels.size());
@@ -54,17 +60,39 @@ class TermTester {
   double residual_ss() const {
     return total_ - column_sums(basis_.added, residual_).sum() - column_sums(basis_.rest, residual_).sum();
   }
-  Eigen::Index df_left() const { return df_left_; }
+  Sided sided() const { return sided_; }
+  /// Of one response [TermTest::change].
+  double change() const {
+    if (left_of_one_.size() == 0 || !has_direction(term_)) return std::numeric_limits<double>::quiet_NaN();
+    return basis_.contrasts.row(0) * left_of_one_;
+  }
+  /// Of each pair of groups: −1 where of one response the second has less of it, else 1.
+  Eigen::VectorXd pair_signs() const {
+    const Eigen::MatrixXd contrasts = pair_contrasts();
+    Eigen::VectorXd signs = Eigen::VectorXd::Ones(contrasts.cols());
+    if (left_of_one_.size() > 0) signs = ((contrasts.transpose() * left_of_one_).array() < 0).select(-signs, signs);
+    return signs;
+  }
 
   Found found(const Permutations& permutations, Eigen::Index row) const {
-    const Eigen::VectorXd sums = column_sums(row < 0 ? columns_ : unpermuted(columns_, permutations, row), residual_);
+    const Eigen::MatrixXd columns = row < 0 ? columns_ : unpermuted(columns_, permutations, row);
+    const Eigen::VectorXd sums = column_sums(columns, residual_);
     const Eigen::Index fitted = basis_.added.cols() + basis_.rest.cols() + basis_.reduced.cols();
     const double left = total_ - sums.head(fitted).sum();
-    return {sums.head(term_.count).sum() / static_cast<double>(term_.count) / (left / static_cast<double>(df_left_)),
+    const double f =
+        sums.head(term_.count).sum() / static_cast<double>(term_.count) / (left / static_cast<double>(df_left_));
+    return {f, sided_ == Sided::two ? f : towards_side(columns.col(0).dot(left_of_one_), f),
             sums.tail(sums.size() - fitted), sums.tail(sums.size() - fitted) / left};
   }
 
  private:
+  /// t, above 0 on the side that counts. `along`: the product of what the term adds with the residuals, whose sign is
+  /// that of the change but for that of the basis.
+  double towards_side(double along, double f) const {
+    const bool more = along * basis_.contrasts.row(0).dot(basis_.added.col(0)) > 0;
+    return (more == (sided_ == Sided::greater) ? 1 : -1) * std::sqrt(std::max(f, 0.0));
+  }
+
   /// The difference of every two groups' means, as a column that is multiplied with the responses.
   Eigen::MatrixXd pair_contrasts() const {
     const auto groups = static_cast<Eigen::Index>(term_.levels.size());
@@ -80,7 +108,9 @@ class TermTester {
 
   const DesignTerm& term_;
   TermBasis basis_;
-  Eigen::MatrixXd residual_;  ///< inner products of the reduced model's residuals
+  Eigen::MatrixXd residual_;     ///< inner products of the reduced model's residuals
+  Eigen::VectorXd left_of_one_;  ///< of one response those residuals themselves; else empty
+  Sided sided_ = Sided::two;
   Eigen::MatrixXd columns_;
   double total_ = 0;
   Eigen::Index df_left_ = 0;
@@ -100,18 +130,22 @@ double deviations_above(double f, const std::vector<Found>& permuted) {
   return deviation > 0 ? (log_of(f) - mean) / deviation : std::numeric_limits<double>::quiet_NaN();
 }
 
-void add_pairs(const DesignTerm& term, const Found& found, const std::vector<Found>& permuted, LinearTest& test) {
+/// The pairs of the term that was tested last.
+void add_pairs(const DesignTerm& term, const TermTester& tester, const Found& found, const std::vector<Found>& permuted,
+               LinearTest& test) {
   Eigen::VectorXd p(found.pairs.size());
   for (Eigen::Index k = 0; k < p.size(); ++k)
     p[k] =
         p_of(std::count_if(permuted.begin(), permuted.end(),
                            [&](const Found& one) { return one.pair_shares[k] >= found.pair_shares[k] * (1 - 1e-9); }),
              static_cast<Eigen::Index>(permuted.size()));
-  const Eigen::VectorXd q = false_discovery_rates(p);
+  if (tester.sided() != Sided::two) p.setConstant(test.terms.back().p);  // a single pair
+  const Eigen::VectorXd q = false_discovery_rates(p), signs = tester.pair_signs();
   Eigen::Index k = 0;
   for (std::size_t a = 0; a < term.levels.size(); ++a)
     for (std::size_t b = a + 1; b < term.levels.size(); ++b, ++k)
-      test.pairs.push_back({term.name, term.levels[a], term.levels[b], std::sqrt(found.pairs[k]), p[k], q[k]});
+      test.pairs.push_back(
+          {term.name, term.levels[a], term.levels[b], signs[k] * std::sqrt(found.pairs[k]), p[k], q[k]});
 }
 
 }  // namespace
@@ -135,7 +169,7 @@ Eigen::VectorXd false_discovery_rates(const Eigen::VectorXd& p) {
 }
 
 LinearTest test_terms(const Design& design, const Eigen::MatrixXd& responses, const Eigen::VectorXd& root_weights,
-                      const Permutations& permutations, Progress* progress) {
+                      const Permutations& permutations, Progress* progress, Sided sided) {
   const Eigen::MatrixXd weighted = weighted_responses(responses, root_weights);
   const Eigen::MatrixXd products = weighted.transpose() * weighted;
   LinearTest test;
@@ -144,8 +178,11 @@ LinearTest test_terms(const Design& design, const Eigen::MatrixXd& responses, co
   std::size_t done = 0;
   for (std::size_t t = 0; t < design.terms.size(); ++t) {
     const DesignTerm& term = design.terms[t];
-    if (!term.tested) continue;
-    const TermTester tester(design, t, root_weights, products);
+    const TermTester tester(design, t, root_weights, weighted, products, sided);
+    if (!term.tested) {
+      test.taken_out.push_back({term.name, term.count, tester.ss(), tester.ss() / test.total_ss});
+      continue;
+    }
     test.residual_ss = tester.residual_ss();
     const Found found = tester.found(permutations, -1);
     std::vector<Found> permuted(static_cast<std::size_t>(permutations.rows()));
@@ -159,12 +196,13 @@ LinearTest test_terms(const Design& design, const Eigen::MatrixXd& responses, co
       if (progress->cancelled()) return test;
       progress->report(static_cast<double>(++done) / static_cast<double>(design.terms.size()));
     }
-    const auto as_large =
-        std::count_if(permuted.begin(), permuted.end(), [&](const Found& one) { return is_as_large(one.f, found.f); });
+    const auto as_large = std::count_if(permuted.begin(), permuted.end(),
+                                        [&](const Found& one) { return is_as_large(one.statistic, found.statistic); });
     const double ss = tester.ss();
     test.terms.push_back({term.name, term.count, ss, ss / test.total_ss, ss / (ss + test.residual_ss), found.f,
-                          deviations_above(found.f, permuted), p_of(as_large, permutations.rows())});
-    add_pairs(term, found, permuted, test);
+                          deviations_above(found.f, permuted), p_of(as_large, permutations.rows()), tester.sided(),
+                          tester.change()});
+    add_pairs(term, tester, found, permuted, test);
   }
   return test;
 }

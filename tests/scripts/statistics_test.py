@@ -115,6 +115,32 @@ report = run("--formula", formula, "--csv", "out")
 check(formula, flat, ["group", "sex", "age"], report, "out/landmarks.csv")
 check("with an interaction", flat, ["group", "sex", "age", "group:sex"], run("--formula", "shape ~ group * sex + age"))
 check("of size", size[:, None], ["group", "age"], run("--formula", "size ~ group + age"))
+
+
+def check_sided(formula, y, terms, term, column, sign):
+    """One-sided p: t is the root of F with the sign of the coefficient; `change` is the coefficient of `column`."""
+    report = run("--formula", formula, "--sided", "greater" if sign > 0 else "less")
+    got = next(one for one in report["terms"] if one["name"] == term)
+    without = [t for t in terms if t != term]
+    fitted, residuals, _ = left(y, without)
+
+    def t_of(values):
+        x = numpy.hstack([numpy.ones((cases, 1))] + [columns[t] for t in without] + [column])
+        b = numpy.linalg.lstsq(x, values, rcond=None)[0][-1, 0]
+        less, more = (left(values, without)[1] ** 2).sum(), (left(values, without + [term])[1] ** 2).sum()
+        return b, numpy.sign(b) * numpy.sqrt(max(less - more, 0) / (more / (cases - x.shape[1])))
+
+    b, t = t_of(y)
+    larger = sum(sign * t_of(fitted + residuals[row])[1] >= sign * t - 1e-9 * max(1, sign * t) for row in permutations)
+    same(f"{formula}: {term}, one side", [got["change"], got["p"]], [b, (larger + 1) / (orders + 1)])
+    if got["sided"] != ("greater" if sign > 0 else "less"):
+        bad.append(f"{formula}: {term} says that it is {got['sided']}")
+
+
+one_sex, one_age = columns["sex"], (columns["age"] - age.mean()) / age.std(ddof=1)
+for sign in (1, -1):
+    check_sided("size ~ sex + age", size[:, None], ["sex", "age"], "sex", one_sex, sign)
+    check_sided("size ~ sex + age", size[:, None], ["sex", "age"], "age", one_age, sign)
 check("allometry", flat, ["log(size)", "sex"], run("--formula", "shape ~ log(size) + sex"))
 
 # What R says, where it is there.

@@ -1,10 +1,13 @@
 // The command-line contract of docs/commands.md: templates and models.
+#include <cmath>
 #include <fstream>
 
+#include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
+#include "core/phantom/noise.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"
 #include "tests/real_data.h"
@@ -86,7 +89,30 @@ TEST_CASE("model --modes keeps so many modes") {
   CHECK(too_many.status == 1);
   CHECK(too_many.errors.find("--modes 6: is more than 6 shapes allow; the most is 5") != std::string::npos);
   CHECK(run(folder, "model" + files + " --modes 2 --variance 0.9 -o no.h5").status == 2);
+  CHECK(run(folder, "model" + files + " --modes some -o no.h5").status == 2);
+  CHECK(run(folder, "model" + files + " --modes 0 -o no.h5").status == 2);
   CHECK_FALSE(fs::exists(folder.path / "no.h5"));
+}
+
+TEST_CASE("model --modes parallel keeps as many modes as test finds above chance") {
+  const TemporaryFolder folder;
+  std::string files;
+  for (int k = 0; k < 12; ++k) {
+    Mesh ball = icosphere(2, 20);
+    phantom::Random random(static_cast<std::uint64_t>(k) + 1);
+    const double longer = 1 + 0.1 * std::sin(2.0 * k), wider = 1 + 0.1 * std::cos(5.0 * k);
+    for (Eigen::Index v = 0; v < ball.points.rows(); ++v)
+      ball.points.row(v) = Vec3(ball.points(v, 0), wider * ball.points(v, 1), longer * ball.points(v, 2)) +
+                           0.1 * Vec3(random.normal(), random.normal(), random.normal());
+    const std::string name = "b" + std::to_string(k) + ".ply";
+    REQUIRE(write_mesh(ball, folder.path / name));
+    files += " " + name;
+  }
+  const Ran made = run(folder, "model" + files + " --modes parallel -o m.h5 --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  CHECK(made.json()["modes"] == 2);
+  CHECK(run(folder, "test" + files + " --formula \"size ~ shape\" --json").json()["modes"] == made.json()["modes"]);
+  CHECK(run(folder, "verify m.h5 --json").json()["same"] == true);
 }
 
 TEST_CASE("model --optimise slides vertices and writes the meshes and what it gained") {

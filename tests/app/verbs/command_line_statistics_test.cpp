@@ -226,7 +226,7 @@ TEST_CASE("what a test cannot answer is refused in a sentence") {
   put_balls(folder.path, 0);
   check_refused(run(folder, by("shape ~ grop")), "Did you mean group?");
   check_refused(run(folder, by("shape ~ log(group)")), "where group should be a number");
-  check_refused(run(folder, by("group ~ age")), "where group should be a number");
+  check_refused(run(folder, by("group ~ age")), "groups are no number; test shape by them instead: shape ~ group");
   check_refused(run(folder, by("log(shape) ~ group")), "log(shape): is of shapes");
   check_refused(run(folder, by("age ~ factor(shape)")), "factor(shape): is of shapes");
   check_refused(run(folder, by("shape ~ factor(size)")), "factor(size): is of sizes, which name no groups");
@@ -236,7 +236,13 @@ TEST_CASE("what a test cannot answer is refused in a sentence") {
   check_refused(run(folder, by("shape ~ group") + "--by-doubt"), "none of the shapes has a doubt");
   check_refused(run(folder, by("age ~ shape") + "--modes 40"), "--modes");
   check_refused(run(folder, by("shape ~ group") + "--csv out --at 162"), "--at");
+  check_refused(run(folder, by("shape ~ group") + "--csv out --at top"), "and the shapes have none");
   CHECK_FALSE(fs::exists(folder.path / "out"));
+  check_refused(run(folder, by("shape ~ group") + "--sided greater"), "has no meaning for shapes");
+  check_refused(run(folder, by("size ~ factor(subject)") + "--sided less"), "needs a term of two groups");
+  check_refused(run(folder, by("size ~ mirrored") + "--object-symmetry"), "write shape before the ~");
+  CHECK(run(folder, "test shapes").status == 2);
+  CHECK(run(folder, by("size ~ group") + "--sided both").status == 2);
   check_refused(run(folder, "test shapes --formula \"shape ~ group\""), "--covariates");
   check_refused(run(folder, by("shape ~ group") + "--paired name"), "is no column");
   check_refused(run(folder, by("shape ~ group") + "--paired age"), "is the only case of age");
@@ -382,8 +388,55 @@ TEST_CASE("structures of cases are tested, one or together") {
 TEST_CASE("what no number is gets a short sentence") {
   const TemporaryFolder folder;
   put_balls(folder.path, 0);
-  const Ran ran = run(folder, by("shape ~ group") + "--csv out --at top");
+  const Ran ran = run(folder, "evaluate shapes --seed top");
   CHECK(ran.status == 2);
-  CHECK(ran.errors.find("--at: \"top\" is no number of 0 or more") != std::string::npos);
+  CHECK(ran.errors.find("--seed: \"top\" is no number of 0 or more") != std::string::npos);
   CHECK(ran.errors.size() < 100);
+}
+
+TEST_CASE("a side that is asked for is the side that counts, and the answer says which") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);  // the bumps are of those that are ill, the first of the two groups
+  const auto term = [&](const std::string& options) { return run(folder, by("size ~ group + age") + options).json(); };
+  const Json two = term(""), greater = term("--sided greater"), less = term("--sided less");
+  CHECK(two["sided"] == "two");
+  CHECK(less["sided"] == "less");
+  CHECK(less["terms"][0]["sided"] == "less");
+  CHECK(two["terms"][0]["change"].get<double>() < 0);
+  CHECK(two["pairs"][0]["difference"] == two["terms"][0]["change"]);
+  CHECK(less["terms"][0]["p"].get<double>() < 0.01);
+  CHECK(greater["terms"][0]["p"].get<double>() > 0.99);
+  CHECK(less["pairs"][0]["p"] == less["terms"][0]["p"]);
+  CHECK(less["terms"][0]["f"] == two["terms"][0]["f"]);
+}
+
+TEST_CASE("--at takes the names of landmarks, at the place where the template has them") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  for (int k = 0; k < 12; ++k) {
+    const fs::path file = folder.path / "shapes" / ("c" + std::to_string(k) + ".ply");
+    MeshFile ball = read_mesh_file(file).value();
+    ball.landmarks = {{"north pole", ball.points.row(5).transpose()}, {"elsewhere", Vec3(0, 0, -20)}};
+    REQUIRE(write_mesh_file(ball, file));
+  }
+  const Ran ran = run(folder, by("shape ~ group") + "--no-align --csv out --at 5,\"north pole\"");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const std::string by_number = read_whole_file(folder.path / "out/vertex-5.csv").value_or("");
+  CHECK(lines(by_number) == 13);
+  const auto rows = [&](const std::string& table) {
+    std::vector<double> values;
+    for (int k = 0; k < 12; ++k) {
+      const auto row = table.find("\nc" + std::to_string(k) + ",");
+      REQUIRE(row != std::string::npos);
+      const auto cells = csv_fields(std::string_view(table).substr(row + 1, table.find('\n', row + 1) - row - 1));
+      for (std::size_t column = 1; column < 5; ++column) values.push_back(std::stod(cells[column]));
+    }
+    return values;
+  };
+  const auto numbers = rows(by_number);
+  const auto names = rows(read_whole_file(folder.path / "out/landmark-north pole.csv").value_or(""));
+  REQUIRE(numbers.size() == names.size());
+  for (std::size_t k = 0; k < numbers.size(); ++k) CHECK(names[k] == doctest::Approx(numbers[k]).epsilon(1e-6));
+  check_refused(run(folder, by("shape ~ group") + "--csv two --at \"north pol\""), "Did you mean north pole?");
+  CHECK_FALSE(fs::exists(folder.path / "two"));
 }

@@ -80,6 +80,32 @@ TEST_CASE("weighted sums are those of R") {
   CHECK(near(sums.terms[1].f, 50.031030293866515));
 }
 
+TEST_CASE("one-sided p counts the orders whose t lies as far to the side, and both sides share them") {
+  const Permutations orders = random_permutations(together, 999, 5);
+  const Design design = design_of("y ~ g + x");
+  const LinearTest two = test_terms(design, response(), even, orders);
+  const LinearTest greater = test_terms(design, response(), even, orders, nullptr, Sided::greater);
+  const LinearTest less = test_terms(design, response(), even, orders, nullptr, Sided::less);
+  CHECK(two.terms[1].sided == Sided::two);
+  CHECK(greater.terms[1].sided == Sided::greater);
+  CHECK(two.terms[1].change > 0);
+  CHECK(greater.terms[1].change == two.terms[1].change);
+  CHECK(greater.terms[1].p < 0.01);
+  CHECK(less.terms[1].p > 0.99);
+  CHECK(greater.terms[1].f == two.terms[1].f);
+  // Three groups have no side.
+  CHECK(greater.terms[0].sided == Sided::two);
+  CHECK(greater.terms[0].p == two.terms[0].p);
+  CHECK(std::isnan(two.terms[0].change));
+  // The other way round it is the other side's.
+  const LinearTest turned = test_terms(design, -response(), even, orders, nullptr, Sided::less);
+  CHECK(turned.terms[1].p == greater.terms[1].p);
+  CHECK(near(turned.terms[1].change, -two.terms[1].change));
+  // Pairs of one response have a sign: the second less the first.
+  CHECK(near(two.pairs[0].distance, -test_terms(design, -response(), even, orders).pairs[0].distance));
+  CHECK(near(two.pairs[1].distance - two.pairs[0].distance, two.pairs[2].distance));
+}
+
 TEST_CASE("p is 1 where every order is the one found and never 0") {
   Permutations same(9, 10);
   for (Eigen::Index row = 0; row < 9; ++row) std::iota(same.row(row).begin(), same.row(row).end(), 0);

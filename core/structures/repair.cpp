@@ -1,5 +1,6 @@
 #include "core/structures/repair.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -99,6 +100,12 @@ Result<RepairedMap> repair_map(const SetOfTemplates& set, VolumeRead& map, int f
     one.changed_voxels += changed[k];
     one.defects.insert(one.defects.begin(), names[k].defects.begin(), names[k].defects.end());
     one.confidence = structure_confidence(result->fitted.structures[k], result->signs[k], one);
+    // The form is that of all parts by now; as the map has it, it was one of them.
+    constexpr double hardly = 0.05;
+    for (std::size_t other = 0; other < names.size(); ++other)
+      if (other != k && names[other].proposed == names[k].proposed && result->subject.structures[other].is_there() &&
+          result->subject.structures[k].is_there())
+        one.confidence = std::min(one.confidence, hardly);
   }
   return result;
 }

@@ -118,7 +118,9 @@ void Mending::find_lost(std::size_t k) {
   }
   if (!takers.empty() || !lacks_a_part(k)) return;
   add(k, DefectKind::half_missing);
-  fill_up(k);
+  // Where a far part points, the template of another one does not tell well enough: filled in, it may be worse.
+  const bool is_told = options_.image != nullptr || options_.model != nullptr;
+  if (result_.signs[k].lacking >= much_lacking || is_told) fill_up(k);
 }
 
 void Mending::find_missing(std::size_t k) {

@@ -91,10 +91,9 @@ Result<Report> fit_image(const FitJob& options, const FitShared& shared, Progres
   }
   report.values["seconds"] = seconds;
   if (const std::size_t far = landmarks->places.size() - drawn->held_landmarks; far > 0 && !shared.fit.placement)
-    report.warnings.push_back(options.image.string() + ": " + std::to_string(far) +
-                              (far == 1 ? " landmark" : " landmarks") +
-                              " lay farther from the placed template than --reach-mm, and was not held; check " +
-                              (far == 1 ? "its place" : "their places"));
+    report.warnings.push_back(
+        options.image.string() + ": " + std::to_string(far) + (far == 1 ? " landmark" : " landmarks") +
+        " beyond --reach-mm of the placed template and not held; check " + (far == 1 ? "its place" : "their places"));
   report_image(options, *image, report);
   return report;
 }

@@ -201,6 +201,7 @@ struct SessionThread::Shared {
         snapshot.shown = std::make_shared<const Document>(std::move(updated->document));
         snapshot.solver_ms = updated->report.solver_ms;
         snapshot.preview = std::move(updated->report);
+        snapshot.preview_of = preview.of;
       }
     } else {
       snapshot.shown = snapshot.document;

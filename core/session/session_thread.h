@@ -15,6 +15,7 @@ struct Snapshot {
   std::shared_ptr<const Document> document;  ///< as committed (and on disk)
   std::shared_ptr<const Document> shown;     ///< the running preview's document, else `document`
   std::optional<EditReport> preview;         ///< of the running preview
+  std::string preview_of;                    ///< the structure that it is about; empty: the first
   std::uint64_t revision = 0;                ///< counts every change of this struct
   std::uint64_t committed = 0;               ///< counts what was done or refused so far: actions, savings, syncs
   std::uint64_t steps_made = 0;              ///< of this session [EditSession::steps_made]

@@ -121,6 +121,7 @@ void GalleryPictures::draw_gallery(const ModelsState& state, const RectPx& rect,
   quick.moving = true;
   const bool fits = gallery_.width == static_cast<int>(rect.width) && gallery_.height == static_cast<int>(rect.height);
   if (fits && same(key, shown_)) return;
+  if (!fits) fine_ = {};  // its picture is gone
   take_page(state, grid);
   const auto cells = static_cast<std::size_t>(grid.columns * grid.rows);
   if (!fits || !same(quick, shown_)) {

@@ -273,9 +273,12 @@ Result<Picture> Drawing::plots(const PictureOptions& options) {
 }
 
 SceneBuilder::Input Drawing::scene_input(const EditorState& state) const {
+  static const std::optional<EditReport> none;
+  const Document& document = shown_.document();
+  const bool is_of_active = document.structure(shown_.snapshot().preview_of) == active_structure(state, document);
   return {state,
           shown_.displayed(),
-          shown_.snapshot().preview,
+          is_of_active ? shown_.snapshot().preview : none,
           shown_.labels_here(),
           shown_making(state, work_),
           shown_.mesh().outlines(),

@@ -113,9 +113,7 @@ std::string fit_refusal(const UiContext& ui) {
   if (auto busy = busy_refusal(ui); !busy.empty()) return busy;
   if (!ui.labels().volume) return "Open a label map first.";
   if (ui.labels().values.empty()) return "The label map is empty.";
-  if (ui.labels().frame && *ui.labels().frame != ui.document().frame)
-    return format("The label map belongs to frame %d. Go there, or say that it is of this frame (Case).",
-                  *ui.labels().frame);
+  if (auto other = ui.labels().refusal_at(ui.document().frame); !other.empty()) return other;
   if (person_confirmed(ui)) return "A fit moves every vertex, but you confirmed some. Free them below first.";
   if (auto refusal = model_refusal(ui); !refusal.empty()) return refusal;
   return ui.needs_shape();

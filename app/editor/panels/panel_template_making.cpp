@@ -257,15 +257,14 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
 }
 
 int label_there(const UiContext& ui, const Vec3& p_mm) {
-  if (!ui.labels().volume || (ui.labels().frame && *ui.labels().frame != shown_frame(ui.state, ui.document())))
-    return 0;
+  const int frame = shown_frame(ui.state, ui.document());
+  if (!ui.labels().volume || !ui.labels().is_of(frame)) return 0;
   const Vec3 voxel = ui.labels().volume->geometry.to_voxel(p_mm).array().round();
   const auto& dims = ui.labels().volume->geometry.dims;
   for (int axis = 0; axis < 3; ++axis)
     if (voxel[axis] < 0 || voxel[axis] >= dims[static_cast<std::size_t>(axis)]) return 0;
-  const int frame = std::min(shown_frame(ui.state, ui.document()), ui.labels().volume->frames - 1);
   return rounded_label(ui.labels().volume->at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()),
-                                              static_cast<int>(voxel.z()), frame));
+                                              static_cast<int>(voxel.z()), frame_of_map(*ui.labels().volume, frame)));
 }
 
 }  // namespace homolog

@@ -22,6 +22,8 @@ class ShownMesh {
                                          double radius_mm) const;
   /// The first point of the mesh along a ray. What is built to find it is kept for each structure.
   std::optional<Vec3> first_on_surface(const ShapeView& shown, const Ray& ray);
+  /// Lets go of what was built for the rays of another case.
+  void forget() { searched_.clear(); }
 
   /// Shared with the scenes that are drawn.
   const std::shared_ptr<Outlines>& outlines() const { return outlines_; }

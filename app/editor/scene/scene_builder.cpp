@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "app/editor/scene/mesh_colouring.h"
+#include "app/editor/state/label_map_layer.h"
 #include "core/base/index.h"
 #include "render/label_colours.h"
 
@@ -54,8 +55,11 @@ void SceneBuilder::update_mesh(const Input& input) {
     points_ = shape.points;
     ++points_revision_;
   }
+  const bool tints =
+      input.preview && input.preview->response && input.preview->response->size() == shape.points->rows();
   ColouredBy by{.colouring = shown_colouring(input.state),
-                .response = input.preview ? input.preview->response : nullptr,
+                .own = structure_colour(shown.structure),
+                .response = tints ? input.preview->response : nullptr,
                 .stiffness = paint.stiffness,
                 .confirmed = shape.confirmed,
                 .outlier = shape.outlier,
@@ -117,7 +121,8 @@ void SceneBuilder::update_others(const Input& input) {
     if (shape == nullptr || !looks.shows(structure->id)) continue;
     const auto& topology = structure->the_template->topology;
     if (structure.get() != active) keep(structure->id, topology, shape->points, structure_colour(*structure));
-    if (looks.as_read_shown && shape_as_read(looks, *structure) != nullptr)
+    const bool was_read = looks.as_read_shown && looks.as_read_frame == input.document->frame;
+    if (was_read && shape_as_read(looks, *structure) != nullptr)
       keep(structure->id + " as read", topology, looks.as_read.at(structure->id), as_read_colour);
   }
 }
@@ -146,9 +151,8 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
   scene.image = {input.document->scan.image, frame, state.look.window_low, state.look.window_high,
                  state.preferences.linear};
   if (input.labels) {
-    const int label_frame = input.labels->frames > frame ? frame : 0;
-    scene.labels = {input.labels, label_frame, static_cast<float>(state.look.label_opacity), input.label_colours,
-                    state.look.hidden_labels};
+    scene.labels = {input.labels, frame_of_map(*input.labels, frame), static_cast<float>(state.look.label_opacity),
+                    input.label_colours, state.look.hidden_labels};
   }
   if (making_) {
     MeshLayer mesh;

@@ -20,7 +20,7 @@ class SceneBuilder {
   struct Input {
     const EditorState& state;
     std::shared_ptr<const Document> document;  ///< as shown
-    const std::optional<EditReport>& preview;
+    const std::optional<EditReport>& preview;  ///< of the structure that is worked on
     std::shared_ptr<const Volume> labels;
     std::shared_ptr<const Mesh> making;  ///< a template being made, shown in place of the case's mesh; null: none
     std::shared_ptr<Outlines> outlines;  ///< shared with who points at them; null: none are kept
@@ -51,6 +51,7 @@ class SceneBuilder {
   /// What the colours depend on.
   struct ColouredBy {
     Colouring colouring = Colouring::vertex_hue;
+    Rgb own{};  ///< the structure's colour
     std::shared_ptr<const VertexScalars> response, stiffness, confirmed, outlier, confidence, z;
     std::shared_ptr<const Regions> regions;
     bool stopped = false;

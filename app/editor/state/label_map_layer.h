@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -18,5 +19,10 @@ struct LabelMapLayer {
   std::map<int, std::string> names;
   std::shared_ptr<const std::map<int, Rgb>> colours;  ///< that the map gives; null where it gives none
 };
+
+/// The frame of a label map that stands for one of the case: the same, or its last where it has fewer.
+inline int frame_of_map(const Volume& labels, int frame) {
+  return std::min(frame, labels.frames - 1);
+}
 
 }  // namespace homolog

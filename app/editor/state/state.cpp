@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <numbers>
 #include <tuple>
 
@@ -34,7 +33,7 @@ void begin_on_structure(EditorState& state, const Document& document) {
   state.hand.template_landmark.clear();
   state.hand.renaming.reset();
   state.found = {};
-  state.found.intersecting_at_rest = std::numeric_limits<std::size_t>::max();  // not known yet
+  state.scoring.z.reset();
   const auto shown = active_shape(state, document);
   if (!shown) return;
   state.hand.landmark = next_unplaced_landmark(*shown);
@@ -198,11 +197,12 @@ std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document&
 
 void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image) {
   state.pointer.drag.reset();
+  state.pointer.held_click.reset();
   state.hand.ruler.reset();
   state.hand.panel_edit.reset();
   state.said_in.reset();
-  state.found.intersecting_before.reset();
-  state.found.intersecting_at_rest = std::numeric_limits<std::size_t>::max();  // not known yet
+  state.found = {};
+  state.scoring.z.reset();
   state.hand.renaming.reset();
   state.look.shown_frame.reset();
   state.look.playing = false;
@@ -213,7 +213,6 @@ void show_document(EditorState& state, const Document& document, const Layout& l
   state.look.structures = {};
   state.look.hidden_contours.clear();
   state.automatic.offered = {};
-  state.found.fitted_contours.reset();
   follow_structures(state, document);
   if (const auto shown = active_shape(state, document)) {
     state.look.crosshair_mm = bounds_of(*shown->shape.points).center();
@@ -315,6 +314,7 @@ void look_at_step(EditorState& state) {
 }
 
 void look_closely(EditorState& state, const Mesh& mesh, std::int32_t vertex) {
+  if (vertex < 0 || vertex >= mesh.points.rows()) return;
   const double near_mm = 1.2 * bounds_of(mesh.points).diagonal().norm();
   const Vec3 at = mesh.points.row(vertex);
   state.look.crosshair_mm = state.look.camera.target = at;

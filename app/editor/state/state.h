@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -276,7 +277,8 @@ struct Found {
   std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
   std::vector<Finding> unclear_edges;               ///< of `confidence`
   std::optional<ShownFinding> finding;              ///< that is looked at
-  std::size_t intersecting_at_rest = 0;             ///< pairs of faces, before a drag
+  static constexpr auto not_known = std::numeric_limits<std::size_t>::max();
+  std::size_t intersecting_at_rest = not_known;  ///< pairs of faces, before a drag
   /// How many there were before an edit took the surface through itself; none where there are no more than that.
   std::optional<std::size_t> intersecting_before;
 };

@@ -76,4 +76,8 @@ std::vector<std::string> rows_with(const StructureLooks& looks, const std::strin
   return {looks.chosen.begin(), looks.chosen.end()};
 }
 
+void begin_looks(StructureLooks& looks, const std::string& id) {
+  for (auto* ids : {&looks.hidden, &looks.locked, &looks.chosen}) ids->erase(id);
+}
+
 }  // namespace homolog

@@ -82,7 +82,9 @@ void CommandLog::was_given(const Command& command) {
 
 void CommandLog::add(std::string line) {
   if (file_.is_open()) write(line);
+  constexpr std::size_t most_lines = 10000;
   lines_.push_back(std::move(line));
+  if (lines_.size() > most_lines) lines_.pop_front();
 }
 
 void CommandLog::write(const std::string& line) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -31,7 +32,8 @@ class CommandLog {
   /// One that is logged when it is done, and is done now.
   void is_done(const Command& command) { add(log_line(command)); }
 
-  const std::vector<std::string>& lines() const { return lines_; }
+  /// The latest; of a long session no more than 10,000.
+  const std::deque<std::string>& lines() const { return lines_; }
   /// Why the file does not get the lines any more, once; empty while it does.
   std::string take_fault() { return std::exchange(fault_, {}); }
 
@@ -39,7 +41,7 @@ class CommandLog {
   void add(std::string line);
   void write(const std::string& line);
 
-  std::vector<std::string> lines_;
+  std::deque<std::string> lines_;
   std::filesystem::path path_;
   std::ofstream file_;
   std::string fault_;

@@ -61,6 +61,7 @@ Refusals ShownCase::start(EditSession session) {
   loaded_template_ = first != nullptr ? first->the_template : nullptr;
   session_ = std::make_unique<SessionThread>(std::move(session), wake_);
   ++number_;
+  mesh_.forget();
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
   if (displayed_->scan.image != volume_before)
@@ -83,6 +84,12 @@ std::string ShownLabels::label_name(int label) const {
   const auto found = names.find(label);
   const std::string number = std::to_string(label);
   return found == names.end() ? "Label " + number : excerpt(found->second) + " (" + number + ")";
+}
+
+std::string ShownLabels::refusal_at(int of_frame) const {
+  if (is_of(of_frame)) return {};
+  return "The label map belongs to frame " + std::to_string(*frame) +
+         ". Go there, or say that it is of this frame (Case).";
 }
 
 void ShownCase::show_labels(ShownLabels labels) {
@@ -118,6 +125,8 @@ bool ShownCase::update_snapshot(EditorState& state) {
   const bool changed = latest != snapshot_;
   const bool renamed = latest->file != snapshot_->file;
   let_go_of_regions(state, *snapshot_->document, *latest->document);
+  const bool travelled = latest->document != snapshot_->document && latest->steps_made == snapshot_->steps_made &&
+                         (latest->can_redo || snapshot_->can_redo);
   if (latest->jobs_done != snapshot_->jobs_done || latest->message != snapshot_->message)
     state.said_in = situation_of(state, *latest->shown);
   snapshot_ = latest;
@@ -130,12 +139,19 @@ bool ShownCase::update_snapshot(EditorState& state) {
   if (!changed && displayed_->frame == frame) return false;
   const auto before = displayed_;
   displayed_ = at_frame(snapshot_->shown, frame);
-  // A structure that was taken away is worked on no more.
+  if (travelled || before->frame != frame) {
+    // What undo or another frame shows is no edit's doing.
+    state.found.intersecting_at_rest = Found::not_known;
+    state.found.intersecting_before.reset();
+  }
   const Structure* worked_on = active_structure(state, *before);
   const bool is_gone = worked_on != nullptr && displayed_->structure(worked_on->id) == nullptr;
-  if (is_gone) {
+  if (is_gone || (worked_on == nullptr && !displayed_->structures.empty())) {
+    // A structure that was taken away is worked on no more; the first ones that come are.
     state.look.structure.clear();
     begin_on_structure(state, *displayed_);
+  } else if (worked_on != nullptr && active_structure(state, *displayed_)->id != worked_on->id) {
+    state.look.structure = worked_on->id;  // another one is the first now
   }
   if (before->structures.size() != displayed_->structures.size()) follow_structures(state, *displayed_);
   follow_contours(state, *displayed_);

@@ -31,6 +31,9 @@ struct ShownLabels : LabelMapLayer {
     for (const LabelMapLayer& one : layers) count += one.values.size();
     return count;
   }
+  bool is_of(int of_frame) const { return !frame || *frame == of_frame; }
+  /// Why nothing is fitted to it at a frame of the case; empty where something may be.
+  std::string refusal_at(int of_frame) const;
   /// "Label 3", or "kidney_left (3)" where it has a name.
   std::string label_name(int label) const;
 };
@@ -96,7 +99,7 @@ class ShownCase {
   }
   /// The map where it belongs to the frame that is shown, else null.
   std::shared_ptr<const Volume> labels_here() const {
-    return labels_.frame && *labels_.frame != displayed_->frame ? nullptr : labels_.volume;
+    return labels_.is_of(displayed_->frame) ? labels_.volume : nullptr;
   }
 
  private:

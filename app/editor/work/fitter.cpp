@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "app/editor/state/label_map_layer.h"
 #include "app/editor/work/models/model_help.h"
 #include "core/adapt/choose_closing.h"
 #include "core/adapt/judge_fit.h"
@@ -88,7 +89,7 @@ int label_at_mesh(const Volume& labels, int frame, const Points& points) {
       inside = inside && voxel[axis] >= 0 && voxel[axis] < dims[static_cast<std::size_t>(axis)];
     if (!inside) continue;
     const int value = rounded_label(labels.at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()),
-                                              static_cast<int>(voxel.z()), std::min(frame, labels.frames - 1)));
+                                              static_cast<int>(voxel.z()), frame_of_map(labels, frame)));
     if (value != 0) ++votes[value];
   }
   int best = 0, most = 0;
@@ -104,7 +105,7 @@ Result<Fitted> fit_to_labels(const ShapeView& shown, const NamedLabels& labels, 
   if (!allowed) return fail(allowed.error());
   options.allowed = *allowed;
   options.partial = settings.partial;
-  const int frame = std::min(shown.frame, labels.volume->frames - 1);
+  const int frame = frame_of_map(*labels.volume, shown.frame);
   const int label = settings.all_labels ? every_label : settings.label;
   const double closing_mm = settings.closing_mm.value_or(
       closing_kept_with(the_template.source).value_or(usual_closing_mm(*labels.volume, label, frame)));

@@ -33,9 +33,15 @@ class ShapeMonitor {
   /// where the document has no mesh of it (or is null). The same document again changes nothing.
   void post(std::shared_ptr<const Document> document, std::string of = {}) {
     if (document == posted_ && of == of_) return;
+    const auto id_in = [](const auto& any, const std::string& id) {
+      const Structure* structure = any ? any->structure(id) : nullptr;
+      return structure != nullptr ? structure->id : std::string();
+    };
+    // Where the first one goes, the empty id is another one's.
+    const bool other = of != of_ || id_in(posted_, of_) != id_in(document, of);
     posted_ = document;
     const bool has_mesh = document && document->view(of);
-    if (!has_mesh || of != of_) forget();
+    if (!has_mesh || other) forget();
     of_ = std::move(of);
     if (has_mesh) next_ = std::move(document);
   }

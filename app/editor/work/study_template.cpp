@@ -37,24 +37,29 @@ void say_what_is_odd(const Cohort& cohort, std::vector<std::string>& warnings, P
         ": looks like a mirror image of most others; check its side, and take it off the study where it is");
 }
 
-/// A waiting case with another template, unmirrored as the label maps are; false where somebody worked on it.
+/// A waiting case with another template, on the side of its label map; false where somebody worked on it.
 Result<bool> begin_anew(const StudyCase& one, const std::shared_ptr<const Template>& the_template, Progress& progress) {
   std::optional<Document> fresh;
-  fs::path labels;
+  KeptWithCase kept;
   {
     auto read = open_case(one.file, &progress);
     if (!read) return fail(read.error());
     EditSession& session = read->session;
     if (was_worked_on(session) || session.can_redo()) return false;
-    labels = session.kept().labels;
+    kept = session.kept();
     const Document& before = session.document();
     fresh = new_document(before.scan.source, before.scan.image, the_template);
     fresh->hold_landmarks();
   }
   auto made = create_case(std::move(*fresh), one.file);
   if (!made) return fail(made.error());
-  if (!labels.empty())
-    if (auto named = name_labels(*made, labels); !named) return fail(named.error());
+  // The consensus is of the side that counts.
+  if (one.flipped)
+    if (auto mirrored = made->apply(MirrorTemplate{}); !mirrored) return fail(one.name, mirrored.error().what);
+  if (kept.window)
+    if (auto shown = made->apply(Note{"window", kept.window, {}}, true); !shown) return fail(shown.error());
+  if (!kept.labels.empty())
+    if (auto named = name_labels(*made, kept.labels); !named) return fail(named.error());
   return true;
 }
 

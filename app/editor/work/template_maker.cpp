@@ -127,6 +127,12 @@ bool TemplateMaker::update() {
     failed->error = done->error().sentence();
     now_ = std::move(failed);
   } else if ((**done)->mesh) {
+    if (!made_.empty() && !made_.back()->stages.empty()) {
+      // Of those before only what undo shows is kept.
+      auto last = std::make_shared<TemplateMaking>(*made_.back());
+      last->stages.erase(last->stages.begin(), last->stages.end() - 1);
+      made_.back() = std::move(last);
+    }
     made_.push_back(std::move(**done));
     now_.reset();
   } else {

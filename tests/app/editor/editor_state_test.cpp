@@ -26,6 +26,38 @@ TEST_CASE("a double click fills the window with a view and another brings the fo
   CHECK_FALSE(desk.state.look.maximised);
 }
 
+TEST_CASE("another structure and another case begin with nothing found") {
+  Desk desk;
+  const auto find = [&] {
+    desk.state.scoring.z = std::make_shared<const VertexScalars>(VertexScalars::Ones(3));
+    desk.state.found.last_fit.emplace();
+    desk.state.found.volume_curve.frames[0] = {};
+    desk.state.found.intersecting_at_rest = 4;
+    desk.state.pointer.held_click.emplace();
+  };
+  const auto nothing_is_known = [&] {
+    return desk.state.scoring.z == nullptr && !desk.state.found.last_fit &&
+           desk.state.found.volume_curve.frames.empty() && desk.state.found.intersecting_at_rest == Found::not_known;
+  };
+  find();
+  begin_on_structure(desk.state, desk.document);
+  CHECK(nothing_is_known());
+  find();
+  show_document(desk.state, desk.document, desk.layout);
+  CHECK(nothing_is_known());
+  CHECK_FALSE(desk.state.pointer.held_click);
+}
+
+TEST_CASE("a finding of a mesh that is gone is not looked at") {
+  EditorState state;
+  const Mesh ball = icosphere(1, 20);
+  const Vec3 before = state.look.crosshair_mm;
+  look_closely(state, ball, static_cast<std::int32_t>(ball.points.rows()));
+  CHECK(state.look.crosshair_mm == before);
+  look_closely(state, ball, 0);
+  CHECK(state.look.crosshair_mm == Vec3(ball.points.row(0)));
+}
+
 TEST_CASE("edits that are refused between two frames are told though the last one was done") {
   EditorState state;
   ShownCase shown([] {});

@@ -1,9 +1,11 @@
 #include "app/editor/state/figures/findings.h"
 
 #include "app/editor/state/figures/quality.h"
+#include "app/editor/work/shape_monitor.h"
 #include "core/measure/compare.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"
+#include "tests/ball.h"
 #include "tests/desk.h"
 
 namespace homolog {
@@ -39,6 +41,28 @@ TEST_CASE("findings apart are told apart and the thinnest triangle comes first")
   REQUIRE(found.size() == 2);
   CHECK((ball.points.row(found[0].vertex) - ball.points.row(far)).norm() < 5);
   CHECK((ball.points.row(found[1].vertex) - ball.points.row(near)).norm() < 5);
+}
+
+TEST_CASE("the figures of a first structure that is gone are forgotten") {
+  ShapeMonitor<Eigen::Index> monitor(
+      [] {}, "The vertices",
+      [](const Document& document, const std::string& of) { return document.view(of)->shape.points->rows(); });
+  Document document = ball_document(20, 1);
+  Structure second = *ball_document(20, 2).structure();
+  second.id = "s2";
+  document.structures.push_back(std::make_shared<const Structure>(std::move(second)));
+  monitor.post(std::make_shared<const Document>(document));
+  monitor.finish();
+  REQUIRE(monitor.latest());
+  CHECK(*monitor.latest() == 42);
+  monitor.post(std::make_shared<const Document>(document));  // of the same structure they stay until there are new ones
+  CHECK(monitor.latest());
+  document.structures.erase(document.structures.begin());
+  monitor.post(std::make_shared<const Document>(document));
+  CHECK_FALSE(monitor.latest());
+  monitor.finish();
+  REQUIRE(monitor.latest());
+  CHECK(*monitor.latest() == 162);
 }
 
 TEST_CASE("vertices without a clear edge are grouped and large groups come first") {

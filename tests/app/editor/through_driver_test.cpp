@@ -91,6 +91,29 @@ TEST_CASE("a wall that was left beyond the opposite one is said after the pull u
   driver.app().send(ApplyEdit{Undo{}});
   driver.settle();
   CHECK_FALSE(driver.shows(said));
+  driver.app().send(ApplyEdit{Redo{}});  // a person knows it by now
+  driver.settle();
+  CHECK_FALSE(driver.shows(said));
+}
+
+TEST_CASE("a frame whose surface passes through itself is no edit's doing") {
+  Document document = disc_document();
+  Points crossed = *document.view()->shape.points;
+  for (Eigen::Index v = 0; v < crossed.rows(); ++v)
+    if (crossed(v, 1) < 0 && std::hypot(crossed(v, 0), crossed(v, 2)) < 8) crossed(v, 1) += 22;
+  document.change({}, [&](Structure& disc) {
+    Shape shape = *disc.shape(0);
+    shape.points = std::make_shared<const Points>(crossed);
+    disc.set_shape(1, std::move(shape));
+  });
+  Driver driver(document, {1600, 1000, 1});
+  driver.settle();
+  driver.app().send(ShowFrame{1});
+  driver.settle();
+  CHECK(driver.document().frame == 1);
+  CHECK(driver.state().found.intersecting_at_rest > 0);
+  CHECK(driver.state().found.intersecting_at_rest != Found::not_known);
+  CHECK_FALSE(driver.shows("The surface passes through itself ("));
 }
 
 TEST_CASE("what is said of a pull stays within its view where the pointer is at its edge") {

@@ -82,11 +82,11 @@ std::vector<Finding> findings_of(FindingKind kind, const Mesh& mesh, const std::
       for (const std::int32_t v : triangles.row(face)) groups.join(triangles(face, 0), v);
     }
   }
+  std::map<std::int32_t, std::vector<std::int32_t>> faces_of;
+  for (const std::int32_t face : faces) faces_of[groups.first_of(triangles(face, 0))].push_back(face);
   std::vector<Finding> findings;
   for (const auto& [first, group] : groups.all()) {
-    Finding finding{kind, middle_of(mesh.points, group), {}, 0};
-    for (const std::int32_t face : faces)
-      if (groups.first_of(triangles(face, 0)) == first) finding.faces.push_back(face);
+    Finding finding{kind, middle_of(mesh.points, group), std::move(faces_of[first]), 0};
     finding.count = finding.faces.size();
     findings.push_back(std::move(finding));
   }

@@ -95,6 +95,8 @@ void StartFit::run(Editing& editing) const {
   if (editing.refuses_edits()) return;
   const auto& labels = editing.shown.labels();
   if (!labels.volume || !editing.shape()) return;
+  if (const std::string other = labels.refusal_at(editing.shown.document().frame); !other.empty())
+    return add_notice(editing.state, other, false);
   stop_playing(editing);
   FitSettings chosen = settings;
   if (chosen.label == 0 && !labels.values.empty()) chosen.label = labels.values.front();
@@ -157,6 +159,7 @@ void BlendModel::run(Editing& editing) const {
 }
 
 void CompleteByModel::run(Editing& editing) const {
+  if (active_is_locked(editing.state, editing.shown.document())) return;
   if (auto complete = editing.work.model_help.completion(editing.state.automatic.model_help))
     editing.shown.session().apply_computed(std::move(complete), true, editing.state.look.structure);
 }

@@ -1,6 +1,5 @@
 #include "app/editor/update/commands/export_commands.h"
 
-#include <map>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -36,7 +35,7 @@ Document as_done(const Editing& editing) {
 }
 
 void no_mesh_to_export(Editing& editing) {
-  add_notice(editing.state, "This frame has no mesh yet. Start from previous (Cine) copies one.", false);
+  add_notice(editing.state, why_no_mesh(editing.state, as_done(editing)), false);
 }
 
 /// What a mesh file does not keep that a shape model needs; empty where it keeps all.
@@ -146,12 +145,13 @@ void ExportStructuresMap::run(Editing& editing) const {
 void ExportStructuresMeshes::run(Editing& editing) const {
   const Document document = as_done(editing);
   std::vector<std::pair<std::string, MeshFile>> files;
-  std::map<std::string, int> taken;
+  std::set<std::string> taken;
   for (const auto& one : document.structures) {
     const Shape* shape = one->shape(document.frame);
     if (shape == nullptr) continue;
-    std::string name = file_name_of_structure(structure_name(*one));
-    if (const int number = ++taken[lower_case(name)]; number > 1) name += "-" + std::to_string(number);
+    const std::string own = file_name_of_structure(structure_name(*one));
+    std::string name = own;
+    for (int again = 2; !taken.insert(lower_case(name)).second; ++again) name = own + "-" + std::to_string(again);
     files.emplace_back(name + ".ply", to_mesh_file({*one, *shape, document.frame}, document.scan.frames() > 1));
   }
   if (files.empty()) return no_mesh_to_export(editing);

@@ -120,7 +120,11 @@ void ShowLabelsLayer::spell(Fields& line) {
   line.member("layer", layer);
 }
 void ShowLabelsLayer::run(Editing& editing) const {
+  if (layer == editing.shown.labels().layer) return;
   editing.shown.show_labels_layer(layer);
+  // The same value is another label there.
+  editing.state.look.hidden_labels.reset();
+  editing.state.automatic.fit_settings.label = 0;
 }
 
 void SetLabelsFrame::spell(Fields& line) {
@@ -165,7 +169,7 @@ void SaveCaseAs::run(Editing& editing) const {
 }
 
 void ImportLandmarks::run(Editing& editing) const {
-  import_landmarks(editing, path);
+  if (!lacks_template(editing)) import_landmarks(editing, path);
 }
 
 void OpenFitModel::run(Editing& editing) const {

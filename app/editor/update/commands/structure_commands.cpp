@@ -192,4 +192,16 @@ void CancelSetFit::run(Editing& editing) const {
   editing.work.set_fitter.cancel();
 }
 
+void FilterStructures::spell(Fields& line) {
+  line.member("text", text);
+}
+void FilterStructures::run(Editing& editing) const {
+  StructureLooks& looks = editing.state.look.structures;
+  looks.filter = text;
+  const auto listed = listed_structures(looks, editing.shown.document());
+  std::erase_if(looks.chosen, [&](const std::string& id) {
+    return std::ranges::none_of(listed, [&](const Structure* one) { return one->id == id; });
+  });
+}
+
 }  // namespace homolog

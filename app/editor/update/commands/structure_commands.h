@@ -114,8 +114,13 @@ struct CancelSetFit {
   static constexpr Logged logged = Logged::never;  ///< a fit that was given up is not logged either
   void run(Editing& editing) const;
 };
-using FilterStructures =
-    Setting<"filter structures", "text", &EditorState::look, &Look::structures, &StructureLooks::filter>;
+/// What the list does not show any more is chosen no more either.
+struct FilterStructures {
+  static constexpr const char* key = "filter structures";
+  std::string text;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
 using SortStructures =
     Setting<"sort structures", "worst_first", &EditorState::look, &Look::structures, &StructureLooks::worst_first>;
 using KeepApartAfterStrokes =

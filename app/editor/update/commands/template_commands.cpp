@@ -1,7 +1,5 @@
 #include "app/editor/update/commands/template_commands.h"
 
-#include <algorithm>
-
 #include "app/editor/update/commands/looks/setting.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
@@ -28,7 +26,7 @@ void MakeTemplate::run(Editing& editing) const {
   TemplateSettings chosen = settings;
   if (chosen.label == 0 && !labels.values.empty()) chosen.label = labels.values.front();
   chosen.mask.label = chosen.tube_options.label = chosen.all_labels ? every_label : chosen.label;
-  chosen.mask.frame = chosen.tube_options.frame = std::min(editing.shown.document().frame, labels.volume->frames - 1);
+  chosen.mask.frame = chosen.tube_options.frame = frame_of_map(*labels.volume, editing.shown.document().frame);
   chosen.tube_options.outer_label = chosen.outer_label != 0 ? std::optional<int>(chosen.outer_label) : std::nullopt;
   if (axis) chosen.tube_options.base_and_apex = {axis->from, axis->to};
   state.look.shown_stage.reset();

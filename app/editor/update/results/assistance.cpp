@@ -19,6 +19,7 @@ Result<std::optional<Action>> without_help(const Document& document, const std::
 
 void take_fit(Editing& editing, Fitted fitted) {
   EditorState& state = editing.state;
+  if (editing.refuses_edits()) return editing.shown.session().preview(std::nullopt);  // it was locked meanwhile
   if (fitted.edit.by == by_refinement) {
     for (const std::string& remark : fitted.remarks) add_notice(state, remark, false);
     state.found.last_refinement = fitted;
@@ -113,6 +114,12 @@ void update_propagation(Editing& editing) {
   auto done = propagator.take();
   if (!done) return;
   if (!*done) return add_notice(editing.state, done->error().sentence());
+  std::erase_if(**done, [&](const auto& of) {
+    const Structure* structure = editing.shown.snapshot().document->structure(of.first);
+    return structure == nullptr || editing.state.look.structures.locks(structure->id);
+  });
+  if ((**done).empty())
+    return add_notice(editing.state, "Nothing was carried: what was to go through the cine is locked by now.", false);
   editing.log.is_done(PropagateFrames{});
   std::size_t in_doubt = 0, carried = 0;
   bool joined = false;

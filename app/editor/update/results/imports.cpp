@@ -72,27 +72,31 @@ Result<void> write_template(const TemplateMaking& making, const std::filesystem:
   return write_mesh_file(file, path);
 }
 
-/// Reads a file beside the window with `read`, and hands what it gives to `take`, where the case is still the same.
+/// Reads a file beside the window with `read`, and hands what it gives to `take`, where the case is still the same, and
+/// the structure that is worked on is still `of`. Without `of` that may be another one by then.
 template <class Done, class Read, class Take>
-void read_for_case(Editing& editing, const Done& command, Read read, Take take) {
-  editing.work.imports.queue(
-      command.path.string(),
-      [command, read = std::move(read), take = std::move(take),
-       number = editing.shown.number()](Progress&) -> Result<Work::Then> {
-        auto got = read(command.path);
-        if (!got) return fail(got.error());
-        using Value = typename decltype(got)::value_type;
-        const auto value = std::make_shared<const Value>(std::move(*got));
-        return Work::Then([command, take, value, number](Editing& then) {
-          if (number != then.shown.number())
-            return add_notice(then.state,
-                              command.path.filename().string() +
-                                  " was not imported, because another case was opened meanwhile. Import it again.",
-                              false);
-          then.log.is_done(command);
-          take(then, *value);
-        });
-      });
+void read_for_case(Editing& editing, const Done& command, Read read, Take take,
+                   const std::optional<std::string>& of = {}) {
+  const std::uint64_t number = editing.shown.number();
+  auto reading = [command, number, of, read = std::move(read),
+                  take = std::move(take)](Progress&) -> Result<Work::Then> {
+    auto got = read(command.path);
+    if (!got) return fail(got.error());
+    using Value = typename decltype(got)::value_type;
+    const auto value = std::make_shared<const Value>(std::move(*got));
+    return Work::Then([command, number, of, take, value](Editing& then) {
+      const bool other_case = number != then.shown.number();
+      if (other_case || (of && (then.structure() == nullptr || then.structure()->id != *of)))
+        return add_notice(then.state,
+                          command.path.filename().string() + " was not imported, because another " +
+                              (other_case ? "case was opened" : "structure was chosen") +
+                              " meanwhile. Import it again.",
+                          false);
+      then.log.is_done(command);
+      take(then, *value);
+    });
+  };
+  editing.work.imports.queue(command.path.string(), std::move(reading));
 }
 
 /// Why contours cannot be of the image on the screen; empty where they can.
@@ -195,7 +199,8 @@ void import_landmarks(Editing& editing, const std::filesystem::path& path) {
                      name + ": " + std::to_string(read.size() - known.size()) + " of " + std::to_string(read.size()) +
                          " points left out: the template has no landmark with their name.",
                      false);
-      });
+      },
+      editing.structure()->id);
 }
 
 void open_fit_model(Editing& editing, const std::filesystem::path& path) {
@@ -225,7 +230,8 @@ void import_stiffness(Editing& editing, const std::filesystem::path& path) {
       editing, ImportStiffness{{path}}, [topology](const auto& file) { return stiffness_in(file, *topology); },
       [](Editing& then, const VertexScalars& factors) {
         then.apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(factors)});
-      });
+      },
+      editing.structure()->id);
 }
 
 void import_template_landmarks(Editing& editing, const std::filesystem::path& path) {
@@ -245,7 +251,8 @@ void import_template_landmarks(Editing& editing, const std::filesystem::path& pa
         if (!found.away.empty())
           add_notice(then.state, name + ": points too far from the template were left out: " + found.away +
                                      ". Check that they are in the template's own coordinates.");
-      });
+      },
+      editing.structure()->id);
 }
 
 void save_template(Editing& editing, const std::filesystem::path& path) {

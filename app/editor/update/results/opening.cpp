@@ -155,15 +155,35 @@ void start_with(Editing& editing, Opened opened) {
   if (!demo) meet_image(state, *editing.shown.snapshot().document);
 }
 
-/// What the case keeps of its last fit, and the frame of it, where that mesh is still as the fit left it.
-std::optional<std::pair<int, Fitted>> kept_fit(const Snapshot& snapshot) {
+/// A fit that the case keeps.
+struct KeptFit {
+  std::string structure;  ///< its id
+  int frame = 0;
+  Fitted fitted;
+};
+
+/// What the case keeps of its last fit, where that mesh is still as the fit left it.
+std::optional<KeptFit> kept_fit(const Snapshot& snapshot) {
   const auto& kept = snapshot.kept.fit;
-  const Structure* structure = snapshot.document->structure();
-  if (!kept || structure == nullptr) return std::nullopt;
-  const auto of = std::find_if(structure->shapes.begin(), structure->shapes.end(),
-                               [&](const auto& shape) { return mesh_hash(*shape.second->points) == kept->mesh; });
-  if (of == structure->shapes.end()) return std::nullopt;
-  return std::pair(of->first, fitted_of(*kept, of->second->points));
+  if (!kept) return std::nullopt;
+  for (const auto& structure : snapshot.document->structures)
+    for (const auto& [frame, shape] : structure->shapes)
+      if (mesh_hash(*shape->points) == kept->mesh)
+        return KeptFit{structure->id, frame, fitted_of(*kept, shape->points)};
+  return std::nullopt;
+}
+
+/// Whether two cases show the same image: a folder may hold several series.
+bool same_image(const Document* before, const Document& now) {
+  if (before == nullptr || !before->scan.image || !now.scan.image) return false;
+  return before->scan.source == now.scan.source && before->scan.image->series_uid == now.scan.image->series_uid;
+}
+
+/// A click that waits for a second one is of the case in which it was done, and so is its line in the log.
+void do_click_of_case(Editing& editing) {
+  Outbox now;
+  do_held_click(editing.state, editing.controls(), now);
+  for (const Command& command : now.take()) run(command, editing);
 }
 
 }  // namespace
@@ -180,7 +200,7 @@ void start_session(Editing& editing, EditSession session) {
   state.found.finding.reset();
   const Refusals refused = shown.start(std::move(session));
   const Document& document = shown.document();
-  show_document(state, document, editing.layout, !source_before.empty() && document.scan.source == source_before);
+  show_document(state, document, editing.layout, same_image(before.get(), document));
   if (std::filesystem::path(document.scan.source).parent_path() != folder_before) state.saving.saved_folder.clear();
   if (const auto& window = shown.snapshot().kept.window)
     std::tie(state.look.window_low, state.look.window_high) = std::pair((*window)[0], (*window)[1]);
@@ -224,6 +244,7 @@ void show_opened(Editing& editing, Opened opened) {
     editing.log.is_done(command);
     return show_labels(editing, opened);
   }
+  do_click_of_case(editing);
   const Snapshot& now = editing.shown.snapshot();
   if (has_unsaved_edits(now) && now.file.empty())
     return add_notice(state, "The open case could not be written to the disk. Save it before you open another.");
@@ -237,9 +258,10 @@ void show_opened(Editing& editing, Opened opened) {
     if (opened.the_template) editing.shown.adopt_template(std::move(opened.the_template));
     auto fitted = kept_fit(editing.shown.snapshot());
     // A map belongs to the frame that was fitted to it.
-    if (!opened.labels.empty()) show_labels(editing, opened, fitted ? std::optional(fitted->first) : std::nullopt);
-    state.found.last_fit.reset();
-    if (fitted) state.found.last_fit = std::move(fitted->second);
+    if (!opened.labels.empty()) show_labels(editing, opened, fitted ? std::optional(fitted->frame) : std::nullopt);
+    const Structure* active = editing.structure();
+    if (fitted && active != nullptr && active->id == fitted->structure)
+      state.found.last_fit = std::move(fitted->fitted);
   } else {
     start_with(editing, std::move(opened));
   }

@@ -94,8 +94,7 @@ bool update_label_surface(Editing& editing) {
     const Document& document = *editing.shown.snapshot().document;
     const int label =
         label_in_hand(state.automatic.fit_settings, labels.values, *labels.volume, active_shape(state, document));
-    const int frame = document.frame < labels.volume->frames ? document.frame : 0;
-    if (label != 0) wanted = LabelSurfaces::Wanted{labels.volume, label, frame};
+    if (label != 0) wanted = LabelSurfaces::Wanted{labels.volume, label, frame_of_map(*labels.volume, document.frame)};
   }
   surfaces.want(std::move(wanted));
   return surfaces.update();
@@ -221,6 +220,8 @@ bool take_results(Editing& editing, double seconds) {
   const Document& shown = editing.shown.document();
   if (const Structure* structure = editing.structure(); structure != nullptr && shown.scan.frames() > 1)
     state.found.volume_curve = volume_curve(shown, *structure, state.found.volume_curve);
+  else
+    state.found.volume_curve = {};
   editing.shown.keep_window(state);
   count_work(editing, steps_before, seconds);
   bool changed = take_written(editing);

@@ -40,7 +40,8 @@ void say_fitted(EditorState& state, const SetFitted& found, std::size_t locked) 
     said +=
         doubtful == 0 ? "; none is doubtful." : "; " + std::to_string(doubtful) + " to look at, on top of the list.";
   }
-  if (locked > 0) said += " " + count_of(locked, "locked one") + " stayed as it was.";
+  if (locked > 0)
+    said += " " + count_of(locked, "locked one") + (locked == 1 ? " stayed as it was." : " stayed as they were.");
   if (!failed.empty()) said += " Not fitted: " + failed + ".";
   add_notice(state, std::move(said), false);
 }
@@ -70,6 +71,10 @@ void take_set_fit(Editing& editing, const SetFitted& found) {
   EditorState& state = editing.state;
   const Document& document = *editing.shown.snapshot().document;
   auto steps = steps_of_fitted_set(document, *found.set, found.subject, found.fitted, found.found);
+  for (const EditStep& step : steps)
+    if (const auto* set = std::get_if<SetStructure>(&step.action);
+        set != nullptr && document.structure(set->id) == nullptr)
+      begin_looks(state.look.structures, set->id);
   std::size_t locked = 0;
   std::erase_if(steps, [&](const EditStep& step) {
     const bool stays = is_of(step, state.look.structures.locked);
@@ -112,7 +117,7 @@ std::string set_fit_refusal(const EditorState& state, const ShownCase& shown, co
   if (names_in_map(state.automatic.set->set, shown.labels()).empty())
     return "The label map has no label of this set. Choose another set, or rename the labels.";
   if (state.look.playing) return "Stop the cine first.";
-  return {};
+  return shown.labels().refusal_at(shown.document().frame);
 }
 
 void start_set_fit(Editing& editing, bool repair) {
@@ -144,6 +149,7 @@ bool update_set_fit(Editing& editing) {
     editing.state.wanted_section = structures_section;
     ++editing.state.section_wanted;
   }
+  if (!fitter.busy() && !editing.shown.at_rest()) return false;  // an edit on its way may take the next ids
   auto done = fitter.take();
   if (!done) return fitter.busy();
   if (!*done)

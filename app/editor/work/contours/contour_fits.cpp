@@ -4,6 +4,7 @@
 #include <mutex>
 #include <utility>
 
+#include "app/editor/state/label_map_layer.h"
 #include "app/editor/work/snaps.h"
 #include "core/adapt/choose_closing.h"
 #include "core/base/guarded.h"
@@ -16,7 +17,7 @@ namespace {
 /// The boundary of the label in hand.
 Result<std::shared_ptr<const Boundary>> boundary_of(const ShapeView& shown, const ContourFitJob& job) {
   const Template& the_template = shown.the_template();
-  const int frame = std::min(shown.frame, job.labels->frames - 1);
+  const int frame = frame_of_map(*job.labels, shown.frame);
   const int label = job.fit.all_labels ? every_label : job.fit.label;
   const double closing_mm = job.fit.closing_mm.value_or(
       closing_kept_with(the_template.source).value_or(usual_closing_mm(*job.labels, label, frame)));

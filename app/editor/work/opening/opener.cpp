@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <set>
 #include <utility>
 
 #include "app/editor/state/files/file_browser.h"
@@ -54,13 +55,16 @@ Error second_image(const std::string& path, const std::string& why) {
                     "Template → Open a label map…"};
 }
 
-/// `layer`: among several; none of a map that has one.
-LabelMapLayer layer_of(Volume labels, const Segmentation& known, std::optional<std::size_t> layer) {
+/// `layer`: which it is of the map's; what is `known` of a map of one layer is of that one.
+LabelMapLayer layer_of(Volume labels, const Segmentation& known, bool one_of_several, std::size_t layer) {
   LabelMapLayer taken;
   std::map<int, Rgb> colours;
-  for (const auto& [value, voxels] : labels_of(labels)) {
+  std::set<int> values;  // of any frame: a cine's labels may come later
+  for (int frame = 0; frame < labels.frames; ++frame)
+    for (const auto& [value, voxels] : labels_of(labels, frame)) values.insert(value);
+  for (const int value : values) {
     taken.values.push_back(value);
-    const Segment* segment = layer ? known.find(value, *layer) : known.find(value);
+    const Segment* segment = one_of_several ? known.find(value, layer) : known.find(value);
     if (segment == nullptr) continue;
     if (!segment->name.empty()) taken.names[value] = segment->name;
     if (!segment->colour) continue;
@@ -68,7 +72,8 @@ LabelMapLayer layer_of(Volume labels, const Segmentation& known, std::optional<s
   }
   if (!colours.empty()) taken.colours = std::make_shared<const std::map<int, Rgb>>(std::move(colours));
   constexpr std::size_t most_sized = 256;  // a grey image has thousands of values, and no sizes that anybody wants
-  if (taken.values.size() <= most_sized) taken.sizes_mm = label_sizes_mm(labels, 0);
+  for (int frame = 0; frame < labels.frames && taken.values.size() <= most_sized; ++frame)
+    taken.sizes_mm.merge(label_sizes_mm(labels, frame));
   taken.volume = std::make_shared<const Volume>(std::move(labels));
   return taken;
 }
@@ -76,8 +81,7 @@ LabelMapLayer layer_of(Volume labels, const Segmentation& known, std::optional<s
 void take_labels(Opened& opened, VolumeRead read) {
   const bool has_layers = !read.other_layers.empty();
   const auto take = [&](Volume& labels) {
-    const std::optional<std::size_t> layer = has_layers ? std::optional(opened.labels.size()) : std::nullopt;
-    opened.labels.push_back(layer_of(std::move(labels), read.segmentation, layer));
+    opened.labels.push_back(layer_of(std::move(labels), read.segmentation, has_layers, opened.labels.size()));
   };
   opened.labels.clear();
   take(read.volume);

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "app/lab/experiment.h"
 #include "app/verbs/case_landmarks.h"
 #include "core/base/files.h"
+#include "core/base/listed.h"
 #include "core/experiment/corrupt_labels.h"
 #include "core/phantom/noise.h"
 #include "core/volume/read_labels.h"
@@ -77,10 +79,14 @@ void add_lab_corrupt(CLI::App& app, CommandLine& asked) {
   auto job = std::make_shared<CorruptJob>();
   CLI::App* verb = add_verb(app, "corrupt", "Label maps with one thing wrong each, and a list of what it is");
   verb->add_option("MAP", job->maps, "Label maps of several structures that are right")->required();
-  verb->add_option("--kinds", job->kinds, "Which defects, by name; without it all")
+  // Those that can be made: "other" is what repair says of the rest.
+  const std::vector<std::string> known(defect_names.begin(), defect_names.end() - 1);
+  verb->add_option("--kinds", job->kinds, "Which defects, by name: " + listed(known, ", ") + "; without it all")
       ->delimiter(',')
-      ->check([](const std::string& name) {
-        return defect_of_name(name) ? std::string() : name + " is no kind of defect";
+      ->check([known](const std::string& name) {
+        return std::ranges::find(known, name) != known.end()
+                   ? std::string()
+                   : name + " is no kind of defect; use " + listed(known, ", ");
       });
   verb->add_option("--count", job->count, "How many of each map")->check(CLI::Range(1, 10000))->capture_default_str();
   verb->add_option("--seed", job->seed, "Of the choices")->capture_default_str();

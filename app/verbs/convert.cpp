@@ -7,7 +7,10 @@
 #include "app/verbs/model_part.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/record.h"
+#include "core/base/listed.h"
+#include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
+#include "core/mesh/formats/formats.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
@@ -117,16 +120,29 @@ Result<VolumeRead> read_on_image(const fs::path& in, VolumeReadOptions reading, 
   return map;
 }
 
+/// What a mesh has that the format of its new name keeps no place for; empty: nothing.
+std::string lost_in(const MeshFile& mesh, const fs::path& out) {
+  const MeshFormat* format = mesh_format_of(out);
+  if (format == nullptr || format->keeps_template) return {};
+  std::vector<std::string> lost;
+  if (!mesh.landmarks.empty()) lost.emplace_back("landmarks");
+  if (!mesh.regions.list.empty()) lost.emplace_back("names of regions");
+  if (lost.empty()) return {};
+  return out.string() + ": keeps no " + listed(lost, " and no ") + ", which stay in the mesh that was read; use " +
+         listed(mesh_format_extensions(&MeshFormat::keeps_template), " or ") + " to keep them";
+}
+
 /// Reads a mesh, changes it, and writes it once it is known to be one that can be read again.
 Result<Report> describe_and_write(const fs::path& in, const fs::path& out, const std::string& record,
                                   const std::function<MeshFile(MeshFile)>& change) {
-  auto mesh = read_mesh_file(in);
+  auto mesh = load_mesh(in.string());
   if (!mesh) return fail(mesh.error());
   MeshFile changed = change(std::move(*mesh));
   changed.record = record;
   auto report = describe(changed, in);
   if (!report) return report;
   if (auto written = write_mesh_file(changed, out); !written) return fail(written.error());
+  if (auto lost = lost_in(changed, out); !lost.empty()) report->warnings.push_back(std::move(lost));
   return report;
 }
 
@@ -147,8 +163,10 @@ void add_convert(CLI::App& app, CommandLine& asked) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "convert", "Any readable volume or mesh to any writable format");
-  verb->add_option("IN", options->in,
-                   "A volume or mesh, contours (RTSTRUCT), or a model (.h5, .h5.json), whose mean becomes a mesh")
+  verb->add_option(
+          "IN", options->in,
+          "A volume, mesh or built-in template, contours (RTSTRUCT), or a model (.h5, .h5.json), whose mean becomes "
+          "a mesh")
       ->required();
   verb->add_option("OUT", options->out, "The file to write; its extension chooses the format")->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
@@ -183,9 +201,10 @@ void add_convert(CLI::App& app, CommandLine& asked) {
                               *record);
     if (structure->count() + sample->count() > 0)
       return fail(options->in.string(), "is no model, so --structure and --sample have no effect; leave them out");
-    if (!options->like.empty() && is_mesh_name(options->in))
+    const bool is_mesh = is_mesh_name(options->in) || is_built_in(options->in.string());
+    if (!options->like.empty() && is_mesh)
       return fail(options->in.string(), "is a mesh, so that --like has no effect; label-map makes voxels of it");
-    if (is_mesh_name(options->in) != is_mesh_name(options->out)) {
+    if (is_mesh != is_mesh_name(options->out)) {
       return fail(options->out.string(),
                   "is not of the same kind as " + options->in.string() +
                       "; use label-map to make a volume of a mesh, and template to make a mesh of a volume");
@@ -193,7 +212,7 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     auto warnings = check_reading(options->in, options->series, !options->spacing_mm.empty(),
                                   options->resample && options->like.empty());
     if (!warnings) return fail(warnings.error());
-    if (is_mesh_name(options->in)) {
+    if (is_mesh) {
       const Vec3 times = options->times * (options->from_ras ? Vec3(-1, -1, 1) : Vec3(1, 1, 1));
       return describe_and_write(options->in, options->out, *record, [times](MeshFile mesh) {
         if (times == Vec3(1, 1, 1)) return mesh;
@@ -238,7 +257,7 @@ void add_mirror(CLI::App& app, CommandLine& asked) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "mirror", "The template of the other side, with the same numbering");
-  verb->add_option("TEMPLATE", options->in, "A template or mesh")->required();
+  verb->add_option("TEMPLATE", options->in, "A template (built-in too) or mesh")->required();
   keeps_correspondence(verb->add_option("-o,--output", options->out, "The file to write")->required());
   verb->add_option("--plane", options->plane, "Plane to mirror across")
       ->check(CLI::IsMember({"sagittal", "coronal", "axial"}));
@@ -316,7 +335,7 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
   verb->add_option("MESH", options->mesh, "The mesh, or a case: all its structures, by name")->required();
   verb->add_option("--like", options->like, "The volume whose grid to use")->required();
   verb->add_option("-o,--output", options->out,
-                   "The label map to write (.nii.gz, .nrrd, .mha; .dcm: a DICOM segmentation of the series)")
+                   "The label map to write (.nii.gz, .nrrd, .seg.nrrd, .mha; .dcm: a DICOM segmentation of the series)")
       ->required();
   auto* value = verb->add_option("--value", options->value, "Label of the voxels inside; of a mesh alone")
                     ->check(CLI::Range(1, 32767));

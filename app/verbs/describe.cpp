@@ -5,6 +5,7 @@
 #include "app/verbs/read_image.h"
 #include "app/verbs/training.h"
 #include "core/base/colour.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/inside_out.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
@@ -211,9 +212,10 @@ Json describe(const Volume& volume) {
 
 namespace {
 
-/// The labels of a layer's first frame. `layer`: empty where the volume holds all layers.
-void describe_labels(const Volume& map, const Segmentation& known, std::optional<std::size_t> layer, Json& labels) {
-  for (const auto& [value, voxels] : labels_of(map)) {
+/// The labels of a layer's frame. `layer`: empty where the volume holds all layers.
+void describe_labels(const Volume& map, const Segmentation& known, std::optional<std::size_t> layer, int frame,
+                     Json& labels) {
+  for (const auto& [value, voxels] : labels_of(map, frame)) {
     const Segment* segment = layer ? known.find(value, *layer) : known.find(value);
     const bool named = segment != nullptr && !segment->name.empty(), coloured = segment != nullptr && segment->colour;
     labels.push_back({{"value", value},
@@ -258,7 +260,15 @@ Result<Report> describe_contours(const std::filesystem::path& path) {
 
 }  // namespace
 
-Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options) {
+Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options,
+                             std::optional<int> frame) {
+  const bool no_volume = is_built_in(path.string()) || is_case_file(path) || is_model_name(path) ||
+                         is_mesh_name(path) || is_landmark_name(path) || holds_contours(path);
+  if (frame && no_volume) return fail(path.string(), "is no label map, so --frame has no effect; leave it out");
+  if (is_built_in(path.string())) {
+    const auto mesh = load_mesh(path.string());
+    return mesh ? describe(*mesh, path) : fail(mesh.error());
+  }
   if (is_case_file(path)) return describe_case(path, options.progress);
   if (is_model_name(path)) return describe_model(path);
   if (is_mesh_name(path)) return describe_surface(path);
@@ -277,11 +287,16 @@ Result<Report> describe_file(const std::filesystem::path& path, const VolumeRead
   report_resampled(*read, report.values);
   if (!read->other_layers.empty()) report.values["layers"] = read->other_layers.size() + 1;
   const Segmentation& known = read->segmentation;
-  if (!known.segments.empty() || holds_labels(read->volume)) {
+  const bool is_map = !known.segments.empty() || holds_labels(read->volume);
+  if (frame && !is_map) return fail(path.string(), "is no label map, so --frame has no effect; leave it out");
+  if (frame && *frame >= read->volume.frames)
+    return fail(path.string(),
+                "has " + std::to_string(read->volume.frames) + " frames, counted from 0; choose --frame among them");
+  if (is_map) {
     const auto& others = read->other_layers;
     Json labels = Json::array();
-    describe_labels(read->volume, known, others.empty() ? std::optional<std::size_t>() : 0, labels);
-    for (std::size_t k = 0; k < others.size(); ++k) describe_labels(others[k], known, k + 1, labels);
+    describe_labels(read->volume, known, others.empty() ? std::optional<std::size_t>() : 0, frame.value_or(0), labels);
+    for (std::size_t k = 0; k < others.size(); ++k) describe_labels(others[k], known, k + 1, frame.value_or(0), labels);
     if (read->volume.modality == "SEG") describe_empty_segments(known, labels);
     report.values["labels"] = std::move(labels);
   }

@@ -16,7 +16,8 @@ Json describe(const Volume& volume);
 /// With its stiffness, landmarks and warnings. Errors: faces that are no manifold surface; `path` is named.
 Result<Report> describe(const MeshFile& file, const std::filesystem::path& path);
 /// Reads and describes whatever the file is. Errors: the reader's.
-Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options);
+Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options,
+                             std::optional<int> frame = {});
 
 /// Warnings that each begin with the name of the file they are about.
 std::vector<std::string> about(const std::filesystem::path& path, std::vector<std::string> warnings);

@@ -3,6 +3,7 @@
 
 #include "app/verbs/describe.h"
 #include "app/verbs/read_image.h"
+#include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_frame.h"
@@ -48,24 +49,26 @@ void add_info(CLI::App& app, CommandLine& asked) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "info", "What a volume, mesh, template, case or model is");
-  verb->add_option("FILE", options->file, "A volume (or DICOM folder), mesh, template, case or model")->required();
+  verb->add_option("FILE", options->file, "A volume (or DICOM folder), mesh, template (built-in too), case or model")
+      ->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
   add_spacing_option(*verb, options->spacing_mm);
   add_resample_option(*verb, options->resample);
   auto* mask_option = verb->add_option("--mask", options->mask, "A label map: also measure the mesh's distance to it");
   add_label_option(*verb, options->label, "Which label of the mask, by number or name; 1,2: both together")
       ->needs(mask_option);
-  add_mask_frame_option(*verb, options->frame)->needs(mask_option);
+  add_mask_frame_option(*verb, options->frame);
   add_level_option(*verb, options->level)->needs(mask_option);
   const auto info = [options](Progress& progress) -> Result<Report> {
     const auto warnings =
         check_reading(options->file, options->series, !options->spacing_mm.empty(), options->resample);
     if (!warnings) return fail(warnings.error());
     auto report =
-        describe_file(options->file, read_options(options->series, options->spacing_mm, progress, options->resample));
+        describe_file(options->file, read_options(options->series, options->spacing_mm, progress, options->resample),
+                      options->mask.empty() ? options->frame : std::nullopt);
     if (report) report->warnings.insert(report->warnings.end(), warnings->begin(), warnings->end());
     if (!report || options->mask.empty()) return report;
-    const auto file = read_mesh_file(options->file);
+    const auto file = load_mesh(options->file.string());
     if (!file) return fail(file.error());
     const auto mesh = sound_mesh(*file);
     if (!mesh) return fail(options->file.string(), mesh.error().what);

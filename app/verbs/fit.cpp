@@ -199,6 +199,7 @@ Result<Report> report_of_fits(const FitJob& options, ManyFits& fits) {
     const Result<Report>& result = fits.results[i];
     Json line{{"case", options.cases()[i].string()}};
     if (result) {
+      line["doubtful"] = result->values["doubtful"];  // in front, where a wide table shows it
       line["mesh"] = fits.outputs[i].string();
       line.update(result->values);
       report.warnings.insert(report.warnings.end(), result->warnings.begin(), result->warnings.end());
@@ -210,6 +211,7 @@ Result<Report> report_of_fits(const FitJob& options, ManyFits& fits) {
     }
     fits.rows.push_back(std::move(line));
   }
+  if (failed == 1 && fits.results.size() == 1) return fail(fits.results.front().error());
   if (failed == fits.results.size())
     return fail(options.out.string(), "none of the " + std::to_string(failed) + " cases could be fitted; the first: " +
                                           fits.results.front().error().sentence());
@@ -238,6 +240,13 @@ Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progr
     if (options.masks.empty())
       return fail("", "the folder holds images, and no label map; name a folder of label maps by --mask");
   }
+  std::error_code ignored;
+  for (const fs::path& path : options.cases())
+    if (fs::is_directory(path, ignored) && fs::is_empty(path, ignored))
+      return fail(path.string(), "is an empty folder; name one that holds label maps or surfaces");
+  // What else lies in a folder is no input. By way of others, a case alone stays one of a folder.
+  if (options.of_folder && (options.cases().size() > 1 || options.ways_by_others() == 0))
+    options.command = options.command.with(options.to_meshes() ? "--mesh" : "--mask", options.cases());
   auto fits = begin_fits(options);
   if (!fits) return fail(fits.error());
   const auto folder = ResultFolder::make(options.out);
@@ -379,7 +388,10 @@ void add_fit(CLI::App& app, CommandLine& asked) {
                    "Which label of the mask, where it holds several, by number or name; 1,2: both together")
       ->needs(mask);
   add_level_option(*verb, options->level)->needs(mask);
-  add_ball_option(*verb, "--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
+  add_ball_option(*verb, "--closing-mm", options->closing_mm, "")
+      ->description(
+          "Clefts narrower than twice this radius (mm) are filled; without it what the template keeps, else 0.00625 "
+          "of the organ's size, and wider where the fit is doubtful and that costs nothing")
       ->needs(mask);
   verb->add_option(
           "--parts", options->parts,

@@ -290,7 +290,7 @@ void add_view(CLI::App& verb, PictureVerb& options) {
                   "Where the 3D view looks from: anterior, posterior, left, right, superior, inferior or x,y,z")
       ->check([](const std::string& text) {
         const auto direction = direction_from_name(text);
-        return direction ? std::string() : direction.error().sentence();
+        return direction ? std::string() : "\"" + text + "\" " + direction.error().what;
       });
 }
 

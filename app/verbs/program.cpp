@@ -1,5 +1,6 @@
 #include "app/verbs/program.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <charconv>
@@ -155,8 +156,9 @@ std::string embedded(const unsigned char* bytes, std::size_t size) {
   return {reinterpret_cast<const char*>(bytes), size - 1};
 }
 
-/// What the parser says, without the largest number there is.
+/// What the parser says, without the largest number there is, and with the short name that documents use.
 std::string in_plain_words(const std::string& message) {
+  if (message == "--output is required") return "-o, --output is required";
   const std::string value = "Value ", range = " not in range 0.0";
   const std::size_t from = message.find(value), to = message.find(range);
   if (from == message.npos || to == message.npos || to < from || message.find("17976931348623157") == message.npos)
@@ -165,10 +167,28 @@ std::string in_plain_words(const std::string& message) {
          "\" is no number of 0 or more";
 }
 
+/// The words of a command line, where "help VERB" is another spelling of "VERB --help".
+std::vector<std::string> words_of(int argc, char** argv) {
+  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (!words.empty() && words.front() == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
+  return words;
+}
+
+/// Whether a word is a verb that the laboratory alone has; a line is printed then.
+bool is_verb_of_lab_alone(const std::string& word) {
+  std::error_code ignored;
+  if ((word != "corrupt" && word != "repairs") || std::filesystem::exists(word, ignored)) return false;
+  std::cerr << "homolog: \"" << word << "\" is a verb of homolog-lab; see homolog-lab " << word << " --help\n";
+  return true;
+}
+
 /// The command that prints the help of the verb that was given.
 std::string help_for(const CLI::App& app) {
   const std::string verb = full_name(*verb_given(app));
-  return "homolog " + (verb.empty() ? "" : verb + " ") + "--help";
+  return app.get_name() + " " + (verb.empty() ? "" : verb + " ") + "--help";
 }
 
 /// What the editor cannot open: a word that is no verb, or a file that is not there. A line is printed then, and the
@@ -197,7 +217,9 @@ std::optional<int> wrong_files(const CLI::App& app, const std::vector<std::files
 int run_program(int argc, char** argv, const Program& program) {
   keep_freed_memory();
   prepare_process();
-  CLI::App app(program.description, "homolog");
+  // The laboratory has verbs that homolog does not know, and is then called by its own name.
+  const bool by_own_name = program.edits == nullptr && argc > 0;
+  CLI::App app(program.description, by_own_name ? std::filesystem::path(argv[0]).filename().string() : "homolog");
   app.set_version_flag("--version",
                        std::string("homolog ") + version + "\n" + embedded(built_with_text, built_with_text_size),
                        "Print the version and what the program was built with");
@@ -233,8 +255,11 @@ int run_program(int argc, char** argv, const Program& program) {
   check_values(app);
   dress_help(app);
 
+  std::vector<std::string> words = words_of(argc, argv);
+  if (program.edits && !words.empty() && is_verb_of_lab_alone(words.front())) return wrong_command_line;
   try {
-    app.parse(argc, argv);
+    std::ranges::reverse(words);  // the parser takes them from the back
+    app.parse(std::move(words));
   } catch (const CLI::Success& help_or_version) {
     const int status = app.exit(help_or_version);
     return shown() ? status : refused;

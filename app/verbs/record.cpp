@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <mutex>
+#include <set>
 #include <sstream>
 
 #include "app/verbs/case_table.h"
@@ -112,10 +113,11 @@ Result<std::string> known_sum(const fs::path& path, std::uintmax_t bytes, Progre
 
 /// What has to be known of a command to tell its inputs.
 struct InputReader {
-  bool shapes_alone = false;  ///< a folder stands for the shapes in it
-  bool label_names = false;   ///< labels are chosen by names, which a file beside a label map may give
-  bool of_table = false;      ///< a table names files of cases
-  std::string row{};          ///< the case of such a table that counts; empty: all
+  bool shapes_alone = false;         ///< a folder stands for the shapes in it
+  bool label_names = false;          ///< labels are chosen by names, which a file beside a label map may give
+  bool of_table = false;             ///< a table names files of cases
+  std::string row{};                 ///< the case of such a table that counts; empty: all
+  std::set<std::string> of_cases{};  ///< of a folder's files those that are called as these cases; empty: all
   Progress* progress = nullptr;
 
   Result<Json> read(const fs::path& path, int depth = 0) const {
@@ -167,6 +169,7 @@ struct InputReader {
 
   bool counts(const fs::path& path) const {
     if (path.filename().string().starts_with('.') || is_record_file(path)) return false;
+    if (!of_cases.empty() && !of_cases.contains(file_stem(path))) return false;
     return !shapes_alone || keeps_numbers(path) || is_case_file(path);
   }
 
@@ -207,6 +210,21 @@ GivenCommand with_shapes_opened(const GivenCommand& command) {
     }
   }
   return command.with("SHAPE", shapes);
+}
+
+/// The cases of a fit, by whose names landmarks are found in a folder. Empty: a folder of cases is given.
+std::set<std::string> cases_of_fit(const GivenCommand& command) {
+  std::set<std::string> names;
+  if (command.verb != "fit") return names;
+  for (const GivenOption& option : command.options) {
+    if (option.name != "--mask" && option.name != "--mesh") continue;
+    for (const fs::path path : option.values) {
+      std::error_code none;
+      if (fs::is_directory(path, none)) return {};
+      names.insert(file_stem(path));
+    }
+  }
+  return names;
 }
 
 /// Whether labels are meant by their names: by --label or --labels, by those of a template set, or to be those of one.
@@ -319,7 +337,9 @@ Result<std::string> record_of(const GivenCommand& given, Progress& progress) {
   const std::string row = one_row != command.options.end() ? one_row->values.front() : std::string();
   Json options = Json::object();
   for (const GivenOption& option : command.options) {
-    const InputReader reader{of_shapes(option.name), of_names, option.name == "CSV|MASK", row, &progress};
+    InputReader reader{of_shapes(option.name), of_names, option.name == "CSV|MASK", row};
+    reader.progress = &progress;
+    if (option.name == "--landmarks") reader.of_cases = cases_of_fit(command);
     Json values = option.values.empty() ? Json(true) : Json::array();
     for (const std::string& value : option.values) {
       std::error_code none;

@@ -1,6 +1,7 @@
 #include "app/verbs/set_edit.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 
 #include "app/verbs/set_cases.h"
@@ -132,6 +133,14 @@ Result<Report> share_in_set(const SetEdit& edit, Progress& progress) {
   double farthest_mm = 0;
   for (const auto& [of_a, of_b] : shared.vertices)
     farthest_mm = std::max(farthest_mm, (a.row(of_a) - b.row(of_b)).norm());
+  constexpr double one_place_mm = 1e-3;
+  if (farthest_mm > one_place_mm) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  ": vertices that lie up to %.3g mm apart become one; give a smaller --within-mm if they are not",
+                  farthest_mm);
+    report.warnings.push_back(shared.a + " and " + shared.b + text);
+  }
   report.values = {{"set", out->string()},
                    {"structures", {shared.a, shared.b}},
                    {"shared", shared.vertices.size()},

@@ -19,6 +19,7 @@
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/mirror.h"
 #include "core/model/doubtful_shapes.h"
 #include "core/session/case_file.h"
 
@@ -76,14 +77,30 @@ Result<std::string> record_of_row(const MakeJob& job, const std::string& name, P
   return record ? record_of_made(*record, job.out, job.cases() / (name + case_extension)) : record;
 }
 
+/// A shape of the template; true: of its mirror image. Points alone have no faces to tell by. Errors: a shape of
+/// another numbering, on which the template's faces would be nonsense.
+Result<bool> mirrors_template(const MeshFile& mesh, const fs::path& file, const Template& the_template) {
+  const std::string remedy = "; give the template that it was fitted with";
+  if (mesh.points.rows() != the_template.points.rows())
+    return fail(file.string(), "has " + std::to_string(mesh.points.rows()) + " vertices where " + the_template.source +
+                                   " has " + std::to_string(the_template.points.rows()) + remedy);
+  const Triangles& wanted = the_template.topology->triangles();
+  if (mesh.triangles.rows() == 0 || mesh.triangles == wanted) return false;
+  if (turned_faces(mesh.triangles, wanted)) return true;
+  return fail(file.string(), "has other faces than " + the_template.source + remedy);
+}
+
 /// A case for a mesh that was fitted elsewhere, on its scan.
 Result<StudyCase> case_of_mesh(const MakeJob& job, const std::string& name, const RowFiles& files,
                                std::shared_ptr<const Volume> grid, const std::shared_ptr<const Template>& the_template,
                                std::vector<std::string>& warnings, Progress& progress) {
   const auto mesh = read_mesh_file(files.file);
   if (!mesh) return fail(mesh.error());
+  const auto mirrored = mirrors_template(*mesh, files.file, *the_template);
+  if (!mirrored) return fail(mirrored.error());
   FittedCase fitted{name, files.image.empty() ? files.labels : files.image, files.labels, std::move(grid),
                     the_template};
+  fitted.mirrored = *mirrored;
   fitted.points = mesh->points;
   if (fitted.grid && fitted.grid->frames > 1) fitted.frame = noted_frame(*mesh);
   if (fitted.frame && *fitted.frame >= fitted.grid->frames)
@@ -140,6 +157,11 @@ Result<StudyCase> case_of_row(const MakeJob& job, const RowOfCase& row, const fs
   }
   Result<StudyCase> one = StudyCase{};
   if (!files->file.empty() && (is_case_file(files->file) || scan.empty())) {
+    if (is_mesh_name(files->file)) {
+      const auto mesh = read_mesh_file(files->file);
+      if (!mesh) return fail(mesh.error());
+      if (auto ours = mirrors_template(*mesh, files->file, *the_template); !ours) return fail(ours.error());
+    }
     one->name = name;
     one->file = files->file;
     one->labels = files->labels;
@@ -235,9 +257,24 @@ Result<std::vector<StudyCase>> cases_of_maps(const MakeJob& job, const std::shar
   return cases;
 }
 
+/// Errors: the study is there with a template of another numbering, which no model could take together.
+Result<void> check_template_of_study(const MakeJob& job, const Template& the_template) {
+  std::error_code ignored;
+  if (!fs::exists(job.out, ignored)) return {};
+  const auto read = read_study(job.out);
+  if (!read) return fail(read.error());
+  const std::string known = read->study.template_file.string();
+  if (read->study.cases.empty() || known.empty()) return {};
+  const auto other = load_template(known);  // one that is gone says nothing
+  if (!other || (*other)->topology->triangles() == the_template.topology->triangles()) return {};
+  return fail(job.out.string(), "is of the template " + known + ", which has other faces than " + the_template.source +
+                                    "; give that template, or another name of the study");
+}
+
 Result<Report> make_study(const MakeJob& job, Progress& progress) {
   auto the_template = load_template(job.template_source);
   if (!the_template) return fail(the_template.error());
+  if (auto same = check_template_of_study(job, **the_template); !same) return fail(same.error());
   const auto folder = ResultFolder::make(job.cases());
   if (!folder) return fail(folder.error());
   const bool is_table = job.of_table();

@@ -1,8 +1,10 @@
 #include "app/verbs/training.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/listed.h"
+#include "core/measure/meeting.h"
 #include "core/mesh/formats/formats.h"
 #include "core/model/joint_alignment.h"
 #include "core/model/joint_set.h"
@@ -64,6 +66,12 @@ Result<Training> of_several(const TrainingVerb& options, Progress& progress, boo
 
 Result<Training> varied(Training training) {
   if (training.components.scatter.size() == 0) {
+    std::vector<Meeting> met;
+    // About their diameter: the centroid size grows with the number of vertices.
+    const double share = 2 / std::sqrt(std::max(1.0, static_cast<double>(training.components.vertices())));
+    for (std::size_t k = 0; k < training.sizes_mm.size(); ++k)
+      met.push_back({training.names[k], share * training.sizes_mm[k]});
+    if (const auto misfits = misfits_among(met, "the other shapes"); !misfits.empty()) return fail("", misfits.front());
     return fail(training.names.front(),
                 "differs from the other shapes by its pose alone, so there is nothing to model; give different shapes");
   }

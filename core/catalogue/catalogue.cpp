@@ -107,27 +107,29 @@ std::string resolved_source(const std::filesystem::path& folder, const std::stri
 Result<Organ> built_in_organ(const std::string& source) {
   if (!is_built_in(source))
     return fail(source, "is no built-in template; choose one, such as " + built_in_source(Organ::kidney));
-  return organ_from_name(source.substr(built_in_prefix.size()));
+  auto organ = organ_from_name(source.substr(built_in_prefix.size()));
+  if (!organ)
+    return fail(source, "is no built-in template; there are " + built_in_source(Organ::kidney) + ", " +
+                            built_in_source(Organ::vertebra) + ", " + built_in_source(Organ::ventricle) +
+                            " and the set " + built_in_set_source());
+  return organ;
 }
 
 std::string template_sources() {
   return "Template mesh, or " + built_in_source(Organ::kidney) + ", " + built_in_source(Organ::vertebra) + " …";
 }
 
+Result<MeshFile> load_mesh(const std::string& source) {
+  if (const auto structure = structure_of_set(source)) return built_in_of_set(source, *structure);
+  if (!is_built_in(source)) return read_mesh_file(source);
+  const auto organ = built_in_organ(source);
+  return organ ? Result<MeshFile>(built_in_template(*organ)) : fail(organ.error());
+}
+
 Result<std::shared_ptr<const Template>> load_template(const std::string& source) {
-  if (const auto structure = structure_of_set(source)) {
-    auto of_set = built_in_of_set(source, *structure);
-    if (!of_set) return fail(of_set.error());
-    return make_template(std::move(*of_set), source);
-  }
-  if (is_built_in(source)) {
-    const auto organ = built_in_organ(source);
-    if (!organ) return fail(organ.error());
-    return make_template(built_in_template(*organ), source);
-  }
-  if (auto meant = built_in_that_is_meant(source); !meant.empty())
+  if (auto meant = built_in_that_is_meant(source); !is_built_in(source) && !meant.empty())
     return fail(source, "is neither a file nor a built-in template; " + meant + " is one");
-  auto file = read_mesh_file(source);
+  auto file = load_mesh(source);
   if (!file) return fail(file.error());
   return make_template(std::move(*file), source);
 }

@@ -36,6 +36,8 @@ Result<Organ> built_in_organ(const std::string& source);
 /// What a template's source may be, for help texts.
 std::string template_sources();
 
+/// The mesh of a file or of a built-in template. Errors: those of read_mesh_file; no such built-in template.
+Result<MeshFile> load_mesh(const std::string& source);
 /// Reads a template file, or makes a built-in template.
 Result<std::shared_ptr<const Template>> load_template(const std::string& source);
 

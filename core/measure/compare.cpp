@@ -9,6 +9,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/mesh/voxelise.h"
+#include "core/volume/label_likeness.h"
 
 namespace homolog {
 namespace {
@@ -228,6 +229,9 @@ Result<int> only_label(const Volume& mask, int frame) {
     }
     names += (names.empty() ? "" : ", ") + std::to_string(label);
   }
+  if (!holds_labels(mask))
+    return fail("", "holds several labels (" + names +
+                        ") and looks like a grey image; give its label map, or name one of them");
   return fail("", "holds several labels (" + names + "); name one of them");
 }
 

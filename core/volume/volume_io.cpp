@@ -91,7 +91,8 @@ Result<void> write_any(const Volume& volume, const fs::path& path, const std::st
       return write_record_file(path, format->keeps_record ? "" : record);
     }
   return fail("", "is not a kind of volume that can be written; end its name in " +
-                      listed(volume_format_endings(&VolumeFormat::written), " or "));
+                      listed(volume_format_endings(&VolumeFormat::written), " or ") +
+                      ", of a label map also in .seg.nrrd or .dcm");
 }
 
 }  // namespace

@@ -168,3 +168,12 @@ TEST_CASE("a cohort of cines gets cases whose meshes lie at the frame that was f
   REQUIRE(model.status == 0);
   CHECK(model.json()["shapes"] == 2);
 }
+
+TEST_CASE("a model of a mesh and of the same in another unit says so") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(icosphere(2, 40), folder.path / "a.ply"));
+  REQUIRE(run(folder, "convert a.ply b.ply --times 1000").status == 0);
+  const Ran ran = run(folder, "model a.ply b.ply -o m.h5.json");
+  check_refused(ran, "b");
+  CHECK(ran.errors.find("1,000 times larger") != std::string::npos);
+}

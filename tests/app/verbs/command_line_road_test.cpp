@@ -9,6 +9,7 @@
 #include "core/model/shape_files.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"
+#include "core/volume/volume_io.h"
 #include "tests/command_line.h"
 #include "tests/must.h"
 #include "tests/shapes.h"
@@ -127,6 +128,40 @@ TEST_CASE("study make takes a table with groups and covariates and what was fitt
   check_refused(run(folder, "study make wrong.csv --template built-in:kidney -o w.study.json"), "row 1 of wrong.csv");
   CHECK(!fs::exists(folder.path / "w-cases"));
   CHECK(run(folder, "study make scans --template built-in:kidney -o k.json").status == 2);
+}
+
+TEST_CASE("study make refuses shapes and studies of another template and knows those of its mirror image") {
+  const TemporaryFolder folder;
+  for (const auto& [source, name] : {std::pair("built-in:kidney", "kidney"), {"built-in:vertebra", "vertebra"}})
+    REQUIRE(run(folder, std::string("convert ") + source + " " + name + ".ply").status == 0);
+  REQUIRE(run(folder, "mirror kidney.ply -o left.ply").status == 0);
+  REQUIRE(run(folder, "phantom kidney --subject 1 -o p").status == 0);
+  const auto table = [&](const std::string& name, const std::string& rows) {
+    std::ofstream(folder.path / name) << "name,labels,file\n" << rows;
+  };
+  table("vertebra.csv", "A,p/kidney-1-labels.nii.gz,vertebra.ply\n");
+  table("mesh.csv", "A,,vertebra.ply\n");
+  table("kidney.csv", "A,p/kidney-1-labels.nii.gz,kidney.ply\n");
+  table("left.csv", "A,p/kidney-1-labels.nii.gz,left.ply\n");
+  const std::string of_kidney = " --template built-in:kidney -o s.study.json";
+  for (const char* name : {"vertebra.csv", "mesh.csv"}) {
+    CAPTURE(name);
+    const Ran other = run(folder, std::string("study make ") + name + of_kidney);
+    check_refused(other, "vertebra.ply");
+    CHECK(other.errors.find("has other faces than built-in:kidney") != std::string::npos);
+    CHECK(!fs::exists(folder.path / "s.study.json"));
+  }
+  REQUIRE(run(folder, "study make kidney.csv" + of_kidney).status == 0);
+  // The study stays one of its template.
+  const Ran mixed = run(folder, "study make p/kidney-1-labels.nii.gz --template built-in:vertebra -o s.study.json");
+  check_refused(mixed, "s.study.json");
+  CHECK(mixed.errors.find("is of the template built-in:kidney") != std::string::npos);
+  CHECK(test::must(read_study(folder.path / "s.study.json")).study.cases.size() == 1);
+  CHECK(run(folder, "study make kidney.csv --template kidney.ply -o s.study.json").status == 0);
+  // Its faces are turned, so the template is that of the other side.
+  REQUIRE(run(folder, "study make left.csv --template kidney.ply -o left.study.json").status == 0);
+  const double left = run(folder, "measure left-cases --json").json()["cases"][0]["volume_ml"];
+  CHECK(left == doctest::Approx(run(folder, "info kidney.ply --json").json()["volume_ml"].get<double>()).epsilon(1e-3));
 }
 
 TEST_CASE("a model names doubtful and mirrored and faulty shapes and leaves them out where asked") {
@@ -253,6 +288,76 @@ TEST_CASE("a word that is no verb and a file that is not there are told apart") 
   CHECK(option.status == 2);
   CHECK(option.errors.find("see homolog fit --help") != std::string::npos);
   CHECK(run(folder, "study make --wobble").errors.find("see homolog study make --help") != std::string::npos);
+  CHECK(run(folder, "help").out == run(folder, "--help").out);
+  CHECK(run(folder, "help study make").out == run(folder, "study make --help").out);
+  const Ran of_lab = run(folder, "corrupt map.nii.gz --count 2");
+  CHECK(of_lab.status == 2);
+  CHECK(of_lab.errors.find("homolog-lab corrupt --help") != std::string::npos);
+  CHECK(run(folder, "fit built-in:kidney --mask m.nii.gz").errors.find("-o, --output is required") !=
+        std::string::npos);
+}
+
+TEST_CASE("a built-in template is a file for info and convert and mirror") {
+  const TemporaryFolder folder;
+  const Json info = run(folder, "info built-in:spine:vertebrae_L3 --json").json();
+  CHECK(info["closed"] == true);
+  REQUIRE(run(folder, "convert built-in:kidney k.ply").status == 0);
+  REQUIRE(run(folder, "mirror built-in:kidney -o left.ply").status == 0);
+  const MeshFile right = test::must(read_mesh_file(folder.path / "k.ply"));
+  const MeshFile left = test::must(read_mesh_file(folder.path / "left.ply"));
+  CHECK((right.points.col(0) + left.points.col(0)).cwiseAbs().maxCoeff() < 1e-4);
+  CHECK(turned_faces(left.triangles, right.triangles));
+  const Ran none = run(folder, "fit built-in:liver --mask m.nii.gz -o l.ply");
+  check_refused(none, "built-in:liver");
+  for (const char* name : {"built-in:kidney", "built-in:vertebra", "built-in:ventricle", "built-in:spine"})
+    CHECK(none.errors.find(name) != std::string::npos);
+  // A format without landmarks is said.
+  const Ran lost = run(folder, "convert k.ply k.vtk");
+  CHECK(lost.errors.find("k.vtk: keeps no landmarks") != std::string::npos);
+  CHECK(run(folder, "convert k.ply again.ply").errors.empty());
+  CHECK(run(folder, "convert k.ply k.json").status == 1);
+}
+
+TEST_CASE("what is no case of a fit is said and is no input of its study") {
+  const Kidneys kidneys;
+  const TemporaryFolder& folder = kidneys.folder;
+  fs::create_directories(folder.path / "empty");
+  check_refused(run(folder, "fit built-in:kidney --mask empty -o e"), "empty: is an empty folder");
+  check_refused(run(folder, "fit built-in:kidney --mask absent -o e"), "absent: does not exist");
+  const Ran grey = run(folder, "fit built-in:kidney --mask scans/kidney-1-image.nii.gz -o g.ply");
+  check_refused(grey, "looks like a grey image");
+  fs::create_directories(folder.path / "places");
+  for (const char* name : {"kidney-1-labels", "other"})
+    std::ofstream(folder.path / "places" / (std::string(name) + ".json")) << "[]";
+  REQUIRE(run(folder, "fit built-in:kidney --mask scans --landmarks places -o fits").status == 0);
+  const Json record =
+      Json::parse(read_whole_file(folder.path / "fits/fits.study.json").value())["homolog.record"]["options"];
+  CHECK(record["--mask"].size() == 3);
+  for (const Json& one : record["--mask"]) CHECK(one["file"].get<std::string>().ends_with("labels.nii.gz"));
+  REQUIRE(record["--landmarks"][0]["files"].size() == 1);
+  CHECK(record["--landmarks"][0]["files"][0]["file"] == "kidney-1-labels.json");
+}
+
+TEST_CASE("info shows the labels of any frame of a map") {
+  const TemporaryFolder folder;
+  Volume map;
+  map.geometry.dims = {6, 6, 6};
+  map.frames = 2;
+  std::vector<std::uint8_t> voxels(432, 0);
+  std::fill(voxels.begin() + 216 + 36, voxels.begin() + 216 + 72, std::uint8_t{3});
+  std::fill(voxels.begin() + 36, voxels.begin() + 108, std::uint8_t{1});
+  map.data = voxels;
+  map.range_max = 3;
+  REQUIRE(write_volume(map, folder.path / "map.nii.gz"));
+  const auto labels = [&](const std::string& more) {
+    return run(folder, "info map.nii.gz --json" + more).json()["labels"];
+  };
+  CHECK(labels("")[0]["value"] == 1);
+  CHECK(labels(" --frame 1")[0]["value"] == 3);
+  CHECK(labels(" --frame 1")[0]["voxels"] == 36);
+  check_refused(run(folder, "info map.nii.gz --frame 2"), "has 2 frames");
+  REQUIRE(write_mesh(icosphere(2, 40), folder.path / "ball.ply"));
+  check_refused(run(folder, "info ball.ply --frame 1"), "--frame has no effect");
 }
 
 TEST_CASE("a mesh in correspondence is not written where it would lose it") {

@@ -290,6 +290,7 @@ TEST_CASE("set share makes vertices of two structures one in every fit") {
   REQUIRE_MESSAGE(shared.status == 0, shared.errors);
   CHECK(shared.json()["shared"] == shapes::disc_vertices());
   CHECK(shared.json()["farthest_mm"] == 0);
+  CHECK(shared.errors.empty());
   const std::string once = read_whole_file(folder.path / "ball.set.json").value();
   REQUIRE(run(folder, "set share ball.set.json lower upper").status == 0);
   REQUIRE(run(folder, "set share ball.set.json upper lower").status == 0);
@@ -311,6 +312,14 @@ TEST_CASE("set share makes vertices of two structures one in every fit") {
     CHECK(ran.status == 1);
     CHECK(ran.errors.find(says) != std::string::npos);
   }
+  // What does not quite coincide is said.
+  Mesh off = read_mesh(folder.path / "lower.ply").value();
+  off.points.col(0).array() += 0.25;
+  REQUIRE(write_mesh(off, folder.path / "lower.ply"));
+  const Ran near = run(folder, "set share ball.set.json lower upper -o near.set.json --json");
+  REQUIRE_MESSAGE(near.status == 0, near.errors);
+  CHECK(near.json()["shared"].get<int>() > 0);
+  CHECK(near.errors.find("lower and upper: vertices that lie up to 0.25 mm apart become one") != std::string::npos);
   // A template that was made anew since has fewer vertices: the fit goes on without.
   REQUIRE(write_mesh(shapes::half_ball(20, true, 4, 12), folder.path / "upper.ply"));
   const Ran fitted = run(folder, "fit ball.set.json --mask map.seg.nrrd -o less");

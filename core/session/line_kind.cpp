@@ -111,7 +111,8 @@ LineKind kind_of(std::string_view line) {
   for (std::string_view key, value; members.next(key, value);) {
     if (key == "joined") found.joined = value == "true";
     if (key == "look") says_look = value == "true";
-    if (key == "window" || key == "template_file" || key == "fit") found.keeps = true;
+    if (key == "window" || key == "template_file" || key == "fit" || key == "looks" || key == "map_fit")
+      found.keeps = true;
     if (key == "checkpoint") other = std::min(other, LineKind::checkpoint);
     const auto role = role_of_key(key);
     if (!role) continue;

@@ -270,6 +270,8 @@ void EditSession::keep(const Note& note) {
   if (note.window) kept_.window = note.window;
   if (!note.template_file.empty()) kept_.template_file = note.template_file;
   if (note.fit) kept_.fit = note.fit;
+  if (note.looks) kept_.looks = note.looks;
+  if (note.map_fit) kept_.map_fit = note.map_fit;
 }
 
 /// What may also be left undone: where memory is short a later edit does it.

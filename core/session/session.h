@@ -37,6 +37,8 @@ struct KeptWithCase {
   std::optional<std::array<double, 2>> window;  ///< the image's values that are shown black and white
   std::filesystem::path template_file;          ///< where the template was saved as it is painted; empty: it was not
   std::optional<FitFigures> fit;                ///< of the last fit to a label map
+  std::shared_ptr<const KeptLooks> looks;       ///< of the structures; null: as at first
+  std::shared_ptr<const KeptMapFit> map_fit;    ///< of the last fit of a set to a label map; null: there was none
   std::filesystem::path labels;                 ///< the label map over the image, of the first line; empty: none
   std::string record;  ///< how a verb made it, for the first line of a new case [file_record.h]; empty: none did
 };

@@ -36,6 +36,7 @@ Result<RepairedFit> fit_repaired(const SetOfTemplates& set, VolumeRead& map, int
     if (fit) result.as_read[one.structure] = fit->mesh.points;
     result.found[one.structure] = one.defects.empty() ? std::string() : sentence_of_defects(one.defects);
     result.fitted.structures[one.structure].confidence = one.confidence;
+    result.fitted.structures[one.structure].p_named = one.p_named;
   }
   return result;
 }

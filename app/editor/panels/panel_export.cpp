@@ -4,10 +4,52 @@
 #include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/base/file_stem.h"
 #include "core/base/listed.h"
 #include "core/mesh/formats/formats.h"
+#include "core/volume/formats/formats.h"
+#include "core/volume/readers.h"
 
 namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A name for the mended map, in the format of the one that was read, where that is written.
+std::string mended_name(const fs::path& labels) {
+  std::string ending = ".seg.nrrd";
+  for (const std::string& known : volume_format_endings(&VolumeFormat::written))
+    if (has_ending(labels, {known}) && !has_ending(labels, {ending})) ending = known;
+  return file_stem(labels) + "-mended" + ending;
+}
+
+/// All structures of the case as files.
+template <class Ask>
+void draw_export_of_all(const UiContext& ui, const std::string& name, float width, const Ask& ask) {
+  const Theme& theme = ui.theme;
+  caption(theme, "All structures");
+  const fs::path& labels = ui.labels().file;
+  std::error_code ignored;
+  const bool masks = fs::is_directory(labels, ignored);
+  if (button(theme, masks ? "The masks, mended\xe2\x80\xa6" : "The label map, mended\xe2\x80\xa6",
+             "The label map that you opened, with all that it holds, in its format and on its grid. What a repair "
+             "proposes is in it, but not what you took back. A structure that you changed has the voxels within its "
+             "mesh. All other voxels stay as they are",
+             labels.empty() ? "Open the label map of this case first (Place)." : "", width))
+    ask(masks ? FilePurpose::export_mended_masks : FilePurpose::export_mended_map,
+        masks ? labels.filename().string() + "-mended" : mended_name(labels));
+  if (button(theme, "A label map of the meshes\xe2\x80\xa6",
+             "The voxels of the image within each mesh, with the names and colours of the list. Where two hold a voxel "
+             "it goes to the first. As .dcm: a DICOM segmentation of the series that is open",
+             ui.needs_volume(), width))
+    ask(FilePurpose::export_structures_map, name + ".seg.nrrd");
+  if (button(theme, "All meshes into a folder\xe2\x80\xa6", "A PLY for each structure, called as in the list", {},
+             width))
+    ask(FilePurpose::export_structures_meshes, name + "-meshes");
+}
+
+}  // namespace
 
 /// Size, ground and captions of a picture of a view; true where one was changed.
 bool draw_picture_options(const Theme& theme, PictureOptions& options) {
@@ -67,17 +109,7 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
              "open",
              refusal, width))
     ask(FilePurpose::export_label_map, name + "-label.nii.gz");
-  if (ui.document().structures.size() > 1) {
-    caption(theme, "All structures");
-    if (button(theme, "One label map of all\xe2\x80\xa6",
-               "The voxels inside each mesh, with the names and colours of the list. Where two hold a voxel it goes to "
-               "the first. As .dcm: a DICOM segmentation of the series that is open",
-               ui.needs_volume(), width))
-      ask(FilePurpose::export_structures_map, name + ".seg.nrrd");
-    if (button(theme, "All meshes into a folder\xe2\x80\xa6", "A PLY for each structure, called as in the list", {},
-               width))
-      ask(FilePurpose::export_structures_meshes, name + "-meshes");
-  }
+  if (ui.document().structures.size() > 1) draw_export_of_all(ui, name, width, ask);
   gap(theme, 4);
   caption(theme, "Picture");
   PictureOptions options = ui.state.saving.picture;

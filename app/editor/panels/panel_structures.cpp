@@ -12,7 +12,7 @@ namespace homolog {
 
 namespace {
 
-constexpr float structure_units = 26, eye_units = 22, most_listed = 9;
+constexpr float structure_units = 26, eye_units = 22, most_listed = 9, percent_units = 46;
 
 ImU32 structure_swatch(const Structure& structure) {
   const Rgb colour = structure_colour(structure);
@@ -31,12 +31,21 @@ std::string vertices_in_words(const Structure& structure, int frame) {
   return format("%d vertices", static_cast<int>(shape->points->rows()));
 }
 
+/// How sure it is that a structure is rightly named; below 0: nobody said.
+double named_of(const UiContext& ui, const Structure& structure) {
+  return name_confidence(ui.snapshot().kept.map_fit.get(), structure);
+}
+
 /// All that is known of a structure, for its row's tip.
-std::string structure_tip(const Structure& structure, int frame) {
-  std::string tip = structure_name(structure) + "\n" + vertices_in_words(structure, frame);
-  if (structure.confidence >= 0)
-    tip += format(". Confidence %.0f %%: the probability that it is right, as the fit of the set found",
+std::string structure_tip(const UiContext& ui, const Structure& structure) {
+  std::string tip = structure_name(structure) + "\n" + vertices_in_words(structure, ui.document().frame);
+  if (structure.confidence == 1 && structure.doubt.empty())
+    tip += ".\nSomebody looked at it and said that it is right";
+  else if (structure.confidence >= 0)
+    tip += format(".\nRight: %.0f %%, the probability that its label has the right shape and the right name",
                   whole_percent(structure.confidence));
+  if (const double named = named_of(ui, structure); named >= 0 && named < 1)
+    tip += format(".\nNamed: %.0f %%, the probability that the name of its label is right", whole_percent(named));
   if (!structure.doubt.empty()) tip += ".\n" + structure.doubt;
   return tip + "\nClick: work on it. Ctrl or Shift: choose several";
 }
@@ -72,7 +81,8 @@ void draw_eye_and_lock(const UiContext& ui, const Structure& structure, ImVec2 a
     out.send(LockStructures{rows, !locked});
 }
 
-void draw_structure(const UiContext& ui, const Structure& structure, float width, Outbox& out) {
+/// `named_known`: a column says how sure each name is.
+void draw_structure(const UiContext& ui, const Structure& structure, float width, bool named_known, Outbox& out) {
   const Theme& theme = ui.theme;
   const StructureLooks& looks = ui.state.look.structures;
   const Part part(structure_name(structure), "structure");
@@ -81,8 +91,7 @@ void draw_structure(const UiContext& ui, const Structure& structure, float width
   const ImGuiIO& io = ImGui::GetIO();
   ImGui::PushID(structure.id.c_str());
   const ImVec2 named_px{width - theme.px(2 * eye_units), size.y};
-  const AreaState row =
-      area(theme, structure_name(structure), named_px, structure_tip(structure, ui.document().frame), {active});
+  const AreaState row = area(theme, structure_name(structure), named_px, structure_tip(ui, structure), {active});
   if (row.clicked) out.send(ClickStructure{structure.id, io.KeyCtrl, io.KeyShift});
   draw_structure_ground(theme, at, size, active, looks.chosen.contains(structure.id), row.hovered);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
@@ -90,14 +99,20 @@ void draw_structure(const UiContext& ui, const Structure& structure, float width
   colour_swatch(draw, theme, {at.x + theme.px(8), std::floor(at.y + (size.y - swatch) / 2)}, swatch,
                 structure_swatch(structure));
   const float right = at.x + width - theme.px(2 * eye_units + 6), left = at.x + theme.px(28);
-  float room = right - left;
-  if (structure.confidence >= 0) {
+  const auto percent_at = [&](float ends_at, double share, bool doubtful) {
     const EvenDigits digits(theme);
-    const std::string sure = format("%.0f %%", whole_percent(structure.confidence));
-    const ImVec2 wide = ImGui::CalcTextSize(sure.c_str());
-    text_at(draw, {right - wide.x, text_y}, is_doubtful(structure) ? palette::amber : palette::dim, sure);
+    const std::string sure = format("%.0f %%", whole_percent(share));
+    text_at(draw, {ends_at - ImGui::CalcTextSize(sure.c_str()).x, text_y}, doubtful ? palette::amber : palette::dim,
+            sure);
+  };
+  if (structure.confidence >= 0) percent_at(right, structure.confidence, is_doubtful(structure));
+  float room = right - left - theme.px(percent_units);
+  if (named_known) {
+    constexpr double sure = 0.5;
+    const double named = named_of(ui, structure);
+    if (named >= 0) percent_at(right - theme.px(percent_units), named, named < sure);
+    room -= theme.px(percent_units);
   }
-  room -= theme.px(46);
   text_at(draw, {left, text_y}, shown ? palette::text : palette::faint, shortened(structure_name(structure), room));
   draw_eye_and_lock(ui, structure, at, width, out);
   ImGui::SetCursorScreenPos({at.x, at.y + size.y});
@@ -135,6 +150,32 @@ void draw_eyes(const UiContext& ui, const std::vector<const Structure*>& listed,
   if (button(theme, "Only this", "Shows the structure that you work on (or all that are chosen) and hides the others",
              active == nullptr ? "There is no structure." : "", third))
     out.send(ShowOnlyStructures{rows_with(ui.state.look.structures, active->id)});
+}
+
+/// What the numbers of the list are.
+void draw_list_head(const UiContext& ui, float width, bool named_known) {
+  const Theme& theme = ui.theme;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  ImGui::PushFont(theme.small);
+  const auto ends = [&](float x, const char* words) {
+    text_at(draw, {x - ImGui::CalcTextSize(words).x, at.y}, palette::faint, words);
+  };
+  const float right = at.x + width - theme.px(2 * eye_units + 6);
+  ends(right, "right");
+  if (named_known) ends(right - theme.px(percent_units), "named");
+  ImGui::Dummy({width, ImGui::GetFontSize() + theme.px(2)});
+  ImGui::PopFont();
+}
+
+void draw_own_opacity(const UiContext& ui, Outbox& out) {
+  const Structure* active = ui.structure();
+  if (active == nullptr) return;
+  double opacity = 100 * ui.state.look.structures.opacity_of(active->id);
+  bool released = false;
+  if (slider(ui.theme, "Opacity", opacity, {0, 100, "%.0f", "%", false},
+             "Opacity in 3D of the structure that you work on, or of all that are chosen. The case keeps it", released))
+    out.send(SetStructureOpacity{rows_with(ui.state.look.structures, active->id), opacity / 100});
 }
 
 void draw_others_opacity(const UiContext& ui, Outbox& out) {
@@ -235,14 +276,19 @@ void draw_structures_section(const UiContext& ui, Outbox& out) {
   const auto listed = listed_structures(ui.state.look.structures, document);
   draw_structure_filter(ui, out);
   const float rows = std::clamp(static_cast<float>(document.structures.size()), 2.0f, most_listed);
+  const bool judged = std::ranges::any_of(listed, [](const Structure* one) { return one->confidence >= 0; });
+  const bool named_known =
+      ui.snapshot().kept.map_fit && std::ranges::any_of(listed, [&](auto* one) { return named_of(ui, *one) >= 0; });
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
+  if (judged) draw_list_head(ui, ImGui::GetContentRegionAvail().x, named_known);
   ImGui::BeginChild("structures", {0, std::floor(rows * theme.px(structure_units))});
   const float width = ImGui::GetContentRegionAvail().x;
-  for (const Structure* one : listed) draw_structure(ui, *one, width, out);
+  for (const Structure* one : listed) draw_structure(ui, *one, width, named_known, out);
   if (listed.empty()) explanation(theme, "No name holds what you typed.");
   ImGui::EndChild();
   ImGui::PopStyleVar();
   draw_eyes(ui, listed, out);
+  draw_own_opacity(ui, out);
   draw_others_opacity(ui, out);
   draw_judging(ui, out);
   draw_repair(ui, out);

@@ -175,8 +175,9 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.outlines = input.outlines;
     mesh.outline_px = other_outline_px;
     mesh.saturated_outline = false;
+    const StructureLooks& looks = state.look.structures;
     mesh.surface = show.surface;
-    mesh.surface_opacity = static_cast<float>(state.look.structures.others_opacity);
+    mesh.surface_opacity = static_cast<float>(looks.others_opacity * looks.opacity_of(id));
     scene.meshes.push_back(std::move(mesh));
   }
   if (!making_ && points_ && active_is_shown(state, *input.document)) {
@@ -191,6 +192,8 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.surface = show.surface;
     mesh.wireframe = show.wireframe;
     mesh.saturated_outline = false;
+    const Structure* active = active_structure(state, *input.document);
+    mesh.surface_opacity = static_cast<float>(state.look.structures.opacity_of(active->id));
     scene.meshes.push_back(std::move(mesh));
   }
   if (label_surface_ && kind == ViewKind::space && !making_) {

@@ -52,6 +52,8 @@ enum class FilePurpose {
   export_mesh,
   export_label_map,
   export_structures_map,
+  export_mended_map,
+  export_mended_masks,
   export_structures_meshes,
   export_landmarks,
   export_template,

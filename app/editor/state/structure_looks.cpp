@@ -1,12 +1,54 @@
 #include "app/editor/state/structure_looks.h"
 
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 
 #include "core/base/text.h"
 #include "core/volume/segmentation.h"
 
 namespace homolog {
+
+KeptLooks kept_looks(const StructureLooks& looks, const std::string& active) {
+  KeptLooks kept;
+  kept.active = active;
+  kept.hidden.assign(looks.hidden.begin(), looks.hidden.end());
+  kept.locked.assign(looks.locked.begin(), looks.locked.end());
+  kept.opacity = looks.opacity;
+  return kept;
+}
+
+StructureLooks looks_of_case(const KeptLooks* kept, const KeptMapFit* fit, const Document& document) {
+  StructureLooks looks;
+  const auto is_there = [&](const std::string& id) { return !id.empty() && document.structure(id) != nullptr; };
+  if (kept != nullptr) {
+    std::ranges::copy_if(kept->hidden, std::inserter(looks.hidden, looks.hidden.end()), is_there);
+    std::ranges::copy_if(kept->locked, std::inserter(looks.locked, looks.locked.end()), is_there);
+    for (const auto& [id, opacity] : kept->opacity)
+      if (is_there(id)) looks.opacity.emplace(id, std::clamp(opacity, 0.0, 1.0));
+  }
+  if (fit != nullptr) take_as_read(looks, *fit);
+  return looks;
+}
+
+void take_as_read(StructureLooks& looks, const KeptMapFit& fit) {
+  looks.as_read.clear();
+  looks.as_read_shown = true;
+  looks.as_read_frame = fit.frame;
+  for (const auto& [id, in] : fit.structures) {
+    if (in.was_missing) looks.as_read[id] = nullptr;
+    if (in.as_read.empty()) continue;
+    const Eigen::Index vertices = std::ssize(in.as_read) / 3;
+    looks.as_read[id] = std::make_shared<const Points>(Eigen::Map<const Points>(in.as_read.data(), vertices, 3));
+  }
+}
+
+double name_confidence(const KeptMapFit* fit, const Structure& structure) {
+  if (structure.confidence == 1 && structure.doubt.empty()) return 1;  // a person looked at it
+  if (fit == nullptr) return -1;
+  const auto found = fit->structures.find(structure.id);
+  return found == fit->structures.end() || found->second.name != structure.name ? -1 : found->second.p_named;
+}
 
 const Points* shape_as_read(const StructureLooks& looks, const Structure& structure) {
   const auto kept = looks.as_read.find(structure.id);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/case/actions/kept_structures.h"
 #include "core/case/document.h"
 #include "core/mesh/colours.h"
 #include "core/structures/case_segments.h"
@@ -19,7 +20,8 @@ struct StructureLooks {
   std::string range_from;        ///< the row at which a choice with Shift begins
   std::string filter;            ///< part of a name, as it is typed
   bool worst_first = true;
-  double others_opacity = 0.45;  ///< 0…1, in 3D, of structures that are not worked on
+  double others_opacity = 0.45;           ///< 0…1, in 3D, of structures that are not worked on
+  std::map<std::string, double> opacity;  ///< 0…1, in 3D, of each by itself; 1 of those that are not in it
   /// What a repair changed: the shapes as the label map had them, n×3, LPS mm; null for one that was missing there.
   std::map<std::string, std::shared_ptr<const Points>> as_read;
   int as_read_frame = 0;      ///< of the case, which was repaired
@@ -27,7 +29,21 @@ struct StructureLooks {
 
   bool shows(const std::string& id) const { return !hidden.contains(id); }
   bool locks(const std::string& id) const { return locked.contains(id); }
+  double opacity_of(const std::string& id) const {
+    const auto own = opacity.find(id);
+    return own == opacity.end() ? 1 : own->second;
+  }
 };
+
+/// What a case keeps of the looks. `active`: the structure that is worked on.
+KeptLooks kept_looks(const StructureLooks& looks, const std::string& active);
+/// The looks that a case was left with, of the structures that there are.
+StructureLooks looks_of_case(const KeptLooks* kept, const KeptMapFit* fit, const Document& document);
+/// Takes over what a repair changed.
+void take_as_read(StructureLooks& looks, const KeptMapFit& fit);
+/// 0…1: the probability that a structure is rightly named, as the fit of a set or a person says; below 0: nobody said.
+/// `fit`: null where there was none.
+double name_confidence(const KeptMapFit* fit, const Structure& structure);
 
 /// The shape of a structure before a repair; null where none is kept.
 const Points* shape_as_read(const StructureLooks& looks, const Structure& structure);

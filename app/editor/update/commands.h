@@ -37,15 +37,15 @@ using AllCommands = TypeList<
     BlendModel, CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
     // structures
     ChooseStructure, ClickStructure, NextStructure, AcceptStructure, RenameLevels, ShowStructures, ShowOnlyStructures,
-    LockStructures, HideLabels, ChooseSet, FitSet, CancelSetFit, FilterStructures, SortStructures, ShowAsRead,
-    TakeBackRepair, KeepApart, KeepApartAfterStrokes, SetStructureGap, SetOthersOpacity,
+    LockStructures, SetStructureOpacity, HideLabels, ChooseSet, FitSet, CancelSetFit, FilterStructures, SortStructures,
+    ShowAsRead, TakeBackRepair, KeepApart, KeepApartAfterStrokes, SetStructureGap, SetOthersOpacity,
     // contours
     OpenContours, AddContours, CloseContours, ShowContours, SetBetweenContours, FitContours, CancelContourFit,
     // files
     OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, ShowLabelsLayer, CancelOpening, CancelReading, CancelWriting,
-    SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ExportStructuresMap, ExportStructuresMeshes, ExportLandmarks,
-    ExportTemplate, ExportTemplateLandmarks, ExportAllFrames, ExportPicture, ExportVolumes, ImportLandmarks,
-    OpenFitModel, ImportStiffness, ImportTemplateLandmarks,
+    SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ExportStructuresMap, ExportMendedMap, ExportStructuresMeshes,
+    ExportLandmarks, ExportTemplate, ExportTemplateLandmarks, ExportAllFrames, ExportPicture, ExportVolumes,
+    ImportLandmarks, OpenFitModel, ImportStiffness, ImportTemplateLandmarks,
     // what is measured by a recipe
     ChooseRecipe, DrawMeasurement, ExportMeasurements, OpenScoreModel, ScoreByFile,
     // the making of a template

@@ -111,6 +111,16 @@ void ShownCase::keep_window(const EditorState& state) {
   session_->apply(Note{"window", shown, {}}, true);
 }
 
+void ShownCase::keep_looks(const EditorState& state) {
+  if (!session_ || snapshot_->document->structures.size() < 2) return;
+  KeptLooks now = kept_looks(state.look.structures, state.look.structure);
+  KeptLooks before = snapshot_->kept.looks ? *snapshot_->kept.looks : KeptLooks();
+  // A case that was only looked at stays as it is.
+  if (snapshot_->committed == 0) before.active = now.active;
+  if (now == before) return;
+  session_->apply(Note{"looks", {}, {}, {}, std::make_shared<const KeptLooks>(std::move(now))}, true);
+}
+
 Refusals ShownCase::close() {
   if (!session_) return {};
   session_->finish();  // what was asked for is done, and the journal closed

@@ -76,6 +76,8 @@ class ShownCase {
   bool template_is_mirrored() const;
   /// Writes down which grey values are shown, where they are other than the case says.
   void keep_window(const EditorState& state);
+  /// Writes down how the structures are shown, where that is other than the case says. Before the case is left.
+  void keep_looks(const EditorState& state);
 
   /// Takes in what the session did. Removes from the state what refers to things that are gone. True if the shown mesh
   /// moved, or what is in doubt of it changed.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/structures/map_of_case.h"
 #include "core/structures/right_names.h"
 #include "core/structures/variants.h"
 #include "core/volume/read_labels.h"
@@ -18,12 +19,14 @@ Result<SetFitted> repair_and_fit(SetFitted done, VolumeRead& read, const MapToFi
   repairing.image_frame = map.image && map.image->frames > map.frame ? map.frame : 0;
   repairing.progress = options.progress;
   repairing.tell = options.tell;
+  const VolumeRead as_read = read;
   auto repaired = fit_repaired(*done.set, read, std::min(map.frame, read.volume.frames - 1), repairing, options.gap_mm);
   if (!repaired) return fail(map.file.filename().string(), repaired.error().what);
   done.subject = std::move(repaired->subject);
   done.fitted = std::move(repaired->fitted);
   done.found = std::move(repaired->found);
   done.as_read = std::move(repaired->as_read);
+  done.changes = voxel_changes(as_read, read);
   return done;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -38,6 +39,7 @@ struct SetFitted {
   /// Where the map was repaired too, of each structure of the set, as RepairedFit has them; else both are empty.
   std::vector<std::string> found;
   std::vector<std::optional<Points>> as_read;
+  std::vector<std::uint32_t> changes;  ///< of voxels, as the repair proposes them [voxel_changes]
 };
 
 /// Fits a template set to a label map on a thread of its own. Called from the window's thread only.

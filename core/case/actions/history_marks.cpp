@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 #include "core/base/hash.h"
 #include "core/base/text.h"
@@ -23,6 +24,14 @@ void spell_figures(Fields line, FitFigures& fit) {
   line.optional("remarks", fit.remarks, !fit.remarks.empty());
 }
 
+template <class Kept>
+void spell_kept(Fields& line, const char* key, std::shared_ptr<const Kept>& kept, void (*spell)(Fields, Kept&)) {
+  if (line.reads() ? !line.has(key) : !kept) return;
+  Kept values = kept ? *kept : Kept();
+  spell(line.object(key), values);
+  if (line.reads()) kept = std::make_shared<const Kept>(std::move(values));
+}
+
 void spell_note(Fields& line, Note& note) {
   line.member("note", note.text);
   std::vector<double> window;
@@ -33,9 +42,12 @@ void spell_note(Fields& line, Note& note) {
     note.window = {window[0], window[1]};
   }
   line.optional("template_file", note.template_file, !note.template_file.empty());
-  if (line.reads() ? !line.has("fit") : !note.fit) return;
-  if (!note.fit) note.fit.emplace();
-  spell_figures(line.object("fit"), *note.fit);
+  if (line.reads() ? line.has("fit") : note.fit.has_value()) {
+    if (!note.fit) note.fit.emplace();
+    spell_figures(line.object("fit"), *note.fit);
+  }
+  spell_kept(line, "looks", note.looks, spell_looks);
+  spell_kept(line, "map_fit", note.map_fit, spell_map_fit);
 }
 
 }  // namespace
@@ -54,7 +66,10 @@ const ActionKind<Note>& action_kind(const Note&) {
           "a remark. It may say how the case is shown, which is no step and which no undo takes back: "
           "`\"window\":[-160,240]` are the image's values that are black and white, `\"template_file\"` is where the "
           "template was saved as it is painted, `\"fit\":{…}` are the figures of the last fit to a label map, with a "
-          "hash of the mesh that they are of. The last of each counts",
+          "hash of the mesh that they are of. `\"looks\":{…}` is how the window shows the structures: which are "
+          "`hidden` and `locked`, the `opacity` of each in 3D, the `active` one. `\"map_fit\":{…}` is what a fit of a "
+          "set found in the label map: for each structure its label there and its mesh as the map was read, and how "
+          "the repair changes voxels. The last of each counts",
       .role = LineRole::note,
       .needs_mesh = false,
       .name = [](const Note&) -> std::string { return "note"; },

@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <map>
+
 #include "app/editor/update/status.h"
 #include "core/base/files.h"
 #include "tests/beating_ball.h"
@@ -243,6 +245,26 @@ TEST_CASE("a cine that plays is propagated from the frame that is shown") {
   CHECK(driver.document().frame == 2);
   CHECK(driver.lines_with("\"by\":\"start of the cine\",\"of_frame\":2") == 1);
   CHECK(driver.document().structure()->shape(0)->carried != nullptr);
+}
+
+TEST_CASE("a cine that is propagated twice without an edit between keeps its meshes") {
+  Driver driver(BeatingBall::document(), {1280, 1400, 1});
+  const auto propagate = [&] {
+    const int before = driver.lines_with("\"by\":\"propagate\"");
+    driver.click("Cine/Propagate");
+    driver.wait_until("every frame has a mesh",
+                      [&] { return !driver.app().busy() && driver.lines_with("\"by\":\"propagate\"") > before; });
+    driver.settle();
+    std::map<int, Points> meshes;
+    for (const auto& [frame, shape] : driver.document().structure()->shapes) meshes.emplace(frame, *shape->points);
+    return meshes;
+  };
+  const auto first = propagate();
+  REQUIRE(first.size() == BeatingBall::frames);
+  const auto second = propagate();
+  REQUIRE(second.size() == first.size());
+  for (const auto& [frame, points] : first) CHECK((second.at(frame) - points).cwiseAbs().maxCoeff() < 2e-5);
+  CHECK(driver.document().frame == 0);
 }
 
 }  // namespace homolog

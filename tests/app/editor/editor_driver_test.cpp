@@ -17,6 +17,7 @@
 #include "core/mesh/mesh_io.h"
 #include "core/model/study.h"
 #include "core/volume/volume_io.h"
+#include "tests/desk.h"
 #include "tests/driver.h"
 #include "tests/failing_memory.h"
 #include "tests/must.h"
@@ -288,6 +289,27 @@ TEST_CASE("a study that could not be saved as another file is said before the wi
   CHECK(driver.shows("taken.study.json could not be written"));
   driver.click("Quit without it");
   CHECK(driver.app().wants_to_quit());
+}
+
+TEST_CASE("a window that is closed during an export waits until the file is whole") {
+  Driver driver(demo());
+  const auto map = driver.folder() / "organ.nii.gz", mesh = driver.folder() / "organ.ply";
+  driver.app().send(ExportLabelMap{{map}});
+  driver.app().send(ExportMesh{{mesh}});
+  driver.app().ask_to_quit();
+  driver.wait_until("it closes", [&] { return driver.app().wants_to_quit(); });
+  const Volume written = test::must(read_volume(map)).volume;
+  CHECK(labels_of(written).at(1) > 1000);
+  CHECK(test::must(read_mesh_file(mesh)).points.rows() == driver.document().view()->shape.points->rows());
+}
+
+TEST_CASE("an export that fails keeps the window open") {
+  Driver driver(demo());
+  driver.app().send(ExportMesh{{driver.folder() / "no folder" / "organ.ply"}});
+  driver.app().ask_to_quit();
+  driver.wait_until("that is said", [&] { return driver.shows("organ.ply"); });
+  driver.settle();
+  CHECK_FALSE(driver.app().wants_to_quit());
 }
 
 TEST_CASE("work on a study says what it does and is given up only where that is possible") {

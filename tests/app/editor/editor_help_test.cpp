@@ -219,4 +219,33 @@ TEST_CASE("the model's help does not add up and can be taken back") {
   CHECK((unaided - aided).norm() > 0.05);
 }
 
+TEST_CASE("the model helps a case that the study holds flipped as it helps the mirror image of it") {
+  const Mesh ball = icosphere(3, 26);
+  MeshFile mirrored{ball.points, ball.topology->triangles()};
+  mirrored.points.col(0) *= -1;
+  mirrored.triangles.col(1).swap(mirrored.triangles.col(2));
+  const auto other_side = test::must(make_template(std::move(mirrored), "other side.ply"));
+  const auto study = balls_model();
+  const auto moved_by_help = [&](const std::shared_ptr<const Template>& the_template, bool flipped, double side) {
+    ModelHelp help([] {});
+    help.ask(study, "ball26", flipped);
+    help.finish();
+    REQUIRE_FALSE(help.update());
+    EditSession session(new_document("", nullptr, the_template));
+    REQUIRE(session.apply(Confirm{Vec3(side * 26, 0, 0), 15, true}));
+    const Points before = *session.document().view()->shape.points;
+    const auto helped = test::must(session.preview(std::nullopt, {help.completion(1)}));
+    return Points(*helped.document.view()->shape.points - before);
+  };
+  const Points lying = moved_by_help(ball_template(26), false, 1);
+  Points flipped = moved_by_help(other_side, true, -1);
+  REQUIRE(lying.norm() > 0.1);
+  flipped.col(0) *= -1;
+  CHECK((flipped - lying).cwiseAbs().maxCoeff() < 1e-3);
+  // As it lies the other side is no shape of the model.
+  Points as_it_lies = moved_by_help(other_side, false, -1);
+  as_it_lies.col(0) *= -1;
+  CHECK((as_it_lies - lying).cwiseAbs().maxCoeff() > 0.1);
+}
+
 }  // namespace homolog

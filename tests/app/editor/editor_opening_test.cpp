@@ -7,6 +7,7 @@
 
 #include "app/editor/update/controls.h"
 #include "app/editor/update/results/set_fit.h"
+#include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
@@ -172,6 +173,25 @@ TEST_CASE("a mirrored template is called so and a saved mirror image is not mirr
   const Globe globe;
   open_and_wait(driver, globe.image("next.nii"));
   CHECK(driver.document().structure()->the_template->points.isApprox(mirrored, 1e-5));
+}
+
+TEST_CASE("the template that the open case began with is not written over") {
+  const OrganScan scan;
+  Driver driver(scan.document());
+  const fs::path own = scan.folder.path / "organ.ply";
+  const std::string before = test::must(read_whole_file(own));
+  driver.app().send(ApplyEdit{SetRegion{Region{"cap", 2, {255, 0, 0}}}});
+  driver.settle();
+  for (const fs::path& path : {own, scan.folder.path / "." / "organ.ply"}) {
+    driver.app().send(ExportTemplate{path});
+    driver.settle();
+    CHECK(driver.shows("organ.ply is the template that this case began with, and has to stay as it is."));
+    CHECK(test::must(read_whole_file(own)) == before);
+    driver.app().send(DismissNotice{0});
+    driver.settle();
+  }
+  driver.app().send(ExportTemplate{scan.folder.path / "mine.ply"});
+  driver.wait_until("it is saved", [&] { return driver.shows("The case goes on with mine.ply"); });
 }
 
 TEST_CASE("the button that mirrors leaves a template of another scan where it lies") {

@@ -1,7 +1,5 @@
 #include <doctest/doctest.h>
 
-#include <array>
-
 #include "core/base/files.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
@@ -9,7 +7,7 @@
 #include "core/volume/volume_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"
-#include "tests/stones.h"
+#include "tests/stones_on_disk.h"
 
 // A template set fitted to a label map in the window: several structures come into the case.
 
@@ -180,37 +178,11 @@ TEST_CASE("a second fit of a set gives its structures new meshes and leaves lock
 }
 
 TEST_CASE("the window repairs a label map: what was missing is proposed, shown beside what was read, and taken back") {
-  const TemporaryFolder folder;
-  const SetOfTemplates stones_of = stone_set();
-  TemplateSet set = stones_of.set;
-  for (std::size_t k = 0; k < set.structures.size(); ++k) {
-    set.structures[k].file = folder.path / (set.structures[k].name + ".ply");
-    REQUIRE(write_mesh({stones_of.templates[k]->topology, stones_of.templates[k]->points}, set.structures[k].file));
-  }
-  const auto set_file = folder.path / "stones.set.json", labels = folder.path / "labels.nii.gz";
-  REQUIRE(write_template_set(set, set_file));
-  // The third stone is missing, and the fourth has a hollow.
-  VolumeRead map = stone_map();
-  const Vec3 hollow = 1.04 * place_of(3);
-  const VolumeGeometry& grid = map.volume.geometry;
-  const std::array<std::size_t, 3> dims{90, 70, 230};
-  std::visit(
-      [&](auto& voxels) {
-        using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
-        for (std::size_t v = 0; v < voxels.size(); ++v) {
-          const auto in_row = v % dims[0], in_slice = v / dims[0] % dims[1], slice = v / dims[0] / dims[1];
-          const Vec3 voxel(static_cast<double>(in_row), static_cast<double>(in_slice), static_cast<double>(slice));
-          const bool is_hollow = (grid.to_mm(voxel) - hollow).norm() < 6;
-          if (voxels[v] == Voxel{3} || (voxels[v] == Voxel{4} && is_hollow)) voxels[v] = Voxel{0};
-        }
-      },
-      map.volume.data);
-  REQUIRE(write_volume(map.volume, labels));
-
-  Driver driver(new_document(labels.string(), std::make_shared<const Volume>(map.volume), nullptr));
-  driver.app().send(open_labels(labels));
+  const StonesOnDisk stones;
+  Driver driver(new_document(stones.labels.string(), std::make_shared<const Volume>(stones.map.volume), nullptr));
+  driver.app().send(open_labels(stones.labels));
   driver.settle();
-  driver.app().send(ChooseSet{set_file.string()});
+  driver.app().send(ChooseSet{stones.set.string()});
   driver.wait_until("the set is read", [&] { return driver.state().automatic.set != nullptr; });
   driver.settle();
   driver.click("Repair and fit");

@@ -2,6 +2,7 @@
 
 #include "core/case/action_json.h"
 #include "core/case/action_line.h"
+#include "core/case/packed.h"
 #include "core/session/line_kind.h"
 #include "tests/docs_page.h"
 #include "tests/must.h"
@@ -82,6 +83,36 @@ std::vector<KnownLine> edits_of_the_mesh() {
   };
 }
 
+std::shared_ptr<const KeptLooks> kept_looks() {
+  KeptLooks looks;
+  looks.active = "s2";
+  looks.hidden = {"s1"};
+  looks.opacity = {{"s1", 0.5}};
+  return std::make_shared<const KeptLooks>(std::move(looks));
+}
+
+std::shared_ptr<const KeptMapFit> kept_map_fit() {
+  KeptMapFit fit;
+  InFittedMap in;
+  in.name = "L3";
+  in.value = 22;
+  in.mesh = "0a";
+  in.p_named = 0.75;
+  in.as_read = {-1.5, 0, 2.25};
+  fit.structures["s1"] = std::move(in);
+  fit.changes = {0, 17, 4, 0, 22};
+  return std::make_shared<const KeptMapFit>(std::move(fit));
+}
+
+/// Steps of 2⁻¹⁶ mm.
+std::string packed_coordinates() {
+  const std::vector<std::uint32_t> steps{static_cast<std::uint32_t>(-98304), 0, 147456};
+  return packed<std::uint32_t>(steps);
+}
+std::string packed_changes() {
+  return packed<std::uint32_t>(kept_map_fit()->changes);
+}
+
 std::vector<KnownLine> settings_and_marks() {
   const auto factors = std::make_shared<const VertexScalars>(VertexScalars{{1, 0.1, 5}});
   const std::string brush = written_here + R"(,"radius_mm":10.0)";
@@ -105,6 +136,12 @@ std::vector<KnownLine> settings_and_marks() {
       {SetScheme{Scheme::paper, 3}, R"({"scheme":"paper","events":3})", "scheme"},
       {SetEvenSpacing{0.5}, R"({"spacing":0.5})", "even spacing"},
       {Note{"a \"b\""}, R"({"note":"a \"b\""})", "note"},
+      {Note{"looks", {}, {}, {}, kept_looks()},
+       R"({"note":"looks","looks":{"active":"s2","hidden":["s1"],"opacity":{"s1":0.5}}})", "note"},
+      {Note{"fit of the set", {}, {}, {}, {}, kept_map_fit()},
+       R"({"note":"fit of the set","map_fit":{"frame":0,"structures":[{"id":"s1","name":"L3","layer":0,"value":22,"mesh":"0a","p_named":0.75,"as_read":{"count":3,"packed":")" +
+           packed_coordinates() + R"("}}],"changes":{"count":5,"packed":")" + packed_changes() + R"("}}})",
+       "note"},
       {Undo{}, R"({"undo":true})", "undo"},
       {Redo{}, R"({"redo":true})", "redo"},
   };

@@ -7,6 +7,7 @@
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/imports.h"
 #include "app/editor/update/status.h"
+#include "core/base/listed.h"
 #include "core/base/picture_io.h"
 #include "core/base/text.h"
 #include "core/mesh/formats/formats.h"
@@ -16,8 +17,10 @@
 #include "core/model/model_files.h"
 #include "core/model/recipe_shapes.h"
 #include "core/structures/case_segments.h"
+#include "core/structures/map_of_case.h"
 #include "core/structures/template_set.h"
 #include "core/template_making/template_file.h"
+#include "core/volume/read_labels.h"
 #include "core/volume/write_dicom_segmentation.h"
 #include "core/volume/write_segmentation.h"
 
@@ -58,6 +61,32 @@ Result<void> write_map(const VolumeRead& map, const fs::path& to, const std::str
   if (lower_case(to.extension().string()) != ".dcm") return write_segmentation(map, to, &progress);
   const auto written = write_dicom_segmentation(map, to, image, &progress);
   return written ? Result<void>() : fail(written.error());
+}
+
+/// Writes a label map, or a folder of masks, as the case has it.
+Result<void> write_mended(const Document& document, const fs::path& from, const KeptMapFit& fit, const fs::path& to,
+                          Progress& progress) {
+  constexpr double reading = 0.4, drawing = 0.7;
+  progress.part(0, reading);
+  VolumeReadOptions options;
+  options.progress = &progress;
+  auto read = read_labels(from, options);
+  if (!read) return fail(read.error());
+  progress.part(reading, drawing);
+  const auto map = map_of_case(document, std::move(*read), fit, progress);
+  if (!map) return fail(map.error().subject.empty() ? from.string() : map.error().subject, map.error().what);
+  progress.part(drawing, 1);
+  if (!fs::is_directory(from)) return write_segmentation(*map, to, &progress);
+  const auto folder = ResultFolder::make(to);
+  return folder ? write_single_masks(*map, to, from, &progress) : fail(folder.error());
+}
+
+/// Which structures have the voxels within their meshes, as a sentence; empty: none.
+std::string drawn_in_words(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 4;
+  if (names.empty()) return {};
+  return "By their meshes: " +
+         (names.size() > most ? std::to_string(names.size()) + " structures" : listed(names, ", ")) + ".";
 }
 
 /// The values of the shown label map.
@@ -140,6 +169,26 @@ void ExportStructuresMap::run(Editing& editing) const {
         return write_map(map_of_meshes(meshes, grid).map, to, image, progress);
       },
       std::move(remark));
+}
+
+void ExportMendedMap::run(Editing& editing) const {
+  const ShownLabels& labels = editing.shown.labels();
+  if (labels.file.empty())
+    return add_notice(editing.state, "Open the label map of this case first (Place, Open a label map).", false);
+  std::error_code ignored;
+  if (fs::equivalent(path, labels.file, ignored))
+    return add_notice(editing.state,
+                      path.filename().string() + " is the map that was read, and stays as it is. Give another name.");
+  const auto& kept = editing.shown.snapshot().kept.map_fit;
+  const Document document = as_done(editing);
+  const KeptMapFit fit = kept ? *kept : KeptMapFit();
+  const auto drawn = drawn_by_mesh(document, fit);
+  write_beside(
+      editing, path,
+      [document, from = labels.file, fit](const fs::path& to, Progress& progress) {
+        return write_mended(document, from, fit, to, progress);
+      },
+      drawn_in_words(drawn));
 }
 
 void ExportStructuresMeshes::run(Editing& editing) const {

@@ -24,6 +24,11 @@ struct ExportStructuresMap : FileCommand {
   static constexpr const char* key = "export map of structures";
   void run(Editing& editing) const;
 };
+/// The label map that is shown as the case's structures are now, with all else that it holds [map_of_case].
+struct ExportMendedMap : FileCommand {
+  static constexpr const char* key = "export mended map";
+  void run(Editing& editing) const;
+};
 /// The meshes of all structures at the shown frame into a folder, each in a PLY of its name.
 struct ExportStructuresMeshes : FileCommand {
   static constexpr const char* key = "export meshes of structures";

@@ -166,6 +166,19 @@ void LockStructures::run(EditorState& state) const {
       state.look.structures.locked.erase(id);
 }
 
+void SetStructureOpacity::spell(Fields& line) {
+  line.member("ids", ids);
+  line.member("opacity", opacity);
+}
+void SetStructureOpacity::run(EditorState& state) const {
+  auto& of = state.look.structures.opacity;
+  for (const std::string& id : ids)
+    if (opacity < 1)
+      of[id] = std::max(0.0, opacity);
+    else
+      of.erase(id);
+}
+
 void HideLabels::spell(Fields& line) {
   line.member("labels", labels);
 }

@@ -85,6 +85,14 @@ struct LockStructures {
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
+/// How far structures are seen through in 3D.
+struct SetStructureOpacity {
+  static constexpr const char* key = "set structure opacity";
+  std::vector<std::string> ids;
+  double opacity = 1;  ///< 0…1
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
 /// Shuts the eyes of these labels of the map, and opens those of all others.
 struct HideLabels {
   static constexpr const char* key = "hide labels";

@@ -198,12 +198,19 @@ void start_session(Editing& editing, EditSession session) {
   editing.work.contour_fits.cancel();
   state.guide.reset();
   state.found.finding.reset();
+  if (shown.is_open()) shown.keep_looks(state);
   const Refusals refused = shown.start(std::move(session));
   const Document& document = shown.document();
   show_document(state, document, editing.layout, same_image(before.get(), document));
   if (std::filesystem::path(document.scan.source).parent_path() != folder_before) state.saving.saved_folder.clear();
   if (const auto& window = shown.snapshot().kept.window)
     std::tie(state.look.window_low, state.look.window_high) = std::pair((*window)[0], (*window)[1]);
+  const KeptWithCase& kept = shown.snapshot().kept;
+  state.look.structures = looks_of_case(kept.looks.get(), kept.map_fit.get(), document);
+  if (kept.looks && !kept.looks->active.empty() && document.structure(kept.looks->active) != nullptr) {
+    show_structure(state, document, kept.looks->active);
+    bring_into_view(state, document);
+  }
   const Layout& layout = editing.layout;
   state.look.fit_views_wanted = layout.scale <= 0 || layout.status_line.width <= 0 || layout.models.width > 0;
   if (!state.look.fit_views_wanted) show_repair(editing);

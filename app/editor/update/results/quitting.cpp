@@ -40,6 +40,7 @@ void update_quit(Editing& editing) {
     }
     if (models.write_if_changed(state.models)) return;  // it was changed meanwhile
   }
+  editing.shown.keep_looks(state);
   state.quitting = Quitting::now;
 }
 

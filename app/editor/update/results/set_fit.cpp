@@ -5,6 +5,7 @@
 
 #include "app/editor/update/results/results.h"
 #include "core/base/text.h"
+#include "core/case/moved_points.h"
 #include "core/structures/set_in_case.h"
 
 namespace homolog {
@@ -46,25 +47,45 @@ void say_fitted(EditorState& state, const SetFitted& found, std::size_t locked) 
   add_notice(state, std::move(said), false);
 }
 
-/// Keeps the shapes that a repair changed as they were, by the ids of the structures that the steps bring.
-void keep_as_read(StructureLooks& looks, const SetFitted& found, const std::vector<EditStep>& steps) {
-  looks.as_read.clear();
-  looks.as_read_shown = true;
-  if (found.found.empty()) return;
+std::vector<double> rounded_coordinates(const Points& points) {
+  std::vector<double> rounded;
+  for (Eigen::Index v = 0; v < points.rows(); ++v)
+    for (Eigen::Index axis = 0; axis < 3; ++axis) rounded.push_back(on_grid(points(v, axis)));
+  return rounded;
+}
+
+/// What the structures that the steps bring are in the label map. Of locked ones stays what was known `before`.
+KeptMapFit map_fit_of(const SetFitted& found, const std::vector<EditStep>& steps, int frame, const KeptMapFit* before,
+                      const std::set<std::string>& locked) {
+  KeptMapFit fit;
+  fit.frame = frame;
+  fit.changes = found.changes;
+  if (before != nullptr)
+    for (const auto& [id, in] : before->structures)
+      if (locked.contains(id)) fit.structures.emplace(id, in);
   const auto& structures = found.set->set.structures;
   for (const EditStep& step : steps) {
+    if (const auto* points = std::get_if<SetPoints>(&step.action);
+        points != nullptr && fit.structures.contains(step.of))
+      fit.structures[step.of].mesh = mesh_hash(*points->points);
     const auto* set = std::get_if<SetStructure>(&step.action);
     if (set == nullptr || !set->name) continue;
     const auto k =
         static_cast<std::size_t>(std::ranges::find(structures, *set->name, &TemplateOfSet::name) - structures.begin());
-    if (found.found[k].empty()) continue;
-    const auto& fit = found.fitted.structures[k].fit;
-    const auto& before = found.as_read[k];
-    if (!before)
-      looks.as_read[set->id] = nullptr;
-    else if (*before != fit->mesh.points)
-      looks.as_read[set->id] = std::make_shared<const Points>(*before);
+    const Segment& segment = found.subject.structures[k].segment;
+    InFittedMap in;
+    in.name = *set->name;
+    in.layer = segment.layer;
+    in.value = segment.value;
+    in.p_named = found.fitted.structures[k].p_named;
+    if (!found.found.empty() && !found.found[k].empty()) {
+      const auto& as_read = found.as_read[k];
+      in.was_missing = !as_read.has_value();
+      if (as_read && *as_read != found.fitted.structures[k].fit->mesh.points) in.as_read = rounded_coordinates(*as_read);
+    }
+    fit.structures[set->id] = std::move(in);
   }
+  return fit;
 }
 
 void take_set_fit(Editing& editing, const SetFitted& found) {
@@ -81,11 +102,13 @@ void take_set_fit(Editing& editing, const SetFitted& found) {
     locked += stays && std::holds_alternative<SetStructure>(step.action) ? 1 : 0;
     return stays;
   });
-  keep_as_read(state.look.structures, found, steps);
-  state.look.structures.as_read_frame = document.frame;
+  const auto fit = std::make_shared<const KeptMapFit>(map_fit_of(
+      found, steps, document.frame, editing.shown.snapshot().kept.map_fit.get(), state.look.structures.locked));
+  take_as_read(state.look.structures, *fit);
   bool joined = false;
   for (EditStep& step : steps)
     editing.shown.session().apply(std::move(step.action), std::exchange(joined, true), std::move(step.of));
+  editing.shown.session().apply(Note{"fit of the set", {}, {}, {}, {}, fit}, true);
   for (const std::string& warning : found.warnings) add_notice(state, warning, false);
   say_fitted(state, found, locked);
   state.look.making_shown = false;

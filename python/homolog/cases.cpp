@@ -267,7 +267,7 @@ std::vector<std::filesystem::path> files_from(const py::object& value) {
 py::dict fit_to_contours(HeldCase& self, const py::object& files, const std::string& structure, double off_mm,
                          bool outside, bool with_image, const std::string& of, const py::object& progress) {
   const auto kept = document_of(self);
-  const ShapeView view = shown(*kept, of);
+  (void)shown(*kept, of);  // refuses where there is no mesh
   const Scan& scan = kept->scan;
   if (with_image && !scan.image) refuse("case", "has no image to go on to; leave out with_image");
   FitJob job;

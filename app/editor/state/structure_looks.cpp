@@ -120,6 +120,7 @@ std::vector<std::string> rows_with(const StructureLooks& looks, const std::strin
 
 void begin_looks(StructureLooks& looks, const std::string& id) {
   for (auto* ids : {&looks.hidden, &looks.locked, &looks.chosen}) ids->erase(id);
+  looks.opacity.erase(id);
 }
 
 }  // namespace homolog

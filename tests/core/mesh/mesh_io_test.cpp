@@ -148,7 +148,7 @@ std::string row_of_kept(const MeshFormat& format, const TemporaryFolder& folder)
   const bool same_order =
       back.points.rows() == file.points.rows() && (back.points - file.points).cwiseAbs().maxCoeff() < 1e-3;
   return std::string("| ") + format.name + " |" + yes_if(same_order) +
-         yes_if(back.triangles.rows() == file.triangles.rows()) + yes_if(back.stiffness.has_value()) +
+         yes_if(back.triangles.rows() == file.triangles.rows()) + yes_if(back.stiffness != nullptr) +
          yes_if(back.doubt_mm.has_value()) + yes_if(back.regions == file.regions) +
          yes_if(back.landmarks.size() == file.landmarks.size()) + yes_if(back.comments == file.comments) + "\n";
 }

@@ -22,7 +22,8 @@ Result<VertexScalars> stiffness_in(const std::filesystem::path& path, const Topo
   auto read = read_mesh_file(path);
   if (!read) return fail(read.error());
   const std::string name = path.filename().string();
-  std::optional<VertexScalars> factors = read->stiffness;
+  std::optional<VertexScalars> factors;
+  if (read->stiffness) factors = *read->stiffness;
   if (!factors && read->arrays.size() == 1) factors = read->arrays.begin()->second;
   if (!factors) {
     std::string names;

@@ -81,7 +81,8 @@ KeptMapFit map_fit_of(const SetFitted& found, const std::vector<EditStep>& steps
     if (!found.found.empty() && !found.found[k].empty()) {
       const auto& as_read = found.as_read[k];
       in.was_missing = !as_read.has_value();
-      if (as_read && *as_read != found.fitted.structures[k].fit->mesh.points) in.as_read = rounded_coordinates(*as_read);
+      if (as_read && *as_read != found.fitted.structures[k].fit->mesh.points)
+        in.as_read = rounded_coordinates(*as_read);
     }
     fit.structures[set->id] = std::move(in);
   }

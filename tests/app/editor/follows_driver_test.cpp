@@ -158,26 +158,6 @@ TEST_CASE("a fit to a structure that is locked meanwhile changes nothing") {
   driver.wait_until("the preview is gone", [&] { return !driver.app().snapshot().preview; });
 }
 
-TEST_CASE("a label that comes in a later frame of a map is listed too") {
-  Document cine = BeatingBall::document();
-  cine.structures.clear();
-  Driver driver(cine);
-  // The second label is there in the last frame alone.
-  const VolumeGeometry& grid = cine.scan.image->geometry;
-  Volume map = label_map(icosphere(3, 20), grid, 1);
-  const Volume later = label_map(icosphere(3, 10), grid, 2);
-  auto& voxels = std::get<std::vector<std::uint8_t>>(map.data);
-  const auto& added = std::get<std::vector<std::uint8_t>>(later.data);
-  voxels.insert(voxels.end(), added.begin(), added.end());
-  map.frames = 2;
-  map.range_max = 2;
-  REQUIRE(write_volume(map, driver.folder() / "two.nii.gz"));
-  driver.app().send(open_labels(driver.folder() / "two.nii.gz"));
-  driver.settle();
-  CHECK(driver.has("Label 1/Label 1"));
-  CHECK(driver.has("Label 2/Label 2"));
-}
-
 TEST_CASE("nothing is fitted to a map that belongs to another frame") {
   Driver driver(BeatingBall::document());
   const fs::path map = driver.folder() / "one.nii.gz";

@@ -220,8 +220,6 @@ bool take_results(Editing& editing, double seconds) {
   const Document& shown = editing.shown.document();
   if (const Structure* structure = editing.structure(); structure != nullptr && shown.scan.frames() > 1)
     state.found.volume_curve = volume_curve(shown, *structure, state.found.volume_curve);
-  else
-    state.found.volume_curve = {};
   editing.shown.keep_window(state);
   count_work(editing, steps_before, seconds);
   bool changed = take_written(editing);

@@ -138,11 +138,6 @@ TEST_CASE("an open template is fitted in the window without a cap and a label ma
   driver.settle();
   const Mesh fitted = driver.document().view()->mesh();
   REQUIRE(fitted.topology->rims().size() == 1);
-  // What encloses nothing overlaps with nothing.
-  REQUIRE(driver.state().found.last_fit);
-  CHECK_FALSE(driver.state().found.last_fit->dice);
-  CHECK(driver.shows("Dice"));
-  CHECK(driver.shows("\xe2\x80\x93"));
   // It ends at about the edge of the label's flat end, at 8 mm, and does not go on over that.
   for (const std::int32_t i : fitted.topology->rims().front()) {
     CHECK(std::abs(fitted.points(i, 2) - 8) < 5);

@@ -8,6 +8,7 @@
 
 #include "app/editor/window/study_frames.h"
 #include "app/verbs/case_of_fit.h"
+#include "core/base/json.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/catalogue/catalogue.h"
@@ -122,10 +123,10 @@ Result<Json> study_figures(int shapes, Progress& progress) {
     // Each in a process of its own, as a person opens one: what OpenGL keeps of the other does not count.
     const auto printed = printed_by({program_file().string(), "bench", "--opened", file.string(), "--json"});
     if (progress.cancelled()) return fail("bench", "was stopped");
-    auto cost = printed ? Json::parse(*printed, nullptr, false) : Json();
-    if (!cost.is_object() || !cost.contains("study"))
+    auto cost = read_json<Json>(printed.value_or(""));
+    if (!cost || !cost->is_object() || !cost->contains("study"))
       return fail("bench", "the window could not open the study; it needs OpenGL 3.3, of a display or by software");
-    figures[from] = std::move(cost["study"]);
+    figures[from] = std::move((*cost)["study"]);
   }
   return figures;
 }

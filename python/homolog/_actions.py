@@ -15,7 +15,8 @@ _METHODS = {"points": "set_points", "moved": "move_points", "tool": "stroke", "f
 _BESIDE = {
     "tool": ("at", "to", "on", "sigma_mm", "through_space", "strength"),
     "points": ("by", "placement", "of_frame", "doubt", "doubt_mm", "outlier"),
-    "scheme": ("events",), "mirror": ("keeps",), "frame": ("look",), "note": ("window", "template_file", "fit"),
+    "scheme": ("events",), "mirror": ("keeps",), "frame": ("look",),
+    "note": ("window", "template_file", "fit", "looks", "map_fit"),
 }
 _WITHIN = {
     "moved": ("landmarks", "steps"), "placement": ("rotation", "scale", "translation"),

@@ -53,7 +53,6 @@ Json json_of(const LinearTest& test, const TestJob& job) {
   Json values{{"terms", std::move(terms)},
               {"residual", {{"df", test.residual_df}, {"ss", test.residual_ss}}},
               {"total", {{"df", job.design.cases() - 1}, {"ss", test.total_ss}}},
-              {"taken_out", std::move(taken_out)},
               {"pairs", std::move(pairs)}};
   if (!taken_out.empty()) values["taken_out"] = std::move(taken_out);
   return values;

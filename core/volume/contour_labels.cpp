@@ -67,9 +67,10 @@ class ResampledPlanes {
 
   /// Puts a polygon on the slices that take over the old one on which it lies. False where it lies on none.
   bool add(const Polygon& polygon, bool cuts_out, SlicedRoi& roi) const {
-    const auto [low, high] = reach_across(polygon, 2);
-    const auto on = std::ranges::find_if(
-        slices_, [&](const OldSlice& old) { return low >= old.height - off_slice && high <= old.height + off_slice; });
+    const auto reach = reach_across(polygon, 2);
+    const auto on = std::ranges::find_if(slices_, [&](const OldSlice& old) {
+      return reach.first >= old.height - off_slice && reach.second <= old.height + off_slice;
+    });
     if (on == slices_.end()) return false;
     for (const auto& [k, way] : nearest_[static_cast<std::size_t>(on - slices_.begin())]) {
       Polygon moved = polygon;

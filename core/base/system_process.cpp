@@ -84,8 +84,12 @@ std::optional<std::string> printed_by(const std::vector<std::string>& words) {
   if (ran(words, ::fileno(file))) {
     printed.emplace();
     std::rewind(file);
-    for (std::array<char, 4096> part{}; const std::size_t count = std::fread(part.data(), 1, part.size(), file);)
+    std::array<char, 4096> part{};
+    std::size_t count = 0;
+    do {
+      count = std::fread(part.data(), 1, part.size(), file);
       printed->append(part.data(), count);
+    } while (count == part.size());
   }
   std::fclose(file);
   return printed;

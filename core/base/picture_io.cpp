@@ -23,7 +23,8 @@ Result<const PictureModule*> load_module() {
       return reinterpret_cast<PictureModuleEntry>(entry)();
   }
   return fail(file.string(), "cannot be loaded (" + reason +
-                                 "), so pictures can be neither read nor written; build or install the program again");
+                                 "), so neither pictures nor DICOM pixels in JPEG can be read or written; build or "
+                                 "install the program again");
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ Result<void> read_pages(const fs::path& path, const PicturePages& expected, cons
   return is_png_name(path) ? read_png_page(path, expected, room) : read_tiff_pages(path, expected, room);
 }
 
-constexpr PictureModule module{read, encode, pages, read_pages, encode_gif};
+constexpr PictureModule module{read, encode, pages, read_pages, encode_gif, decode_jpeg};
 
 }  // namespace
 }  // namespace homolog

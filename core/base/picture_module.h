@@ -4,14 +4,15 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/base/picture.h"
 #include "core/base/result.h"
 #include "core/base/scalar.h"
 
-// The border between the program and its picture module, the only part that knows OpenImageIO, libpng, libtiff and
-// giflib. The module is loaded when first needed.
+// The border between the program and its picture module, the only part that knows OpenImageIO, libpng, libtiff, giflib
+// and GDCM. The module is loaded when first needed.
 namespace homolog {
 
 /// One greyscale picture or a file of several pages.
@@ -24,6 +25,13 @@ struct PicturePages {
 /// Gives the memory for the next `bytes` bytes, or an error that ends the reading. Readers call it as rows arrive. The
 /// rooms of one page lie one behind the other in memory.
 using PageRoom = std::function<Result<std::span<std::byte>>(std::size_t bytes)>;
+
+/// How DICOM describes a plane of pixels that is encoded as JPEG, JPEG-LS or JPEG 2000.
+struct JpegPlane {
+  std::string transfer_syntax;  ///< its UID
+  int columns = 0, rows = 0, bits_allocated = 0, bits_stored = 0, high_bit = 0;
+  bool is_signed = false;
+};
 
 /// The module's functions. All refuse damaged files. A name decides by its ending which reader a file gets, so that no
 /// other is tried on what it may hold instead.
@@ -40,6 +48,9 @@ struct PictureModule {
   /// The bytes of a GIF that plays [encode_gif in picture_readers.h].
   Result<std::vector<unsigned char>> (*encode_gif)(const std::vector<Picture>& frames, int hundredths,
                                                    const std::filesystem::path& path);
+  /// Decodes a grey plane into `out`, which has just its size. False where it does not decode. The decoders print what
+  /// they dislike on the standard error.
+  bool (*decode_jpeg)(const JpegPlane& plane, std::span<const char> stream, std::span<std::byte> out);
 };
 
 /// The loaded module, or why it cannot be loaded.

@@ -20,4 +20,6 @@ Result<std::vector<unsigned char>> encode_gif(const std::vector<Picture>& frames
 Result<PicturePages> tiff_pages(const std::filesystem::path& path);
 Result<void> read_tiff_pages(const std::filesystem::path& path, const PicturePages& expected, const PageRoom& room);
 
+bool decode_jpeg(const JpegPlane& plane, std::span<const char> stream, std::span<std::byte> out);
+
 }  // namespace homolog

@@ -1,9 +1,5 @@
 #include "core/volume/dicom_pixels.h"
 
-#include <gdcmImage.h>
-#include <gdcmSequenceOfFragments.h>
-#include <gdcmTrace.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -17,15 +13,14 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/picture_module.h"
 #include "core/base/process.h"
 #include "core/base/text.h"
 #include "core/volume/codestream.h"
 #include "core/volume/dicom_rle.h"
 #include "core/volume/readers.h"
 
-// Pixels as they are or run-length encoded are read here; the JPEG family through GDCM, the library behind ITK's
-// reader. Only its decoders are used: its parser fills missing pixels with zeros and, as Debian builds it, aborts the
-// program on damaged files. Its run-length decoder trusts every header.
+// Pixels as they are or run-length encoded are read here; those of the JPEG family by the picture module.
 namespace homolog {
 namespace {
 
@@ -85,32 +80,11 @@ tl::unexpected<Error> not_decodable(const DicomHeader& header) {
   return fail(header.path.string(), "holds pixels that do not decode; copy it again or export it uncompressed");
 }
 
-/// The decoders of JPEG print on the standard error what they dislike, whatever GDCM is told.
-void silence_gdcm() {
-  gdcm::Trace::DebugOff();
-  gdcm::Trace::WarningOff();
-  gdcm::Trace::ErrorOff();
-}
-
 /// Streams of the JPEG family end with the marker FFD9, perhaps padded; decoders make up what a cut one lacks.
 bool is_closed(const std::string& transfer_syntax, const std::vector<char>& stream) {
   if (!transfer_syntax.starts_with("1.2.840.10008.1.2.4.")) return true;
   const auto last = std::find_if(stream.rbegin(), stream.rend(), [](char c) { return c != 0; });
   return stream.rend() - last >= 2 && last[0] == '\xd9' && last[1] == '\xff';
-}
-
-/// A picture that is given to GDCM without its file.
-gdcm::Image empty_image(const DicomHeader& header, gdcm::TransferSyntax::TSType syntax) {
-  gdcm::Image image;
-  image.SetTransferSyntax(syntax);
-  image.SetNumberOfDimensions(2);
-  image.SetDimension(0, static_cast<unsigned>(header.columns));
-  image.SetDimension(1, static_cast<unsigned>(header.rows));
-  const auto bits = [](int count) { return static_cast<unsigned short>(count); };
-  image.SetPixelFormat(gdcm::PixelFormat(1, bits(header.bits_allocated), bits(header.bits_stored),
-                                         bits(header.high_bit), header.is_signed ? 1 : 0));
-  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
-  return image;
 }
 
 constexpr std::string_view rle_syntax = "1.2.840.10008.1.2.5", jpeg_2000_syntax = "1.2.840.10008.1.2.4.9";
@@ -123,24 +97,16 @@ bool has_header_size(const DicomHeader& header, std::span<const char> stream) {
 }
 
 /// Decodes one plane of the JPEG family.
-bool decode_jpeg(const DicomHeader& header, std::span<const char> stream, std::span<std::byte> out) {
-  const auto syntax = gdcm::TransferSyntax::GetTSType(header.transfer_syntax.c_str());
-  if (syntax == gdcm::TransferSyntax::TS_END) return false;
-  gdcm::Fragment fragment;
-  fragment.SetByteValue(stream.data(), gdcm::VL(static_cast<std::uint32_t>(stream.size())));
-  const auto sequence = gdcm::SequenceOfFragments::New();
-  sequence->AddFragment(fragment);
-  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010), gdcm::VL(0xffffffff), gdcm::VR::OB);
-  pixels.SetValue(*sequence);
-  gdcm::Image image = empty_image(header, syntax);
-  image.SetDataElement(pixels);
+bool decode_jpeg(const PictureModule& module, const DicomHeader& header, std::span<const char> stream,
+                 std::span<std::byte> out) {
   const SilencedErrors silence;
-  silence_gdcm();
-  return image.GetBufferLength() == out.size() && image.GetBuffer(reinterpret_cast<char*>(out.data()));
+  return module.decode_jpeg({header.transfer_syntax, header.columns, header.rows, header.bits_allocated,
+                             header.bits_stored, header.high_bit, header.is_signed},
+                            stream, out);
 }
 
 /// The transfer syntaxes in which pixels can be decoded: run lengths, each frame deflated, and of the JPEG family those
-/// that GDCM knows.
+/// that the picture module knows.
 constexpr std::string_view deflated_frames_syntax = "1.2.840.10008.1.2.8.1";
 constexpr std::array<std::string_view, 11> decoded_syntaxes{rle_syntax,
                                                             deflated_frames_syntax,
@@ -215,13 +181,16 @@ Result<void> decode(const DicomHeader& header, Scalar type, const Room& room, Pr
   if (fragments < planes) return pixels_missing(header);
   if ((planes > 1 || run_lengths) && fragments != planes)
     return fail(header.path.string(), "keeps its frames in pieces; export it uncompressed");
+  const bool is_deflated = header.transfer_syntax == deflated_frames_syntax;
+  const auto module = run_lengths || is_deflated ? Result<const PictureModule*>(nullptr) : picture_module();
+  if (!module) return fail(module.error());
   std::ifstream in(header.path, std::ios::binary);
   for (std::size_t p = 0; p < planes; ++p) {
     if (progress) {
       if (progress->cancelled()) return fail(header.path.string(), "was not read: cancelled");
       progress->report(static_cast<double>(p) / static_cast<double>(planes));
     }
-    if (header.transfer_syntax == deflated_frames_syntax) {
+    if (is_deflated) {
       const std::span<std::byte> out = room(plane_bytes_of(header, type));
       if (auto inflated = inflate_plane(header, p, out); !inflated) return inflated;
       if (header.big_endian != native_big_endian()) swap_byte_order(out, type);
@@ -232,7 +201,7 @@ Result<void> decode(const DicomHeader& header, Scalar type, const Room& room, Pr
     if (!stream || !is_closed(header.transfer_syntax, *stream)) return pixels_missing(header);
     if (!run_lengths && !has_header_size(header, *stream)) return not_decodable(header);
     const std::span<std::byte> out = room(plane_bytes_of(header, type));
-    if (run_lengths ? !decode_rle(*stream, size_of(type), out) : !decode_jpeg(header, *stream, out))
+    if (run_lengths ? !decode_rle(*stream, size_of(type), out) : !decode_jpeg(**module, header, *stream, out))
       return not_decodable(header);
     if (run_lengths) take_stored_bits(out, type, header);
   }

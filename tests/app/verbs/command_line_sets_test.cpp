@@ -604,28 +604,25 @@ TEST_CASE("a name that two labels have is left out of a set and of a fit with bo
 }
 
 TEST_CASE("a structure that repair puts in goes into the worklist") {
-  const TemporaryFolder folder;
-  REQUIRE(run(folder, "phantom spine --subject 1 -o .").status == 0);
-  VolumeRead map = test::must(read_volume(folder.path / "spine-1-labels.nii.gz"));
+  const SubjectsFolder folder;
+  REQUIRE(run(folder, "set make three.seg.nrrd --all --vertices 150 -o eggs.set.json").status == 0);
+  VolumeRead map = test::must(read_volume(folder.path / "three.seg.nrrd"));
   std::visit(
       [](auto& voxels) {
         for (auto& voxel : voxels)
-          if (voxel == 3) voxel = 0;
+          if (voxel == 2) voxel = 0;
       },
       map.volume.data);
-  fs::create_directories(folder.path / "in");
-  fs::copy_file(folder.path / "spine-1-labels.json", folder.path / "in" / "lacks.json");
-  REQUIRE(write_volume(map.volume, folder.path / "in" / "lacks.nii.gz"));
-  const Ran mended = run(folder, "repair in/lacks.nii.gz --templates built-in:spine -o out --json");
+  REQUIRE(write_segmentation(map, folder.path / "lacks.seg.nrrd"));
+  const Ran mended = run(folder, "repair lacks.seg.nrrd --templates eggs.set.json -o out --json");
   REQUIRE_MESSAGE(mended.status == 0, mended.errors);
-  const Json of_mended = mended.json()["cases"][0]["structures"][4];
-  CHECK(of_mended["name"] == "vertebrae_L2");
-  CHECK(of_mended["changed_voxels"].get<int>() > 1000);
-  const fs::path put_in = folder.path / "out" / "lacks-cases" / "lacks-vertebrae_L2.homolog";
+  const Json of_mended = mended.json()["cases"][0]["structures"][1];
+  CHECK(of_mended["name"] == "b");
+  CHECK(of_mended["changed_voxels"].get<int>() > 300);
+  const fs::path put_in = folder.path / "out" / "lacks-cases" / "lacks-b.homolog";
   REQUIRE(fs::exists(put_in));
   const Study study = test::must(read_study(folder.path / "out" / "worklist.study.json")).study;
-  const auto in_study =
-      std::ranges::find_if(study.cases, [](const StudyCase& one) { return one.name == "lacks-vertebrae_L2"; });
+  const auto in_study = std::ranges::find_if(study.cases, [](const StudyCase& one) { return one.name == "lacks-b"; });
   REQUIRE(in_study != study.cases.end());
   CHECK(in_study->doubt == "Found: missing.");
 }

@@ -89,6 +89,7 @@ Result<Report> convert_contours(const fs::path& in, const fs::path& out, const f
   if (!image) return fail(image.error());
   auto map = labels_of_contours(in, *contours, like, image->volume, &progress, image->resampled);
   if (!map) return fail(map.error());
+  map->resampled = image->resampled;
   const auto written = write_labels(*map, out, like, progress, record);
   if (!written) return fail(written.error());
   std::vector<std::string> warnings = image->warnings;
@@ -204,6 +205,10 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     const bool is_mesh = is_mesh_name(options->in) || is_built_in(options->in.string());
     if (!options->like.empty() && is_mesh)
       return fail(options->in.string(), "is a mesh, so that --like has no effect; label-map makes voxels of it");
+    if (is_mesh && !is_mesh_name(options->out) && !looks_like_volume(options->out))
+      return fail(options->out.string(), "is not a kind of mesh that can be written; end its name in " +
+                                             listed(mesh_format_extensions(&MeshFormat::keeps_template), " or ") +
+                                             ", or in that of another mesh format (docs/formats.md)");
     if (is_mesh != is_mesh_name(options->out)) {
       return fail(options->out.string(),
                   "is not of the same kind as " + options->in.string() +

@@ -82,6 +82,11 @@ DicomElements described(const WrittenSegment& one) {
   return segment;
 }
 
+/// The segmentation lies on a grid that the series was resampled to, whose slices are no images.
+bool is_resampled(const DicomSeries& series) {
+  return !series.arrangement.uneven.empty();
+}
+
 /// The image of a slice, and which plane of its file it is.
 DicomElements referenced_image(const DicomSeries& series, int slice, bool with_frame) {
   const DicomPlaneSource& plane = series.arrangement.planes[static_cast<std::size_t>(slice)];
@@ -95,17 +100,22 @@ DicomElements referenced_image(const DicomSeries& series, int slice, bool with_f
 
 /// `rank`: which of the slices that have frames it is, from 1.
 DicomElements frame_group(const DicomSeries& series, int number, int slice, std::uint32_t rank) {
+  DicomElements derivation, content, position, identification, group;
+  content.put_longs(0x00209157, {static_cast<std::uint32_t>(number), rank});
+  identification.put_shorts(0x0062000b, {static_cast<std::uint16_t>(number)});
+  const Vec3 on_grid = series.grid.to_mm(Vec3(0, 0, slice));
+  if (is_resampled(series)) {
+    position.put_decimals(0x00200032, {on_grid.x(), on_grid.y(), on_grid.z()});
+    group.put_items(0x00209111, {content}).put_items(0x00209113, {position}).put_items(0x0062000a, {identification});
+    return group;
+  }
   DicomElements source = referenced_image(series, slice, true);
   source.put_items(0x0040a170, {coded("121322", "DCM", "Source image for image processing operation")});
   const DicomPlaneSource& plane = series.arrangement.planes[static_cast<std::size_t>(slice)];
   // The image's own place: rounded, it may lie a little off the grid.
-  const Vec3 place =
-      series.headers[plane.file].planes[plane.plane_in_file].position_mm.value_or(series.grid.to_mm(Vec3(0, 0, slice)));
-  DicomElements derivation, content, position, identification, group;
+  const Vec3 place = series.headers[plane.file].planes[plane.plane_in_file].position_mm.value_or(on_grid);
   derivation.put_items(0x00082112, {source}).put_items(0x00089215, {coded("113076", "DCM", "Segmentation")});
-  content.put_longs(0x00209157, {static_cast<std::uint32_t>(number), rank});
   position.put_decimals(0x00200032, {place.x(), place.y(), place.z()});
-  identification.put_shorts(0x0062000b, {static_cast<std::uint16_t>(number)});
   group.put_items(0x00089124, {derivation})
       .put_items(0x00209111, {content})
       .put_items(0x00209113, {position})
@@ -225,7 +235,7 @@ DicomElements data_set(const DicomSeries& series, const std::vector<WrittenSegme
   if (series.headers.size() == 1)
     images.push_back(referenced_image(series, 0, false));
   else
-    for (int k = 0; k < series.grid.dims[2]; ++k) images.push_back(referenced_image(series, k, false));
+    for (int k = 0; k < series.arrangement.slices; ++k) images.push_back(referenced_image(series, k, false));
   DicomElements referenced;
   referenced.put_items(0x0008114a, images).put(0x0020000e, "UI", series.headers.front().series_uid);
   data.put(0x00080005, "CS", "ISO_IR 192")
@@ -250,13 +260,16 @@ DicomElements data_set(const DicomSeries& series, const std::vector<WrittenSegme
 
 /// Errors: the series lacks what a segmentation refers to.
 Result<void> check_series(const fs::path& path, const DicomSeries& series) {
+  std::vector<std::string> missing;
   for (const auto& [tag, what] :
        {std::pair(0x0020000dU, "study"), std::pair(0x00200052U, "frame of reference"), std::pair(0x0020000eU, "series"),
         std::pair(0x00080018U, "instance"), std::pair(0x00080016U, "class")})
-    if (text_of(series.about, tag).empty())
-      return fail(path.string(), std::string("names no ") + what +
-                                     " (its UID is missing), so that no segmentation can refer to it; take the series "
-                                     "as the scanner wrote it");
+    if (text_of(series.about, tag).empty()) missing.push_back(std::string("no ") + what);
+  if (!missing.empty())
+    return fail(path.string(), "names " + listed(missing, " and ") + " (" +
+                                   (missing.size() == 1 ? "its UID is" : "their UIDs are") +
+                                   " missing), so that no segmentation can refer to it; take the series as the scanner "
+                                   "wrote it");
   if (series.arrangement.frames > 1)
     return fail(path.string(),
                 "holds several frames, of which a segmentation could not say which it is of; keep the "
@@ -277,8 +290,9 @@ std::vector<std::string> numbered_anew(const fs::path& path, const std::vector<W
 
 Result<std::vector<std::string>> write_dicom_segmentation(const VolumeRead& map, const fs::path& path,
                                                           const fs::path& series_path, Progress* progress) {
-  const auto series = read_dicom_series(series_path, progress);
+  auto series = read_dicom_series(series_path, progress, map.resampled.has_value());
   if (!series) return fail(series.error());
+  if (is_resampled(*series)) series->grid = map.volume.geometry;
   if (auto whole = check_series(series_path, *series); !whole) return fail(whole.error());
   if (map.volume.frames > 1) return fail(path.string(), "cannot hold the frames of a cine; write one frame by itself");
   std::optional<VoxelMapping> mapping = mapping_of(series->grid, map.volume.geometry);

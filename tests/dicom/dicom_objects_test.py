@@ -225,6 +225,39 @@ for name, places in (("tilted", [(0, 0.9 * k, 2.5 * k) for k in range(6)]), ("un
         check(kind + " filled", filled.mean() > (0.99 if name == "uneven" else 0.3), filled.mean())
         check(kind + " steps", numpy.abs(numpy.linalg.norm(steps, axis=1) - [0.5, 0.75, 2.5 if name == "tilted" else 2]).max() < 1e-6, steps)
         check(kind + " info", "resampled" in json.loads(run("info", ct, "--resample", "--json").stdout or "{}"))
+        # A segmentation of the resampled series lies where its voxels do, and refers to the series.
+        drawn, seg = folder / f"drawn {kind}.seg.nrrd", folder / f"drawn {kind}.dcm"
+        labels = numpy.zeros(voxels[0].shape, numpy.uint8)
+        labels[1:4, 2:5, 3:6] = 1
+        head = out.read_bytes().split(b"\n\n", 1)[0].replace(b"type: float", b"type: uint8").replace(b"encoding: gzip", b"encoding: raw")
+        head = b"\n".join(line for line in head.split(b"\n") if not line.startswith(b"homolog"))
+        drawn.write_bytes(head + b"\n\n" + labels.tobytes())
+        ran = run("convert", drawn, seg, "--like", ct, "--resample")
+        if not seg.exists():
+            continue
+        ds = pydicom.dcmread(seg)
+        check(kind + " refers", len(ds.ReferencedSeriesSequence[0].ReferencedInstanceSequence) == 6 and ds.NumberOfFrames == 3 and
+              "DerivationImageSequence" not in ds.PerFrameFunctionalGroupsSequence[0], ds.ReferencedSeriesSequence)
+        run("convert", seg, folder / "back.seg.nrrd")
+        back, steps_back, origin_back, _ = read_nrrd(folder / "back.seg.nrrd")
+        check(kind + " back", numpy.array_equal(back[0], labels[1:4]), back.shape)
+        check(kind + " back place", numpy.abs(origin_back - (origin + steps[2])).max() < 1e-3 and
+              numpy.abs(steps_back - steps).max() < 1e-3, (origin_back, origin))
+        run("convert", seg, folder / "on.seg.nrrd", "--like", ct, "--resample")
+        check(kind + " on the grid", numpy.array_equal(read_nrrd(folder / "on.seg.nrrd")[0][0], labels))
+        plain = run("convert", drawn, seg, "--like", ct, status=1)
+        check(kind + " without the option, written", "--resample" in plain.stderr, plain.stderr)
+
+# A series that was robbed of its UIDs is told all of them at once.
+robbed = folder / "robbed"
+make.write_series(robbed, make.Grid())
+for file in robbed.glob("*.dcm"):
+    ds = pydicom.dcmread(file)
+    ds.StudyInstanceUID, ds.FrameOfReferenceUID = "", ""
+    ds.save_as(file)
+run("convert", folder / "straight Implicit VR Little Endian" / "seg.dcm", folder / "for robbed.seg.nrrd")
+ran = run("convert", folder / "for robbed.seg.nrrd", folder / "robbed.dcm", "--like", robbed, status=1)
+check("UIDs at once", "names no study and no frame of reference (their UIDs are missing)" in ran.stderr, ran.stderr)
 
 # Written: segments that overlap, on the voxels of an oblique series, with its patient, its space and its images.
 for oblique in (False, True):

@@ -276,7 +276,7 @@ const VolumeFormat formats::dicom{
     .recognises = looks_like_dicom,
     .read = read_dicom};
 
-Result<DicomSeries> read_dicom_series(const fs::path& path, Progress* progress) {
+Result<DicomSeries> read_dicom_series(const fs::path& path, Progress* progress, bool resample) {
   DicomSeries result;
   std::error_code ignored;
   std::vector<DicomHeader> all;
@@ -298,7 +298,7 @@ Result<DicomSeries> read_dicom_series(const fs::path& path, Progress* progress) 
     if (const auto image = check_image(header); !image) return fail(image.error());
   std::vector<std::string> warnings;
   result.headers = without_copies(path, all, warnings);
-  auto arrangement = arrange(path, result.headers, warnings);
+  auto arrangement = arrange(path, result.headers, warnings, resample);
   if (!arrangement) return fail(arrangement.error());
   result.arrangement = std::move(*arrangement);
   const DicomHeader& first = result.headers.front();

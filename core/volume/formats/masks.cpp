@@ -27,9 +27,9 @@ Result<VolumeRead> read_one_mask(const fs::path& file) {
   auto read = read_labels(file);
   if (!read) return read;
   if (read->volume.frames == 1 && read->other_layers.empty() && labels_of(read->volume).size() < 2) return read;
-  return fail(file.string(),
-              "holds several labels, frames or grey values, so that its folder is no folder of single masks; name "
-              "one file of it");
+  return fail(file.parent_path().string(), "is a folder, and no single masks lie in it, since " +
+                                               file.filename().string() +
+                                               " holds several labels, frames or grey values; name one file of it");
 }
 
 /// The grid that holds two whose voxels coincide; none where it would be far larger than what masks of one scan need.

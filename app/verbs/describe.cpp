@@ -6,11 +6,13 @@
 #include "app/verbs/training.h"
 #include "core/base/colour.h"
 #include "core/catalogue/catalogue.h"
+#include "core/mesh/curve_io.h"
 #include "core/mesh/inside_out.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/rims.h"
+#include "core/mesh/slicer_curves.h"
 #include "core/model/statismo.h"
 #include "core/session/case_file.h"
 #include "core/volume/contours.h"
@@ -243,7 +245,7 @@ void describe_empty_segments(const Segmentation& known, Json& labels) {
 }
 
 Result<Report> describe_contours(const std::filesystem::path& path) {
-  const auto contours = read_contours(path);
+  const auto contours = read_curves(path);
   if (!contours) return fail(contours.error());
   Json rois = Json::array();
   for (const ContourRoi& roi : contours->rois)
@@ -256,6 +258,15 @@ Result<Report> describe_contours(const std::filesystem::path& path) {
                     {"planes", roi.planes()}});
   return Report{{{"kind", "contours"}, {"series", contours->referenced.series}, {"rois", std::move(rois)}},
                 contours->warnings};
+}
+
+/// Whether a landmark file's points are all of curves that somebody drew.
+bool holds_curves(const std::filesystem::path& path, const Result<std::vector<Landmark>>& landmarks) {
+  const auto curves = read_slicer_curves(path);
+  if (!curves) return false;
+  std::size_t points = 0;
+  for (const SlicerCurve& curve : *curves) points += curve.points.size();
+  return points > 0 && (!landmarks || landmarks->size() == points);
 }
 
 }  // namespace
@@ -273,7 +284,8 @@ Result<Report> describe_file(const std::filesystem::path& path, const VolumeRead
   if (is_model_name(path)) return describe_model(path);
   if (is_mesh_name(path)) return describe_surface(path);
   if (is_landmark_name(path)) {
-    auto landmarks = read_landmarks(path);
+    const auto landmarks = read_landmarks(path);
+    if (holds_curves(path, landmarks)) return describe_contours(path);
     if (!landmarks) return fail(landmarks.error());
     Report report;
     report.values = {{"kind", "landmarks"}, {"landmarks", Json::object()}};

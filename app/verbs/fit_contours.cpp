@@ -85,14 +85,23 @@ Result<FitResult> fit_to_all(const FitJob& options, const FitShared& shared, con
   return fit;
 }
 
+/// Whether all curves lie in one plane, so that nothing says how far the organ goes on beside it.
+bool in_one_plane(const std::vector<DrawnContour>& contours) {
+  constexpr std::size_t few = 8;  // planes are asked for alone
+  const ContourSamples cut = sampled_contours(contours, few * contours.size());
+  return cut.planes.size() == 1 && std::ranges::none_of(cut.samples, [](const auto& one) { return one.plane < 0; });
+}
+
 /// Says what the fit came to.
+/// `alone`: there was no label map and no image beside the contours.
 void describe_fit(const DrawnOrgan& organ, const Template& the_template, const FitResult& fit, double seconds,
-                  const fs::path& path, Report& report) {
+                  const fs::path& path, bool alone, Report& report) {
   constexpr double off_share = 0.01, doubt_share = 0.06;
   const ContourDistance off = contour_distance(organ.contours, fit.mesh);
   const double diagonal_mm = bounds_of(fit.mesh.points).diagonal().norm();
   const bool off_contours = off.mean_mm > off_share * diagonal_mm,
-             in_doubt = fit.doubt_mm.mean() > doubt_share * std::sqrt(surface_area_mm2(fit.mesh)),
+             in_doubt = fit.doubt_mm.mean() > doubt_share * std::sqrt(surface_area_mm2(fit.mesh)) ||
+                        (alone && in_one_plane(organ.contours)),
              before = report.values.value("doubtful", false);
   if (off_contours) {
     char text[160];
@@ -204,7 +213,7 @@ Result<Report> fit_contours(const FitJob& options, const FitShared& shared, Prog
   if (!record) return fail(record.error());
   file.record = std::move(*record);
   if (auto written = write_mesh_file(file, options.out); !written) return fail(written.error());
-  describe_fit(*organ, *shared.the_template, *fit, seconds, options.contours.front(), report);
+  describe_fit(*organ, *shared.the_template, *fit, seconds, options.contours.front(), !mask && !image, report);
   report.warnings.insert(report.warnings.begin(), landmarks->warnings.begin(), landmarks->warnings.end());
   if (image) report_image(options, *image, report);
   return report;

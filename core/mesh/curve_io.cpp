@@ -7,7 +7,10 @@
 #include "core/base/files.h"
 #include "core/base/text.h"
 #include "core/mesh/formats/vtp_lines.h"
+#include "core/mesh/mesh_io.h"
 #include "core/mesh/slicer_curves.h"
+#include "core/volume/dicom_set.h"
+#include "core/volume/volume_io.h"
 
 namespace homolog {
 
@@ -92,7 +95,10 @@ Result<Contours> contours_in(const fs::path& folder) {
     if (holds_contours(entry->path())) found.push_back(entry->path());
   if (failed) return fail(folder.string(), "cannot be read: " + failed.message());
   std::sort(found.begin(), found.end());
-  if (found.empty()) return fail(folder.string(), "holds no DICOM structure set (RTSTRUCT); name the file that does");
+  if (found.empty())
+    return fail(folder.string(),
+                "holds no DICOM structure set (RTSTRUCT); name the file that does, or the files of curves (.mrk.json, "
+                ".vtp)");
   if (found.size() > 1)
     return fail(folder.string(), "holds " + std::to_string(found.size()) + " structure sets; name one, as " +
                                      found.front().filename().string());
@@ -105,7 +111,13 @@ Result<Contours> read_curves(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return contours_in(path);
   const std::string extension = lower_case(path.extension().string());
-  if (extension != ".json" && extension != ".vtp") return read_contours(path);
+  if (extension != ".json" && extension != ".vtp") {
+    if (is_mesh_name(path) || (looks_like_volume(path) && !looks_like_dicom(path)))
+      return fail(path.string(), std::string("is ") + (is_mesh_name(path) ? "a mesh" : "a volume") +
+                                     " and no contours, which are a DICOM structure set (RTSTRUCT), curves of 3D "
+                                     "Slicer (.mrk.json) or lines (.vtp)");
+    return read_contours(path);
+  }
   Contours contours;
   auto curves = extension == ".json" ? curves_of_slicer(path) : lines_of_vtp(path, contours.warnings);
   if (!curves) return fail(curves.error());

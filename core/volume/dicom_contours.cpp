@@ -337,14 +337,18 @@ Result<const ContourRoi*> roi_of(const Contours& contours, const std::string& as
   Segmentation known;
   for (const ContourRoi& roi : contours.rois) known.add({.name = roi.name, .value = roi.number});
   const auto segments = asked_segments(asked, known);
-  if (!segments) return fail(segments.error());
-  if (segments->size() != 1) return fail("", "holds several structures of \"" + excerpt(asked) + "\"; name one");
+  const bool named = std::ranges::any_of(contours.rois, [&](const ContourRoi& roi) {
+    return name_likeness(std::string(trimmed(asked)), roi.name) != NameLikeness::none;
+  });
+  if (!segments && named) return fail(segments.error());
+  if (segments && segments->size() != 1)
+    return fail("", "holds several structures of \"" + excerpt(asked) + "\"; name one");
   for (const ContourRoi& roi : contours.rois)
-    if (roi.number == segments->front().value) return &roi;
+    if (segments && roi.number == segments->front().value) return &roi;
   std::vector<std::string> names;
   for (const ContourRoi& roi : contours.rois)
     names.push_back(std::to_string(roi.number) + " (" + excerpt(roi.name) + ")");
-  return fail("", "has no structure " + excerpt(asked) + "; it has " + listed(names, " and "));
+  return fail("", "has no structure \"" + excerpt(asked) + "\"; it has " + listed(names, " and "));
 }
 
 }  // namespace homolog

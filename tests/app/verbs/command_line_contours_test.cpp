@@ -56,6 +56,30 @@ TEST_CASE("contours that only lie outside make a smaller mesh") {
   CHECK(limit.json()["contours_mm"]["mean"].get<double>() < 0.2);
 }
 
+TEST_CASE("contours of one plane alone leave the organ's place beside it in doubt") {
+  const TemporaryFolder folder;
+  put_curves(folder.path / "drawn.mrk.json");
+  Json one = Json::parse(read_whole_file(folder.path / "drawn.mrk.json").value());
+  one["markups"] = Json::array({one["markups"][2]});
+  REQUIRE(write_whole_file(folder.path / "one.mrk.json", one.dump()));
+  const Ran alone = run(folder, "fit built-in:kidney --contours one.mrk.json -o m.ply --json");
+  REQUIRE_MESSAGE(alone.status == 0, alone.errors);
+  CHECK(alone.json()["doubtful"] == true);
+  CHECK(alone.errors.find("draw more of them") != std::string::npos);
+  const Ran five = run(folder, "fit built-in:kidney --contours drawn.mrk.json -o m.ply --json");
+  CHECK(five.json()["doubtful"] == false);
+}
+
+TEST_CASE("info of curves says that they are contours") {
+  const TemporaryFolder folder;
+  put_curves(folder.path / "drawn.mrk.json");
+  const Ran ran = run(folder, "info drawn.mrk.json --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["kind"] == "contours");
+  CHECK(ran.json()["rois"][0]["name"] == "drawn");
+  CHECK(ran.json()["rois"][0]["contours"] == 5);
+}
+
 TEST_CASE("contours that cannot be used are refused in a sentence") {
   const TemporaryFolder folder;
   put_curves(folder.path / "drawn.mrk.json");
@@ -63,7 +87,13 @@ TEST_CASE("contours that cannot be used are refused in a sentence") {
   const std::string fit = "fit built-in:kidney -o m.ply --contours ";
   check_refused(run(folder, fit + "points.mrk.json"), "points.mrk.json");
   check_refused(run(folder, fit + "absent.vtp"), "absent.vtp");
-  check_refused(run(folder, fit + "drawn.mrk.json --structure spleen"), "spleen");
+  check_refused(run(folder, fit + "drawn.mrk.json --structure spleen"),
+                "has no structure \"spleen\"; it has 1 (drawn)");
+  REQUIRE(run(folder, "convert built-in:kidney k.ply").status == 0);
+  check_refused(run(folder, fit + "k.ply"), "k.ply: is a mesh and no contours");
+  fs::create_directory(folder.path / "curves");
+  put_curves(folder.path / "curves/drawn.mrk.json");
+  check_refused(run(folder, fit + "curves"), "or the files of curves (.mrk.json, .vtp)");
   CHECK(run(folder, fit + "drawn.mrk.json --mesh m.ply").status == 2);
   CHECK(run(folder, fit + "drawn.mrk.json --partial").status == 2);
   CHECK(run(folder, fit + "drawn.mrk.json --resample").status == 2);

@@ -52,6 +52,14 @@ Json described_score(const std::string& name, const ShapeScore& score, const Sha
   return row;
 }
 
+/// What is said of a subject that the model was made of.
+std::string own_shape(const ShapeModel& model, Eigen::Index trained) {
+  const auto k = static_cast<std::size_t>(trained);
+  return ": is itself a shape of the model" +
+         (k < model.names.size() && !model.names[k].empty() ? " (" + model.names[k] + ")" : std::string()) +
+         ", so that it seems nearer to the mean than it is; score it against a model of the others";
+}
+
 /// Writes a shape with z of each vertex, where it lies: as VTP, since in PLY z is a coordinate.
 Result<void> write_scored(const MeshFile& shape, const ShapeModel& model, const ShapeScore& score, std::string record,
                           const fs::path& to) {
@@ -113,6 +121,7 @@ Result<Report> score(const ScoreJob& job, Progress& progress) {
       continue;
     }
     subjects.push_back(described_score(names[k], *scored, *model, (*shapes)[k].doubt));
+    if (scored->trained) report.warnings.push_back(files[k] + own_shape(*model, *scored->trained));
     if (job.out.empty()) continue;
     auto record = of_files[(*shapes)[k].from];
     if (record.empty()) {

@@ -15,6 +15,7 @@
 #include "core/catalogue/catalogue.h"
 #include "core/model/model_prior.h"
 #include "core/model/numbering.h"
+#include "core/model/score.h"
 #include "core/model/shape_files.h"
 #include "core/model/statismo.h"
 #include "core/model/structure_files.h"
@@ -160,6 +161,11 @@ Result<MapScoring> map_scoring(const NewShapes& asked, const ShapeModel& model) 
   return with;
 }
 
+bool is_volume_file(const fs::path& path) {
+  std::error_code error;
+  return !fs::is_directory(path, error) && !is_mesh_name(path) && looks_like_volume(path);
+}
+
 /// What looks wrong about a shape beside the model's mean, a sentence each. Flips a mirror image where that is asked.
 std::vector<std::string> check_against_mean(const NewShapes& asked, const ShapeModel& model, NewShape& shape) {
   std::vector<std::string> found;
@@ -202,10 +208,14 @@ NewShapes with_maps_opened(NewShapes asked) {
 
 Result<std::vector<NewShape>> read_new_shapes(const NewShapes& asked, const ShapeModel& model,
                                               std::vector<std::string>& warnings, Progress& progress) {
+  if ((!asked.label.empty() || asked.frame) && std::ranges::none_of(asked.files, is_volume_file))
+    return fail(asked.files.front().string(), "is no label map, so --label and --frame have no effect; leave them out");
   std::vector<NewShape> shapes;
   std::size_t from = 0;
   const auto add = [&](Result<NewShape> shape) {
     if (!shape) return warnings.push_back(shape.error().sentence());
+    if (auto same = check_faces(model, shape->mesh); !same)
+      return warnings.push_back(shape->name + ": " + same.error().what);
     shape->from = from;
     for (std::string& sentence : check_against_mean(asked, model, *shape)) warnings.push_back(std::move(sentence));
     shapes.push_back(std::move(*shape));
@@ -229,7 +239,7 @@ Result<std::vector<NewShape>> read_new_shapes(const NewShapes& asked, const Shap
     if (progress.cancelled()) return fail("", "the scores were cancelled");
     if (!model.parts.empty() && (fs::is_directory(path, error) || is_case_file(path) || is_study_file(path))) {
       for (auto& shape : joined_shapes(model, path)) add(std::move(shape));
-    } else if (!fs::is_directory(path, error) && !is_mesh_name(path) && looks_like_volume(path)) {
+    } else if (is_volume_file(path)) {
       if (of_images) {
         add(shape_of_image(asked, *of_images, path, warnings, own));
         continue;
@@ -247,9 +257,7 @@ Result<std::vector<NewShape>> read_new_shapes(const NewShapes& asked, const Shap
         continue;
       }
       const auto take = [&](ReadShape shape) -> Result<void> {
-        NewShape taken{std::move(shape.name), *shape.mesh, std::move(shape.doubt), k};
-        for (std::string& sentence : check_against_mean(asked, model, taken)) warnings.push_back(std::move(sentence));
-        shapes.push_back(std::move(taken));
+        add(NewShape{std::move(shape.name), *shape.mesh, std::move(shape.doubt), k});
         return {};
       };
       const auto read = read_shapes(*sources, {.doubts = true}, take, &own);

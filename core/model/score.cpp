@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/mirror.h"
 
 namespace homolog {
 
@@ -95,6 +96,17 @@ ScoreOfPart score_of_rows(const VertexScalars& z, const Points& beyond, Eigen::I
           std::sqrt(beyond.middleRows(first, count).squaredNorm() / rows)};
 }
 
+/// Which training shape has these coefficients (mm). They are equal but for what an alignment to the mean alone is off
+/// the alignment of all. One coefficient may be equal by chance.
+std::optional<Eigen::Index> training_shape_at(const ShapeModel& model, const Eigen::VectorXd& b) {
+  constexpr double equal_share = 5e-4;  // of the largest mode's deviation
+  if (model.scores.rows() != b.size() || b.size() < 2) return std::nullopt;
+  const double equal_mm = equal_share * std::sqrt(model.variances[0]);
+  for (Eigen::Index k = 0; k < model.scores.cols(); ++k)
+    if ((model.scores.col(k) - b).cwiseAbs().maxCoeff() < equal_mm) return k;
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, const VertexScalars& doubt_mm) {
@@ -113,6 +125,7 @@ Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, con
   const Eigen::VectorXd b = weighed_coefficients(model, score.aligned, weights);
   score.modes = b.cwiseQuotient(model.variances.cwiseSqrt());
   score.distance = score.modes.norm();
+  score.trained = training_shape_at(model, doubted ? coefficients(model, score.aligned) : b);
   const Points mean = points_of(model.mean), beyond = score.aligned - shape_of(model, b);
   const Points normals = vertex_normals({model.topology, mean});
   const VertexScalars along = (score.aligned - mean).cwiseProduct(normals).rowwise().sum();
@@ -136,6 +149,16 @@ Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, con
     score.percentile =
         100 * static_cast<double>((others.array() < score.distance).count()) / static_cast<double>(others.size());
   return score;
+}
+
+Result<void> check_faces(const ShapeModel& model, const MeshFile& mesh) {
+  const Triangles& own = mesh.triangles;
+  if (!model.topology || own.rows() == 0 || 3 * mesh.points.rows() != model.mean.size()) return {};
+  const Triangles& faces = model.topology->triangles();
+  if ((own.rows() == faces.rows() && own == faces) || turned_faces(faces, own)) return {};
+  return fail("",
+              "has other faces (or another numbering) than the model; make it from the model's template, or give the "
+              "label map that it was made of");
 }
 
 }  // namespace homolog

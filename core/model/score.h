@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/mesh/mesh_io.h"
 #include "core/model/shape_model.h"
 
 namespace homolog {
@@ -26,6 +27,9 @@ struct ShapeScore {
   /// n: how far each vertex lies outside of the mean along its normal, in standard deviations of the training shapes;
   /// below 0 within. `low`, `high`: its interval of 95 %, by the number of training shapes and by the doubt.
   VertexScalars z, z_low, z_high;
+  /// Which of the model's training shapes it is itself, by its coefficients; none: another, or their coefficients are
+  /// not in the model's file.
+  std::optional<Eigen::Index> trained;
   ScoreOfPart all;
   std::vector<ScoreOfPart> parts;  ///< of a joint model, in its order
 };
@@ -35,5 +39,9 @@ struct ShapeScore {
 /// counted in the spread and the doubt together. The result depends on this shape and the model alone. Errors: another
 /// number of vertices, a model without modes or faces.
 Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, const VertexScalars& doubt_mm = {});
+
+/// Errors: faces of a mesh that are not the model's, so that the same number of vertices means nothing. Turned inside
+/// out they are the same; points alone may be any.
+Result<void> check_faces(const ShapeModel& model, const MeshFile& mesh);
 
 }  // namespace homolog

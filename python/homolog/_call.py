@@ -84,7 +84,7 @@ class Call:
         if isinstance(value, Study):
             return value.source
         if isinstance(value, numpy.ndarray):
-            raise _core.Error("array: " + _of_array(lend))
+            raise _core.Error("array: " + _of_array(value, lend))
         raise _core.Error(f"{type(value).__name__}: is nothing that can be given here; give a file or an object of homolog")
 
     def add_shapes(self, shapes: Any, lend: Any = False) -> "Call":
@@ -126,7 +126,7 @@ class Call:
         if value is True:
             return self
         if isinstance(value, numpy.ndarray) and (lend or value.ndim > 1):
-            raise _core.Error(f"{name}: {_of_array(lend)}")
+            raise _core.Error(f"{name}: {_of_array(value, lend)}")
         if isinstance(value, numpy.ndarray) and value.ndim == 0:
             value = value[()]
         if isinstance(value, (list, tuple, numpy.ndarray)):
@@ -232,8 +232,11 @@ def _rows_of(name: str, table: Any) -> List[Dict[str, Any]]:
     return rows
 
 
-def _of_array(lend: Any) -> str:
+def _of_array(array: numpy.ndarray, lend: Any) -> str:
     """What is wrong with an array where an object is wanted."""
+    if lend == "labels" and array.dtype.kind == "f":
+        return ("is an array of numpy, which does not say where it lies; give homolog.Volume(array, affine=...), whose shares "
+                "are a soft mask, or of whole numbers homolog.LabelMap")
     wanted = {"labels": "homolog.LabelMap(array, affine=...)", "template": "homolog.Mesh(points, triangles)",
               True: "homolog.Volume(array, affine=...)"}.get(lend, "homolog.Volume, LabelMap or Mesh of it")
     return f"is an array of numpy, which does not say where it lies; give {wanted}"

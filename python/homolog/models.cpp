@@ -46,8 +46,15 @@ Eigen::Index checked_mode(const HeldModel& self, Eigen::Index mode) {
   return mode;
 }
 
-Points points_of_shape(const HeldModel& self, const py::object& shape) {
-  const auto mesh = mesh_in(shape);
+/// The mesh that a shape is: an object, or a file that is read. None: an array of points.
+std::shared_ptr<HeldMesh> mesh_given(const py::object& shape) {
+  const bool is_file = py::isinstance<py::str>(shape) || py::hasattr(shape, "__fspath__");
+  return mesh_in(is_file ? py::module_::import("homolog").attr("read_mesh")(shape) : shape);
+}
+
+Points points_of_shape(const HeldModel& self, const py::object& shape, const std::shared_ptr<HeldMesh>& mesh) {
+  if (mesh)
+    if (const auto same = check_faces(*self.model, *mesh->file); !same) refuse("shape", same.error().what);
   Points points = mesh ? mesh->file->points : points_from(shape, "shape");
   if (3 * points.rows() != self.model->mean.size())
     refuse("shape", "has " + std::to_string(points.rows()) + " vertices and the model " +
@@ -56,9 +63,10 @@ Points points_of_shape(const HeldModel& self, const py::object& shape) {
 }
 
 py::dict score_of(const HeldModel& self, const py::object& shape) {
-  const Points points = points_of_shape(self, shape);
+  const auto mesh = mesh_given(shape);
+  const Points points = points_of_shape(self, shape, mesh);
   VertexScalars doubt;
-  if (const auto mesh = mesh_in(shape); mesh && mesh->file->doubt_mm) doubt = *mesh->file->doubt_mm;
+  if (mesh && mesh->file->doubt_mm) doubt = *mesh->file->doubt_mm;
   const ShapeScore score =
       watched_value<ShapeScore>({py::none(), {}}, [&](Progress&) { return score_shape(*self.model, points, doubt); });
   const auto array = [](const auto& values) {
@@ -178,18 +186,19 @@ void add_models(py::module_& module) {
       .def(
           "coefficients",
           [](const Held& self, const py::object& shape) {
-            const Eigen::VectorXd b = coefficients(*self.model, points_of_shape(self, shape));
+            const Eigen::VectorXd b = coefficients(*self.model, points_of_shape(self, shape, mesh_given(shape)));
             const Eigen::VectorXd z = b.cwiseQuotient(deviations_of(*self.model, b.size()));
             py::array_t<double> copy(z.size());
             std::copy(z.begin(), z.end(), copy.mutable_data());
             return copy;
           },
           py::arg("shape"),
-          "t coefficients, in standard deviations, of a shape (Mesh, Fit or n×3) that lies where the model's shapes "
+          "t coefficients, in standard deviations, of a shape (Mesh, Fit, file or n×3) that lies where the model's "
+          "shapes "
           "lie.")
       .def(
           "score", &score_of, py::arg("shape"),
-          R"(How a shape (Mesh, Fit or n×3, mm) stands against the model, wherever it lies: a dict of distance (σ), residual_mm,
+          R"(How a shape (Mesh, Fit, file or n×3, mm) stands against the model, wherever it lies: a dict of distance (σ), residual_mm,
 percentile, size_mm, z_rms, modes (t, σ), and for each vertex z, z_low, z_high (n, σ) and aligned (n×3, mm).)")
       .def(
           "write",

@@ -58,8 +58,9 @@ void check_voxels(const py::array& array, bool labels) {
   };
   if (array.dtype().kind() == 'f') {
     if (labels)
-      refuse("voxels", "have the dtype " + std::string(py::str(array.dtype())) +
-                           ", and labels are whole numbers; give voxels.astype(numpy.uint16)");
+      refuse("voxels",
+             "have the dtype " + std::string(py::str(array.dtype())) +
+                 ", and labels are whole numbers; give voxels.astype(numpy.uint16), or a soft mask as homolog.Volume");
     const py::object finite = numpy.attr("isfinite")(array);
     if (!numpy.attr("all")(finite).cast<bool>())
       refuse("voxels", "at " + first(numpy.attr("logical_not")(finite)) +

@@ -26,6 +26,9 @@ def test_a_model_scores_its_own_shapes_as_near_and_others_as_far(folder):
     mesh = homolog.read_mesh(folder / "fit-1.ply")
     near, far = model.score(mesh), model.score(mesh.points * [1, 1, 1.5])
     assert near["residual_mm"] < 0.2 < 1 < far["residual_mm"]
+    assert model.score(folder / "fit-1.ply")["distance"] == near["distance"]
+    with pytest.raises(homolog.Error, match="^shape: has other faces"):
+        model.score(homolog.Mesh(mesh.points, mesh.triangles[::-1]))
     assert numpy.allclose(model.shape([0, 0]).points, model.mean)
     assert numpy.allclose(model.coefficients(model.mode(0, 2)), [2, 0], atol=1e-4)
     assert model.modes.shape == (len(model), len(mesh), 3)
@@ -81,6 +84,14 @@ def test_a_template_is_made_of_an_array(kidney, tmp_path):
     template = homolog.make_template(labels, tmp_path / "t.ply", vertices=800)
     assert abs(len(template) - 800) < 100
     assert homolog.compare(template, labels=labels)["dice"] > 0.97
+
+
+def test_shares_in_an_array_are_told_what_they_become(kidney):
+    shares = kidney["labels"].array * 0.8
+    with pytest.raises(homolog.Error, match="are a soft mask"):
+        homolog.fit("built-in:kidney", shares)
+    fit = homolog.fit("built-in:kidney", homolog.Volume(shares, affine=kidney["labels"].affine))
+    assert fit.report["dice"] > 0.9
 
 
 def test_a_label_map_in_memory_is_scored(kidney, folder):

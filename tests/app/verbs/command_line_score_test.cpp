@@ -65,6 +65,34 @@ TEST_CASE("a subject is scored against a model, alone as among others") {
   CHECK(read_whole_file(folder.path / "scores/c6.vtp").value() == written);
 }
 
+TEST_CASE("a shape of the model itself, other faces and options without effect are told") {
+  const TemporaryFolder folder;
+  put_subjects(folder);
+  REQUIRE(run(folder, "model c0.ply c1.ply c2.ply c3.ply c4.ply -o m.h5 --modes 2").status == 0);
+  const Ran both = run(folder, "score c2.ply c6.ply --model m.h5 --json");
+  REQUIRE_MESSAGE(both.status == 0, both.errors);
+  CHECK(both.errors.find("c2.ply: is itself a shape of the model") != std::string::npos);
+  CHECK(both.errors.find("c6.ply") == std::string::npos);
+  // As many vertices in other faces.
+  MeshFile other = read_mesh_file(folder.path / "c6.ply").value();
+  Triangles& faces = other.triangles.edit();
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) faces(f, k) = static_cast<std::int32_t>(other.points.rows()) - 1 - faces(f, k);
+  REQUIRE(write_mesh_file(other, folder.path / "other.ply"));
+  check_refused(run(folder, "score other.ply --model m.h5 -o scores"), "other.ply: has other faces");
+  CHECK_FALSE(fs::exists(folder.path / "scores"));
+  const Ran mixed = run(folder, "score other.ply c6.ply --model m.h5 --json");
+  CHECK(mixed.status == 0);
+  CHECK(mixed.json()["subjects"].size() == 1);
+  // Turned inside out they are the same.
+  other = read_mesh_file(folder.path / "c6.ply").value();
+  other.triangles.edit().col(1).swap(other.triangles.edit().col(2));
+  REQUIRE(write_mesh_file(other, folder.path / "turned.ply"));
+  CHECK(run(folder, "score turned.ply --model m.h5").status == 0);
+  check_refused(run(folder, "score c6.ply --model m.h5 --label 2"), "--label and --frame have no effect");
+  check_refused(run(folder, "score c6.ply --model m.h5 --frame 0"), "--label and --frame have no effect");
+}
+
 TEST_CASE("a mirror image, another unit and another numbering are named") {
   const TemporaryFolder folder;
   // Bodies without a plane of symmetry.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <optional>
 
@@ -88,6 +89,9 @@ Result<void> put_weights(TestJob& job) {
   return {};
 }
 
+/// Fewer than so many orders are told: then p is coarse.
+constexpr double few_orders = 200;
+
 Result<void> put_permutations(TestJob& job) {
   std::vector<int> blocks(static_cast<std::size_t>(job.design.cases()), 0);
   const std::string& paired = job.options.asked.paired;
@@ -98,6 +102,16 @@ Result<void> put_permutations(TestJob& job) {
       const std::string& subject = job.cases.table.cells[job.cases.rows[k]][column];
       blocks[k] = numbers.emplace(subject, static_cast<int>(numbers.size())).first->second;
     }
+  }
+  Eigen::MatrixXd rows(job.design.cases(), job.design.parameters() + 1);
+  rows << job.design.columns, job.root_weights;
+  if (const double orders = std::round(different_orders(blocks, rows)); orders < few_orders) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the cases can change places in %.0f ways that differ, so no p can be below %.2g, however many "
+                  "permutations there are; take more cases",
+                  orders, 1 / orders);
+    job.cases.warnings.emplace_back(text);
   }
   if (job.options.permutation_file.empty()) {
     job.permutations = random_permutations(blocks, job.options.permutations, job.options.seed);
@@ -141,6 +155,19 @@ Result<void> check_functions(const Formula& formula, const CovariateTable& table
   return {};
 }
 
+/// Errors: options about shapes where none are in the formula.
+Result<void> check_of_shapes(const TestJob& job) {
+  const Formula& formula = job.options.asked.formula;
+  const bool explains = std::ranges::any_of(formula.terms, [](const FormulaTerm& term) {
+    return std::ranges::any_of(term, [](const Variable& one) { return one.name == "shape"; });
+  });
+  if (job.options.modes > 0 && !explains)
+    return fail("--modes", "has no effect: it is for a formula with shape behind the ~; leave it out");
+  if (!job.options.asked.direction.empty() && !explains && !job.of_shape())
+    return fail("--without-direction", "has no effect: no shape is in the formula; leave it out");
+  return {};
+}
+
 /// Errors: a side of what has none.
 Result<void> check_sided(const TestJob& job) {
   if (job.options.asked.object_symmetry && !job.of_shape())
@@ -163,6 +190,7 @@ Result<TestJob> test_job(const TestOptions& options, Progress& progress) {
   if (!cases) return fail(cases.error());
   if (auto known = check_functions(options.asked.formula, cases->table); !known) return fail(known.error());
   TestJob job{options, std::move(*cases)};
+  if (auto usable = check_of_shapes(job); !usable) return fail(usable.error());
   if (auto done = put_responses(job); !done) return fail(done.error());
   if (auto done = put_design(job, progress); !done) return fail(done.error());
   if (auto done = check_sided(job); !done) return fail(done.error());

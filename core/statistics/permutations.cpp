@@ -59,6 +59,23 @@ Permutations random_permutations(const std::vector<int>& blocks, Eigen::Index co
   return all;
 }
 
+double different_orders(const std::vector<int>& blocks, const Eigen::MatrixXd& design) {
+  std::map<int, std::map<std::vector<double>, int>> kinds;  // of each block: rows and how many cases have them
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const Eigen::RowVectorXd row = design.row(static_cast<Eigen::Index>(i));
+    ++kinds[blocks[i]][std::vector<double>(row.begin(), row.end())];
+  }
+  double orders = 1;
+  bool exchange = true;
+  for (const auto& [block, of_block] : kinds) {
+    exchange = exchange && of_block.size() == 2 && of_block.begin()->second == of_block.rbegin()->second;
+    int placed = 0;
+    for (const auto& [row, count] : of_block)  // n! ÷ ∏ counts!, one factor at a time
+      for (int k = 1; k <= count; ++k) orders *= static_cast<double>(++placed) / k;
+  }
+  return exchange ? orders / 2 : orders;
+}
+
 Result<Permutations> read_permutations(const std::filesystem::path& path, Eigen::Index cases) {
   const auto text = read_whole_file(path, std::uintmax_t{1} << 30);
   if (!text) return fail(text.error());

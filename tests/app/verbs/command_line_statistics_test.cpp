@@ -221,6 +221,16 @@ TEST_CASE("doubts weigh by how shapes scatter where the shapes themselves explai
   CHECK(mean_weight("1") == doctest::Approx(mean_weight("6")).epsilon(1e-9));
 }
 
+TEST_CASE("few cases say that no p can be small") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  for (int k = 6; k < 12; ++k) fs::remove(folder.path / "shapes" / ("c" + std::to_string(k) + ".ply"));
+  const Ran six = run(folder, by("shape ~ group"));
+  REQUIRE_MESSAGE(six.status == 0, six.errors);
+  CHECK(six.errors.find("in 10 ways that differ, so no p can be below 0.1") != std::string::npos);
+  CHECK(run(folder, by("shape ~ age")).errors.find("ways that differ") == std::string::npos);
+}
+
 TEST_CASE("what a test cannot answer is refused in a sentence") {
   const TemporaryFolder folder;
   put_balls(folder.path, 0);
@@ -235,6 +245,8 @@ TEST_CASE("what a test cannot answer is refused in a sentence") {
   check_refused(run(folder, by("shape ~ factor(subject)") + "--paired subject"), "determined");
   check_refused(run(folder, by("shape ~ group") + "--by-doubt"), "none of the shapes has a doubt");
   check_refused(run(folder, by("age ~ shape") + "--modes 40"), "--modes");
+  check_refused(run(folder, by("shape ~ age") + "--modes 2"), "--modes: has no effect");
+  check_refused(run(folder, by("size ~ age") + "--without-direction shapes/c0.ply shapes/c1.ply"), "has no effect");
   check_refused(run(folder, by("shape ~ group") + "--csv out --at 162"), "--at");
   check_refused(run(folder, by("shape ~ group") + "--csv out --at top"), "and the shapes have none");
   CHECK_FALSE(fs::exists(folder.path / "out"));

@@ -173,6 +173,18 @@ TEST_CASE("permutations keep blocks and depend on the seed alone") {
   for (const std::size_t order : {1, 2, 3, 5, 6, 7}) CHECK(std::abs(counts[order] - 1000) < 5 * 29);
 }
 
+TEST_CASE("the orders that differ are counted by what cases have in common") {
+  const auto column = [](std::vector<double> values) {
+    return Eigen::MatrixXd(Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values)));
+  };
+  const std::vector<int> together(6, 0);
+  CHECK(different_orders(together, column({0, 0, 0, 1, 1, 1})) == doctest::Approx(10));  // 20, and either way round
+  CHECK(different_orders(together, column({0, 0, 1, 1, 1, 1})) == doctest::Approx(15));
+  CHECK(different_orders(together, column({1, 2, 3, 4, 5, 6})) == doctest::Approx(720));
+  CHECK(different_orders({0, 0, 1, 1, 2, 2}, column({0, 1, 0, 1, 0, 1})) == doctest::Approx(4));  // 2³, either way
+  CHECK(different_orders(std::vector<int>(300, 0), Eigen::VectorXd::LinSpaced(300, 0, 1)) > 1e300);
+}
+
 TEST_CASE("a file of permutations is read and what is none is refused by its line") {
   const TemporaryFolder folder;
   const auto file = folder.path / "orders.txt";

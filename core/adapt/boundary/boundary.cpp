@@ -116,7 +116,12 @@ std::size_t close_holes(Mesh& surface, std::size_t rims) {
   for (const Rim& rim : surface.topology->rims()) lengths_mm.push_back(rim_length_mm(rim, surface.points));
   if (lengths_mm.size() <= rims) return 0;
   std::ranges::sort(lengths_mm, std::greater());
-  surface = capped(surface, lengths_mm[rims - 1] / 2);
+  constexpr double hole_share = 2.0 / 3;  // of the shortest rim: the outflow of a ventricle comes to 0.58 of its base
+  double longest_mm = hole_share * lengths_mm[rims - 1];
+  // What template_of_mesh closes is a hole here too where the rims are of those that it keeps.
+  const double small_mm = small_rim_share * bounds_of(surface.points).diagonal().norm();
+  if (lengths_mm[rims - 1] > small_mm && lengths_mm[rims] <= small_mm) longest_mm = std::max(longest_mm, small_mm);
+  surface = capped(surface, longest_mm);
   return lengths_mm.size() - surface.topology->rims().size();
 }
 

@@ -61,8 +61,9 @@ Boundary mesh_boundary(const Mesh& mesh, bool all_parts = false);
 /// The same of whatever surface a file holds: mended where it is broken [mesh_repair.h]. One that is riddled with
 /// tunnels is rebuilt from voxels [solid_voxels.h], as fine as a mesh of `vertices` vertices shows, with a warning that
 /// says how far that lies from it. `rims`: how many long rims the template has [long_rims]. Where that is not 0, as
-/// many of the surface's longest boundary loops are its rims, and loops shorter than half of these are holes, which are
-/// closed. Where it is 0, holes are closed of a broken surface alone. Errors: no face is left; cancelled.
+/// many of the surface's longest boundary loops are its rims, and loops shorter than two thirds of these are holes,
+/// which are closed. So are those that make_mesh_template closes, where the rims are of those that it keeps. Where it
+/// is 0, holes are closed of a broken surface alone. Errors: no face is left; cancelled.
 Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress = nullptr,
                                   bool all_parts = false, std::size_t rims = 0);
 

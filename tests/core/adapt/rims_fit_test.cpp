@@ -212,6 +212,25 @@ TEST_CASE("of a target a hole is closed and its rim stays whatever else is wrong
   CHECK(long_rims(boundary_of(longer).surface).size() == 1);
 }
 
+TEST_CASE("a template of a surface fits that surface where a wide opening was closed as a hole") {
+  // A cone cut off at both ends, as a ventricle with two valves: the narrower end is longer than half the wider one.
+  Mesh cone = shapes::open_cylinder(20, 60, 10, 100);
+  const double base_mm = cone.points.col(2).minCoeff();
+  for (Eigen::Index i = 0; i < cone.points.rows(); ++i)
+    cone.points.row(i).head<2>() *= 1 - 0.4 * (cone.points(i, 2) - base_mm) / 100;
+  const Mesh made = make_mesh_template(file_of(cone), {.vertices = 600}).value().mesh;
+  REQUIRE(long_rims(made).size() == 1);
+  const Boundary boundary = surface_boundary(file_of(cone), 600, nullptr, false, 1).value();
+  CHECK(long_rims(boundary.surface).size() == 1);
+  REQUIRE_FALSE(boundary.warnings.empty());
+  CHECK(boundary.warnings.front().find("one hole closed flat") != std::string::npos);
+  const auto the_template = make_template(file_of(made), "cone").value();
+  REQUIRE(fit_to_boundary(*the_template, boundary).has_value());
+  // Ends that are as wide as one another are no holes of each other.
+  const Mesh tube = shapes::open_cylinder(20, 60, 10, 100);
+  CHECK(long_rims(surface_boundary(file_of(tube), 600, nullptr, false, 1).value().surface).size() == 2);
+}
+
 TEST_CASE("an open template on an organ that goes on beyond its rim is doubtful and says so") {
   const auto the_template = make_template(file_of(open_egg()), "open").value();
   const Boundary whole = mesh_boundary(dented_egg(1));

@@ -151,8 +151,10 @@ Eigen::Index modes_holding(const Eigen::VectorXd& variances, double share) {
   if (!(total > 0)) return 0;
   double held = 0;
   Eigen::Index modes = 0;
-  // The share is met up to rounding, so that 1 asks for the rank and not for noise.
-  while (modes < variances.size() && (modes == 0 || held < (share - 1e-12) * total)) held += variances[modes++];
+  // The share is met up to rounding, so that 1 asks for the rank and not for noise: files keep numbers in single
+  // precision.
+  constexpr double rounding = 1e-7;
+  while (modes < variances.size() && (modes == 0 || held < (share - rounding) * total)) held += variances[modes++];
   return modes;
 }
 

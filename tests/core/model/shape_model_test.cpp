@@ -243,6 +243,9 @@ TEST_CASE("the share of variance decides how many modes a model has") {
   CHECK(modes_holding(variances, 0.95) == 3);
   CHECK(modes_holding(variances, 1) == 4);
   CHECK(modes_holding(Eigen::VectorXd::Zero(3), 0.95) == 0);
+  // What numbers in single precision leave over is no mode.
+  variances << 70, 20, 2e-6, 1e-6;
+  CHECK(modes_holding(variances, 1) == 2);
 }
 
 TEST_CASE("coefficients are held within three deviations") {

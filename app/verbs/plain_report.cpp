@@ -101,6 +101,29 @@ bool is_list_of_objects(const Json& value) {
          std::all_of(value.begin(), value.end(), [](const Json& one) { return one.is_object(); });
 }
 
+/// The lists of objects within the rows of a list: of each name all rows together, with a first column that says whose
+/// they are. `of`: what the list is called, as "cases".
+std::vector<std::pair<std::string, Json>> lists_within(const std::string& of, const Json& rows) {
+  const std::string whose = of.ends_with('s') ? of.substr(0, of.size() - 1) : of;
+  std::vector<std::pair<std::string, Json>> lists;
+  for (const Json& row : rows) {
+    const auto name = std::find_if(row.begin(), row.end(), [](const Json& one) { return one.is_string(); });
+    if (name == row.end()) continue;
+    for (const auto& [key, value] : row.items()) {
+      if (!is_list_of_objects(value)) continue;
+      const auto is_it = [&key = key](const auto& one) { return one.first == key; };
+      auto list = std::find_if(lists.begin(), lists.end(), is_it);
+      if (list == lists.end()) list = lists.insert(lists.end(), {key, Json::array()});
+      for (const Json& one : value) {
+        Json line{{whose, *name}};
+        line.update(one);
+        list->second.push_back(std::move(line));
+      }
+    }
+  }
+  return lists;
+}
+
 void print_values(const Json& values, const std::string& indent, std::ostream& out) {
   for (const auto& [key, value] : values.items()) {
     if (value.is_object()) {
@@ -109,6 +132,10 @@ void print_values(const Json& values, const std::string& indent, std::ostream& o
     } else if (is_list_of_objects(value)) {
       out << indent << printable(key) << ":\n";
       Table(value).print(indent + "  ", out);
+      for (const auto& [name, rows] : lists_within(key, value)) {
+        out << indent << printable(name) << ":\n";
+        Table(rows).print(indent + "  ", out);
+      }
     } else {
       out << indent << printable(key) << ": " << plain_text(value) << '\n';
     }

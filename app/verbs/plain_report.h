@@ -10,7 +10,8 @@ namespace homolog {
 std::string plain_number(double value);
 
 /// Prints a report for people: a line a value, and a list of cases as a table with a column a figure. Of a figure that
-/// is a spread the table has the mean; lists within rows are left to --json.
+/// is a spread the table has the mean. Lists of objects within its rows are tables below it, other lists are left to
+/// --json.
 void print_report(const Json& values, std::ostream& out);
 
 }  // namespace homolog

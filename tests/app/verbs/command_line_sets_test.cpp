@@ -154,6 +154,10 @@ TEST_CASE("a consensus set does not depend on which map comes first") {
   REQUIRE(fitted.status == 0);
   for (const Json& one : fitted.json()["cases"][0]["structures"])
     if (!one["missing"].get<bool>()) CHECK(one["dice"].get<double>() > 0.95);
+  // People see each structure too.
+  const Ran plain = run(folder, "fit first.set.json --mask two.seg.nrrd -o plain");
+  CHECK(plain.out.find("\nstructures:\n  case") != std::string::npos);
+  CHECK(plain.out.find("confidence") != std::string::npos);
 }
 
 TEST_CASE("a consensus takes one organ for one whatever the order of the words of its name") {

@@ -29,7 +29,8 @@ std::vector<std::string> mesh_warnings(const std::filesystem::path& path, const 
 /// A file that meets another one, with the size of what it holds [meeting.h].
 Meeting meeting_of(const std::filesystem::path& path, const Points& points);
 
-/// For what changes a case before it writes a mesh. Errors: the mesh's folder is not there. An empty name is no file.
+/// For what changes a case or works long before it writes a file. Errors: its folder is not there. An empty name is no
+/// file.
 Result<void> check_folder_of(const std::filesystem::path& to_write);
 
 Json json_of(const Vec3& p);

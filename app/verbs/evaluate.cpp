@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "app/verbs/describe.h"
 #include "app/verbs/training.h"
 #include "core/base/listed.h"
 #include "core/base/text.h"
@@ -58,6 +59,7 @@ Result<void> keep_structure(Training& training, const std::string& name) {
 }
 
 Result<Report> evaluate(const EvaluateOptions& options, Progress& progress) {
+  if (auto there = check_folder_of(options.csv); !there) return fail(there.error());
   auto training = train(options.training, progress);
   if (!training) return fail(training.error());
   if (!options.structure.empty())

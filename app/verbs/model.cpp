@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/verbs/describe.h"
 #include "app/verbs/record.h"
 #include "app/verbs/training.h"
 #include "core/base/files.h"
@@ -188,6 +189,7 @@ Result<Eigen::Index> modes_kept(const ModelOptions& options, const PrincipalComp
 
 Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   if (!is_model_name(options.out)) return fail(options.out.string(), "is not the name of a model; use .h5.json or .h5");
+  if (auto there = check_folder_of(options.out); !there) return fail(there.error());
   Json optimised;
   auto training = options.optimise ? train_optimised(options, optimised, progress)
                                    : train(options.training, progress, !options.aligned.empty());

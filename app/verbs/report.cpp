@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "app/pictures/pictures.h"
+#include "app/verbs/describe.h"
 #include "app/verbs/record.h"
 #include "app/verbs/report_content.h"
 #include "app/verbs/report_page.h"
@@ -36,6 +37,7 @@ Result<std::string> picture_of_modes(const ShapeModel& model) {
 }
 
 Result<Report> write_report(const ReportVerb& verb, const GivenCommand& command, Progress& progress) {
+  if (auto there = check_folder_of(verb.out); !there) return fail(there.error());
   auto content = page_content(verb, progress);
   if (!content) return fail(content.error());
   progress.part(0.9, 1);

@@ -220,6 +220,7 @@ GivenCommand with_subjects_opened(const TemplateJob& options) {
 
 /// Makes the template, gives it its landmarks and writes it.
 Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
+  if (auto there = check_folder_of(options.out); !there) return fail(there.error());
   const bool of_many = !options.consensus.empty() || !options.best_of.empty();
   auto made = of_many ? make_template_of_many(options, progress) : make_template_of_one(options, true, progress);
   if (!made) return fail(made.error());

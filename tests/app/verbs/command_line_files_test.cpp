@@ -339,6 +339,13 @@ TEST_CASE("an option that has no effect on its input is said") {
   check_refused(run(folder, "convert ball-1.ply out.ply --spacing 1,1,1"), "--spacing has no effect");
   check_refused(run(folder, "convert noise.nii out.nii --series 1.2"), "--series has no effect");
   check_refused(run(folder, "template ball-1.ply -o out.ply --label 2"), "--label, --frame and --level have no effect");
+  check_refused(run(folder, "convert ball-1.ply out.off"), "out.off: is not a kind of mesh that can be written");
+  for (const char* work : {"model ball-1.ply absent.ply -o no/m.h5", "evaluate ball-1.ply absent.ply --csv no/e.csv",
+                           "report absent.ply -o no/r.html", "template absent.ply -o no/t.ply"})
+    check_refused(run(folder, work), "because its folder is not there");  // before anything is read
+  fs::create_directory(folder.path / "scans");
+  fs::copy(folder.path / "noise.nii", folder.path / "scans/noise.nii");
+  check_refused(run(folder, "info scans"), "scans: is a folder, and no single masks lie in it, since noise.nii holds");
   CHECK(run(folder, "snap ball-1.ply --image noise.nii -o out.ply --sigma-mm 3").status == 2);
   CHECK(run(folder, "snap ball.homolog --frame 1").status == 2);
   CHECK(!fs::exists(folder.path / "out.ply"));

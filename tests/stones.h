@@ -56,10 +56,11 @@ inline SetOfTemplates stone_set() {
   return set;
 }
 
-/// Another subject: each a little larger, and moved.
-inline VolumeRead stone_map() {
+/// Another subject: each a little larger, and moved. Its voxels are `voxel_mm` wide.
+inline VolumeRead stone_map(int voxel_mm = 1) {
   VolumeGeometry grid;
-  grid.dims = {90, 70, 230};
+  grid.dims = {90 / voxel_mm, 70 / voxel_mm, 230 / voxel_mm};
+  grid.spacing_mm = Vec3::Constant(voxel_mm);
   grid.origin_mm = Vec3(-40, -32, -30);
   std::vector<MeshOfSegment> meshes;
   for (int k = 0; k < stones; ++k)

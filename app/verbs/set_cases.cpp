@@ -159,7 +159,9 @@ Result<Report> run_set_cases(const SetOfTemplates& set, const std::vector<fs::pa
     auto one = work(path, own);
     own.part(0, 1);
     own.report(1);
-    if (progress.cancelled()) return fail("", "the run was cancelled; the cases finished so far are kept");
+    if (progress.cancelled())
+      return fail("", cases.empty() ? "the run was cancelled before a case was finished"
+                                    : "the run was cancelled; the cases finished so far are kept");
     if (!one) {
       failed.push_back(one.error().sentence());
       report.warnings.push_back(failed.back());

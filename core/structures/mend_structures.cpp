@@ -19,6 +19,7 @@ namespace {
 // said. Sound structures stay below those from which something counts [docs/measurements/repair.md].
 
 constexpr double some_islands = 0.0005;   ///< `islands`: from here on it has some
+constexpr double many_specks = 5;         ///< `specks`: from here on they are islands, however small
 constexpr double large_island = 0.1;      ///< `islands`: from here on nobody knows which part is the right one
 constexpr double some_holes = 0.003;      ///< `holes`: from here on it has some; more where the fit is worse
 constexpr double no_hole = 0.1;           ///< `holes`: from here on it is something else
@@ -30,6 +31,7 @@ constexpr double some_bars = 0.004;       ///< `bars`: from here on it has bridg
 constexpr double much_lost = 0.04;        ///< `lost_to`: from here on the neighbour has what it lost
 constexpr double much_lacking = 0.15;     ///< `lacking`: from here on a part is missing, if it is much_smaller too
 constexpr double some_lacking = 0.05;     ///< `lacking`: from here on a part is missing, if it reaches far
+constexpr double lacking_bent = 0.05;     ///< of the template, bent to the structure: from here on a part is missing
 constexpr double far_gap = 0.45;          ///< `gap`: from here on it does, as a spinous process; sound ones reach 0.31
 constexpr double surely_lacking = 0.2;    ///< `lacking`: from here on a part is missing
 constexpr double much_smaller = 0.2;      ///< `volume`: from here on below 0
@@ -56,8 +58,10 @@ void Mending::find() {
 bool Mending::has_too_much(std::size_t k) const {
   constexpr double some_islands_more = 0.03, some_volume_more = 0.1;
   const StructureSigns& signs = result_.signs[k];
+  // The fit of a template that is cut off itself is doubtful anyway.
+  const bool is_unlike = expected_[k] && result_.fitted.structures[k].judgement.doubtful;
   return signs.bars >= some_bars || signs.bridges >= bridges_more || signs.islands >= some_islands_more ||
-         signs.volume >= some_volume_more || result_.fitted.structures[k].judgement.doubtful;
+         signs.volume >= some_volume_more || is_unlike;
 }
 
 void Mending::find_in(std::size_t k) {
@@ -65,7 +69,9 @@ void Mending::find_in(std::size_t k) {
   if (signs.at_border > some_at_border) add(k, DefectKind::cut_by_scan);
   // What the scan cuts may well lie in several parts, and of two bodies the smaller one may be the right one.
   const bool may_have_parts = has(k, DefectKind::cut_by_scan) || has(k, DefectKind::doubled);
-  if (!may_have_parts && share_left(k, signs.islands, signs.without_islands) >= some_islands) {
+  const double islands = share_left(k, signs.islands, signs.without_islands);
+  if (!may_have_parts &&
+      (islands >= some_islands || (islands > 0 && static_cast<double>(signs.specks) >= many_specks))) {
     add(k, DefectKind::island);
     // Of two large parts nobody knows here which is the right one.
     if (signs.islands < large_island) change(k, signs.without_islands);
@@ -117,10 +123,16 @@ void Mending::find_lost(std::size_t k) {
     take_back(k, other);
   }
   if (!takers.empty() || !lacks_a_part(k)) return;
+  // A rib that is bent otherwise, or a vertebra that leans, lies beside its expected shape and lacks nothing.
+  const auto lack = lack_of(k);
+  if (!lack || lack->share < lacking_bent) return;
   add(k, DefectKind::half_missing);
   // Where a far part points, the template of another one does not tell well enough: filled in, it may be worse.
   const bool is_told = options_.image != nullptr || options_.model != nullptr;
-  if (result_.signs[k].lacking >= much_lacking || is_told) fill_up(k);
+  // Of two large parts, nobody knows here how they lie to each other.
+  const bool is_broken = result_.signs[k].islands >= large_island;
+  if (!is_broken && (result_.signs[k].lacking >= much_lacking || is_told))
+    fill(k, lack->there, [&](std::size_t v) { return lack->voxels[v] != 0; });
 }
 
 void Mending::find_missing(std::size_t k) {

@@ -110,7 +110,7 @@ Mesh Mending::as_the_image_shows(std::size_t k, const Mesh& expected) const {
                   .placed = expected.points,
                   .stiffness = set_.templates[k]->stiffness,
                   .free = VertexScalars::Ones(count)};
-  Progress unseen, own(options_.progress != nullptr ? *options_.progress : unseen, 0);
+  Progress own(silent_, 0);
   SnapOptions options;
   options.progress = &own;
   options.edges.reach_mm = near_by_size * std::cbrt(1000 * std::abs(enclosed_volume_ml(expected)));
@@ -122,14 +122,16 @@ Mesh Mending::as_the_image_shows(std::size_t k, const Mesh& expected) const {
 const Mesh* Mending::shape(std::size_t k) {
   if (shapes_[k]) return &*shapes_[k];
   const StructureInMap& there = result_.subject.structures[k];
-  if (!expected_[k] || !there.is_there()) return expected_[k] ? &*expected_[k] : nullptr;
+  if (!expected_[k] || !there.is_there() || silent_.cancelled()) return expected_[k] ? &*expected_[k] : nullptr;
   const Template& own = *set_.templates[k];
   const int value = there.segment.value;
   const auto boundary =
       label_boundary(*there.mask, value, 0, usual_closing_mm(*there.mask, value, 0), own.points.rows(), {.all = true});
   shapes_[k] = expected_[k];
   if (!boundary) return &*shapes_[k];
+  Progress progress(silent_, 0);
   FitOptions options;
+  options.progress = &progress;
   options.partial = true;
   options.placement = nearest_similarity(own.points, expected_[k]->points, {});
   if (options_.model != nullptr) options.allowed = options_.model->allowed[k];
@@ -147,21 +149,29 @@ void Mending::fill(std::size_t k, const Neighbourhood& there, const std::functio
   change(k, changes);
 }
 
-void Mending::fill_up(std::size_t k) {
+std::optional<Mending::Lack> Mending::lack_of(std::size_t k) {
   constexpr double least_share = 0.01;
   const Mesh* mesh = shape(k);
-  if (mesh == nullptr) return;
-  const Neighbourhood there = around_now(k, bounds_of(mesh->points), 3);
-  const auto inside = voxelise(*mesh, there.grid);
+  if (mesh == nullptr) return std::nullopt;
+  Neighbourhood there = around_now(k, bounds_of(mesh->points), 3);
+  std::vector<std::uint8_t> inside = voxelise(*mesh, there.grid);
   const Body own(voxels_with(there.labels, result_.subject.structures[k].segment.value), there.grid);
   // What is missing is thick; a layer of a voxel around what is there is only how the mesh lies.
   const double thick_mm = 1.5 * there.grid.spacing_mm.maxCoeff();
   std::vector<std::uint8_t> core(inside.size());
-  for (std::size_t v = 0; v < inside.size(); ++v)
+  std::size_t all = 0;
+  for (std::size_t v = 0; v < inside.size(); ++v) {
+    all += inside[v];
     core[v] = inside[v] != 0 && there.labels[v] == 0 && own.to[v] > thick_mm ? 1 : 0;
+  }
   core = large_parts(std::move(core), there.grid, least_share * static_cast<double>(own.voxels));
   const Body missing(std::move(core), there.grid);
-  fill(k, there, [&](std::size_t v) { return inside[v] != 0 && missing.to[v] <= 1.5 * thick_mm; });
+  Lack lack{
+      std::move(there), {}, static_cast<double>(missing.voxels) / static_cast<double>(std::max<std::size_t>(1, all))};
+  lack.voxels.resize(inside.size());
+  for (std::size_t v = 0; v < inside.size(); ++v)
+    lack.voxels[v] = inside[v] != 0 && missing.to[v] <= 1.5 * thick_mm ? 1 : 0;
+  return lack;
 }
 
 void Mending::give(std::size_t k, std::size_t other, const BodyInMap& body) {

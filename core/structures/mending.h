@@ -22,6 +22,7 @@ class Mending {
         map_(map),
         frame_(frame),
         options_(options),
+        silent_(options.progress != nullptr ? *options.progress : unseen_, 0),
         result_(result),
         expected_(result.expected),
         shapes_(expected_.size()) {}
@@ -81,7 +82,13 @@ class Mending {
   Mesh as_the_image_shows(std::size_t k, const Mesh& expected) const;
   /// Gives voxels without a label that of a structure.
   void fill(std::size_t k, const Neighbourhood& there, const std::function<bool(std::size_t)>& is_its);
-  void fill_up(std::size_t k);
+  /// What lacks of a structure by its template, bent to what there is of it.
+  struct Lack {
+    Neighbourhood there;
+    std::vector<std::uint8_t> voxels;  ///< to fill, where they have no label
+    double share = 0;                  ///< of the template's voxels, without the outermost ones
+  };
+  std::optional<Lack> lack_of(std::size_t k);
   /// Gives a structure a body that has another one's label.
   void give(std::size_t k, std::size_t other, const BodyInMap& body);
   /// Gives a structure what another one has of it.
@@ -91,6 +98,8 @@ class Mending {
   VolumeRead& map_;
   int frame_;
   const MapRepairOptions& options_;
+  Progress unseen_;
+  mutable Progress silent_;  ///< can be cancelled, and counts as no time
   RepairedMap& result_;
   const std::vector<std::optional<Mesh>>& expected_;
   std::vector<std::optional<Mesh>> shapes_;

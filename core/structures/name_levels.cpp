@@ -42,12 +42,12 @@ double cost_of(const OnLabel& there, double usual_scale) {
 
 /// How each structure of a chain lies on the templates of its level and those beside it.
 std::vector<LevelTries> tries_of(const SetOfTemplates& set, const SetInMap& subject, const std::vector<char>& sound,
-                                 const LevelChain& chain) {
+                                 const LevelChain& chain, const Progress* progress) {
   const std::vector<std::pair<std::size_t, int>> members(chain.apart.begin(), chain.apart.end());
   std::vector<LevelTries> tries(members.size());
   for_each_in_parallel(members.size(), [&](std::size_t c) {
     const auto [k, apart] = members[c];
-    if (sound[k] == 0) return;
+    if (sound[k] == 0 || (progress != nullptr && progress->cancelled())) return;
     const StructureInMap& there = subject.structures[k];
     const auto boundary =
         label_boundary(*there.mask, there.segment.value, 0, usual_closing_mm(*there.mask, there.segment.value, 0),
@@ -64,8 +64,9 @@ std::vector<LevelTries> tries_of(const SetOfTemplates& set, const SetInMap& subj
 /// How much likelier the shapes of a chain are if it is a level above (first) or below: the logarithm. None where fewer
 /// than three structures tell.
 std::array<std::optional<double>, 2> level_evidence_of_shapes(const SetOfTemplates& set, const SetInMap& subject,
-                                                              const std::vector<char>& sound, const LevelChain& chain) {
-  const std::vector<LevelTries> tries = tries_of(set, subject, sound, chain);
+                                                              const std::vector<char>& sound, const LevelChain& chain,
+                                                              const Progress* progress) {
+  const std::vector<LevelTries> tries = tries_of(set, subject, sound, chain, progress);
   // If all names are a level off, the others' sizes are those of the levels that they really are.
   const auto usual_scale = [&](int by) {
     std::vector<double> scales;
@@ -153,10 +154,12 @@ LevelFound found_of(const SetOfTemplates& set, const LevelChain& chain, const Ch
 }  // namespace
 
 std::vector<LevelFound> find_levels(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
-                                    const std::vector<char>& placed, const std::vector<char>& sound) {
+                                    const std::vector<char>& placed, const std::vector<char>& sound,
+                                    const Progress* progress) {
   std::vector<LevelChain> chains = level_chains(set, fitted, placed);
   std::vector<std::array<std::optional<double>, 2>> shapes;
-  for (const LevelChain& chain : chains) shapes.push_back(level_evidence_of_shapes(set, subject, sound, chain));
+  for (const LevelChain& chain : chains)
+    shapes.push_back(level_evidence_of_shapes(set, subject, sound, chain, progress));
   std::vector<ChainShift> shifts(chains.size());
   std::vector<char> moved(chains.size());
   // One after the other, that with the most against its names first: two of which one is wrong accuse each other.

@@ -17,8 +17,9 @@ struct LevelFound {
 /// that contradict each other by their places are set right by the most of them. Whether all of them are off is told by
 /// where other structures lie, and by the shapes: each vertebra is compared with the templates of its level and of
 /// those above and below, most of all where several say the same. `placed`: 1 for each structure whose place tells
-/// something, `sound`: whose form does too.
+/// something, `sound`: whose form does too. `progress` may cancel the work; forms then tell nothing.
 std::vector<LevelFound> find_levels(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
-                                    const std::vector<char>& placed, const std::vector<char>& sound);
+                                    const std::vector<char>& placed, const std::vector<char>& sound,
+                                    const Progress* progress = nullptr);
 
 }  // namespace homolog

@@ -12,6 +12,12 @@ namespace homolog {
 
 namespace {
 
+/// Errors: somebody cancelled the work.
+Result<void> go_on(const MapRepairOptions& options) {
+  if (options.progress != nullptr && options.progress->cancelled()) return fail("", "the repair was cancelled");
+  return {};
+}
+
 /// A map as it is, against its fits and what neighbours expect.
 Result<RepairedMap> look_at(const SetOfTemplates& set, const VolumeRead& map, int frame,
                             const MapRepairOptions& options) {
@@ -21,8 +27,9 @@ Result<RepairedMap> look_at(const SetOfTemplates& set, const VolumeRead& map, in
   if (!fitted) return fail(fitted.error());
   result.fitted = std::move(*fitted);
   result.variants = find_variants(set, result.subject, result.fitted);
-  result.expected = expected_shapes(set, result.subject, result.fitted);
-  result.signs = structure_signs(set, map, frame, result.subject, result.fitted, result.expected);
+  result.expected = expected_shapes(set, result.subject, result.fitted, options.progress);
+  result.signs = structure_signs(set, map, frame, result.subject, result.fitted, result.expected, options.progress);
+  if (auto goes = go_on(options); !goes) return fail(goes.error());
   result.structures.resize(set.templates.size());
   for (std::size_t k = 0; k < result.structures.size(); ++k) {
     result.structures[k].proposed_name = set.set.structures[k].name;
@@ -81,7 +88,8 @@ Result<RepairedMap> repair_map(const SetOfTemplates& set, VolumeRead& map, int f
   looking.progress = &first;
   auto result = look_at(set, map, frame, looking);
   if (!result) return fail(result.error());
-  const auto names = find_names(set, result->subject, result->fitted, result->signs);
+  const auto names = find_names(set, result->subject, result->fitted, result->signs, options.progress);
+  if (auto goes = go_on(options); !goes) return fail(goes.error());
   std::vector<std::size_t> changed(names.size());
   if (any_renamed(set, names)) {
     changed = rename_labels(set, result->subject, names, map, frame);
@@ -93,6 +101,7 @@ Result<RepairedMap> repair_map(const SetOfTemplates& set, VolumeRead& map, int f
     for (std::size_t k = 0; k < names.size(); ++k) result->structures[k].p_named = names[k].p_named;
     mend_structures(set, map, frame, options, *result);
   }
+  if (auto goes = go_on(options); !goes) return fail(goes.error());
   for (std::size_t k = 0; k < names.size(); ++k) {
     RepairedStructure& one = result->structures[k];
     one.p_named = names[k].p_named;

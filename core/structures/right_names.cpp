@@ -56,7 +56,7 @@ std::vector<double> sizes_of(const SetOfTemplates& set, const FittedSet& fitted)
 
 void find_shifted_levels(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
                          const std::vector<StructureSigns>& signs, const std::vector<double>& sizes,
-                         std::vector<NameFound>& names) {
+                         const Progress* progress, std::vector<NameFound>& names) {
   constexpr double much_smaller = 0.2, a_part = 0.7, cut = 0.002, much_else = 0.1, hardly_dice = 0.9;
   std::vector<char> placed(names.size()), sound(names.size());
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -64,11 +64,12 @@ void find_shifted_levels(const SetOfTemplates& set, const SetInMap& subject, con
     const StructureSigns& own = signs[k];
     const bool is_whole = own.at_border <= cut && own.bridges < much_else && own.holes < much_else &&
                           own.islands < much_else && one.judgement.inside_scan.dice >= hardly_dice;
-    // The middle of a part is not that of the whole.
-    placed[k] = one.fit && !one.judgement.doubtful && is_whole && sizes[k] > a_part ? 1 : 0;
-    sound[k] = placed[k] != 0 && std::abs(own.volume) < much_smaller ? 1 : 0;
+    // The middle of a part is not that of the whole. Where it lies is known of one that has another level's form, too.
+    const bool is_placed = one.fit && (!one.judgement.doubtful || one.fit->template_cuts.empty());
+    placed[k] = is_placed && is_whole && sizes[k] > a_part ? 1 : 0;
+    sound[k] = placed[k] != 0 && !one.judgement.doubtful && std::abs(own.volume) < much_smaller ? 1 : 0;
   }
-  const auto levels = find_levels(set, subject, fitted, placed, sound);
+  const auto levels = find_levels(set, subject, fitted, placed, sound, progress);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     names[k].p_named = std::min(names[k].p_named, levels[k].p_named);
     if (levels[k].maybe != 0)
@@ -98,12 +99,12 @@ std::optional<int> value_of_name(const SetOfTemplates& set, const SetInMap& subj
 }  // namespace
 
 std::vector<NameFound> find_names(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
-                                  const std::vector<StructureSigns>& signs) {
+                                  const std::vector<StructureSigns>& signs, const Progress* progress) {
   std::vector<NameFound> names(set.templates.size());
   for (std::size_t k = 0; k < names.size(); ++k) names[k].proposed = set.set.structures[k].name;
   find_exchanged_sides(set, fitted, names);
   const std::vector<double> sizes = sizes_of(set, fitted);
-  find_shifted_levels(set, subject, fitted, signs, sizes, names);
+  find_shifted_levels(set, subject, fitted, signs, sizes, progress, names);
   settle_clashes(set, subject, names, sizes);
   return names;
 }

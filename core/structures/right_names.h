@@ -18,9 +18,9 @@ struct NameFound {
 };
 
 /// Tells which structures have each other's names, or those of other levels [name_levels.h]. One for each structure of
-/// the set.
+/// the set. `progress` may cancel the work; names are then as they are.
 std::vector<NameFound> find_names(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
-                                  const std::vector<StructureSigns>& signs);
+                                  const std::vector<StructureSigns>& signs, const Progress* progress = nullptr);
 
 /// Notes of each fit how likely its name is right, as find_names says. One that has likely another's name is doubtful,
 /// and its confidence is the less.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "core/adapt/boundary/find_placement.h"
@@ -76,6 +77,7 @@ class Signs {
     main_ = std::vector<std::uint8_t>(own_.inside.size(), 0);
     const std::size_t row = index(there_.grid.dims[0]), plane = row * index(there_.grid.dims[1]);
     const std::vector<int> around = labels_around(parts);
+    std::set<std::int32_t> specks;
     for (std::size_t v = 0; v < main_.size(); ++v) {
       if (parts.part[v] < 0) continue;
       const std::array<int, 3> here{static_cast<int>(v % row), static_cast<int>(v % plane / row),
@@ -96,8 +98,10 @@ class Signs {
       // A part that the fit holds is one of its own, which a gap of a voxel parts from it.
       if (fit_.inside[v] != 0) continue;
       signs_.islands += share(1);
+      specks.insert(parts.part[v]);
       change(v, around[index(parts.part[v])], signs_.without_islands);
     }
+    signs_.specks = specks.size();
   }
 
   template <class Is>
@@ -198,6 +202,9 @@ class Signs {
     constexpr double ball = 0.14, deep_in_closed = 0.08, deep_in_expected = 0.03,
                      off_both = 0.06;  // shares of the size
     const double ball_mm = ball * size_mm_, off_mm = std::max(off_both * size_mm_, coarse_mm());
+    // The outermost voxels are a voxel deep, and say nothing.
+    const double closed_mm = std::max(deep_in_closed * size_mm_, coarse_mm()),
+                 expected_mm = std::max(deep_in_expected * size_mm_, coarse_mm());
     const Body expected(voxelise(*expected_[of_], there_.grid), there_.grid);
     const Body wide(voxels_where([&](std::size_t v) { return own_.to[v] <= ball_mm; }), there_.grid);
     const Body closed(voxels_where([&](std::size_t v) {
@@ -206,8 +213,7 @@ class Signs {
                       there_.grid);
     filled = voxels_where([&](std::size_t v) { return closed.inside[v] != 0 && expected.inside[v] != 0; });
     auto tunnel = voxels_where([&](std::size_t v) {
-      return there_.labels[v] == 0 && filled[v] != 0 && closed.depth[v] > deep_in_closed * size_mm_ &&
-             expected.depth[v] > deep_in_expected * size_mm_;
+      return there_.labels[v] == 0 && filled[v] != 0 && closed.depth[v] > closed_mm && expected.depth[v] > expected_mm;
     });
     signs_.tunnels = share_of_large(tunnel);
     const Body thick(voxels_where([&](std::size_t v) { return own_.inside[v] != 0 && own_.depth[v] > ball_mm; }),
@@ -259,7 +265,9 @@ class Signs {
         const double nearer_mm = (theirs ? theirs->signed_mm(v) : 0) - expected.signed_mm(v);
         if (nearer_mm > clear_mm) ++lost;
       }
-      signs_.lost_to[n] = static_cast<double>(lost) / whole;
+      // Of a gland as small as that a few voxels at its surface are much, and tell nothing.
+      constexpr std::size_t few = 12;
+      if (lost > few) signs_.lost_to[n] = static_cast<double>(lost) / whole;
     }
   }
 
@@ -327,10 +335,10 @@ int HeldByOthers::label_at(const Vec3& p_mm) const {
 }
 
 std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
-                                                 const FittedSet& fitted) {
+                                                 const FittedSet& fitted, const Progress* progress) {
   std::vector<std::optional<Mesh>> expected(set.templates.size());
   for_each_in_parallel(expected.size(), [&](std::size_t k) {
-    if (set.templates[k] == nullptr) return;
+    if (set.templates[k] == nullptr || (progress != nullptr && progress->cancelled())) return;
     const Template& own = *set.templates[k];
     // One that is cut off itself says where a structure is missing, but nothing of the form of one that is there.
     const bool is_there = subject.structures[k].is_there();
@@ -351,11 +359,12 @@ std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, cons
 
 std::vector<StructureSigns> structure_signs(const SetOfTemplates& set, const VolumeRead& map, int frame,
                                             const SetInMap& subject, const FittedSet& fitted,
-                                            const std::vector<std::optional<Mesh>>& expected) {
+                                            const std::vector<std::optional<Mesh>>& expected,
+                                            const Progress* progress) {
   std::vector<StructureSigns> signs(set.templates.size());
   for_each_in_parallel(signs.size(), [&](std::size_t k) {
     const auto& fit = fitted.structures[k].fit;
-    if (!fit) return;
+    if (!fit || (progress != nullptr && progress->cancelled())) return;
     signs[k] = Signs(subject, expected, k, fit->mesh, map, frame).find();
   });
   std::vector<double> volumes;

@@ -45,9 +45,10 @@ Neighbourhood around_structure(const SetInMap& subject, const VolumeRead& map, i
 /// What tells of a structure of a label map whether it is right, against its fit and against the shape that its
 /// neighbours expect of it. All are shares of its voxels or of the expected ones, unless something else is said.
 struct StructureSigns {
-  double islands = 0;  ///< apart from the largest part
-  double holes = 0;    ///< deep within the fit, without a label
-  double bridges = 0;  ///< far outside of the fit, but joined to the structure
+  double islands = 0;      ///< apart from the largest part
+  std::size_t specks = 0;  ///< how many parts they are
+  double holes = 0;        ///< deep within the fit, without a label
+  double bridges = 0;      ///< far outside of the fit, but joined to the structure
   /// Narrow ways into the expected shape, which a fit may follow, and thin parts outside of it and of the fit.
   double tunnels = 0, bars = 0;
   double volume = 0;     ///< logarithm of the volume against the expected one, less the median of that of all
@@ -63,14 +64,15 @@ struct StructureSigns {
 
 /// The shape that is expected of each structure: its template where its neighbours say, then moved onto what the map
 /// has of it, as one that may lack parts or have too much. None where no neighbour says, or where the template itself
-/// is cut off.
+/// is cut off. `progress` may cancel the work; what is left out then has none.
 std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
-                                                 const FittedSet& fitted);
+                                                 const FittedSet& fitted, const Progress* progress = nullptr);
 
 /// Returns the signs of each structure of a set, in its order: of those that have a fit as they are found in the map,
-/// of the others the values above.
+/// of the others the values above. `progress` may cancel the work, as in expected_shapes.
 std::vector<StructureSigns> structure_signs(const SetOfTemplates& set, const VolumeRead& map, int frame,
                                             const SetInMap& subject, const FittedSet& fitted,
-                                            const std::vector<std::optional<Mesh>>& expected);
+                                            const std::vector<std::optional<Mesh>>& expected,
+                                            const Progress* progress = nullptr);
 
 }  // namespace homolog

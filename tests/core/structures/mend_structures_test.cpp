@@ -58,6 +58,18 @@ std::vector<std::size_t> voxels_of_label(const VolumeRead& map, int label) {
   return found;
 }
 
+/// The stones, the third one without its lower half.
+VolumeRead map_without_a_half() {
+  VolumeRead map = stone_map();
+  const std::vector<std::size_t> voxels = voxels_of_label(map, 3);
+  std::visit(
+      [&](auto& all) {
+        for (std::size_t v = 0; v < voxels.size() / 2; ++v) all[voxels[v]] = 0;
+      },
+      map.volume.data);
+  return map;
+}
+
 }  // namespace
 
 TEST_CASE("a part comes back only from a neighbour that shows too much") {
@@ -80,16 +92,24 @@ TEST_CASE("a part comes back only from a neighbour that shows too much") {
           lost_to_sound(found);
           found.fitted.structures[3].judgement.doubtful = true;
         }).has(2, DefectKind::given_to_neighbour));
+  // Of a neighbour of which nothing is expected, as its template is cut off, doubt tells nothing.
+  const Signed cut = Signed::with([&](RepairedMap& found) {
+    lost_to_sound(found);
+    found.fitted.structures[3].judgement.doubtful = true;
+    found.expected[3].reset();
+  });
+  CHECK_FALSE(cut.has(2, DefectKind::given_to_neighbour));
+  CHECK(cut.map.volume.data == stone_map().volume.data);
 }
 
 TEST_CASE("half is missing where much lacks and the volume is small or where very much lacks") {
-  const auto half_is_missing = [](double lacking, double volume, double gap = 0) {
-    return Signed::with([&](RepairedMap& found) {
-             found.signs[2].lacking = lacking;
-             found.signs[2].volume = volume;
-             found.signs[2].gap = gap;
-           })
-        .has(2, DefectKind::half_missing);
+  const Signed halved(map_without_a_half());
+  const auto half_is_missing = [&](double lacking, double volume, double gap = 0) {
+    Signed made = halved;
+    made.found.signs[2].lacking = lacking;
+    made.found.signs[2].volume = volume;
+    made.found.signs[2].gap = gap;
+    return made.mend().has(2, DefectKind::half_missing);
   };
   CHECK_FALSE(half_is_missing(0.17, 0));
   CHECK(half_is_missing(0.17, -0.3));
@@ -99,6 +119,48 @@ TEST_CASE("half is missing where much lacks and the volume is small or where ver
   CHECK(half_is_missing(0.1, 0, 0.6));
   CHECK_FALSE(half_is_missing(0.1, 0, 0.3));
   CHECK_FALSE(half_is_missing(0.03, 0, 0.6));
+}
+
+TEST_CASE("what lies beside its expected shape lacks nothing") {
+  // As a rib that is bent otherwise: much of the expected shape is empty, and nothing of the shape itself.
+  const Signed bent = Signed::with([](RepairedMap& found) { found.signs[2].lacking = 0.4; });
+  CHECK_FALSE(bent.has(2, DefectKind::half_missing));
+  CHECK(bent.map.volume.data == stone_map().volume.data);
+}
+
+TEST_CASE("what lacks is filled in, but not where the rest lies in two large parts") {
+  const VolumeRead map = map_without_a_half();
+  const Signed halved(map);
+  const auto filled = [&](double islands) {
+    Signed made = halved;
+    made.found.signs[2].lacking = 0.4;
+    made.found.signs[2].islands = islands;
+    CHECK(made.mend().has(2, DefectKind::half_missing));
+    return voxels_of_label(made.map, 3).size() - voxels_of_label(map, 3).size();
+  };
+  CHECK(filled(0) > voxels_of_label(map, 3).size() / 2);
+  CHECK(filled(0.2) == 0);
+}
+
+TEST_CASE("a few voxels that lie apart are islands where they are many parts") {
+  for (const int specks : {3, 6}) {
+    CAPTURE(specks);
+    VolumeRead map = stone_map();
+    std::visit(
+        [&](auto& all) {
+          using Voxel = typename std::decay_t<decltype(all)>::value_type;
+          for (int k = 0; k < specks; ++k) all[map.volume.geometry.index(80, 60, 70 + 4 * k)] = Voxel{3};
+        },
+        map.volume.data);
+    Signed made(map);
+    made.found.signs =
+        structure_signs(Signed::set(), made.map, 0, made.found.subject, made.found.fitted, made.found.expected);
+    CHECK(made.found.signs[2].specks == static_cast<std::size_t>(specks));
+    CHECK(made.found.signs[2].islands < 0.0005);
+    made.mend();
+    CHECK(made.has(2, DefectKind::island) == (specks > 5));
+    if (specks > 5) CHECK(made.map.volume.data == stone_map().volume.data);
+  }
 }
 
 TEST_CASE("of a bridge with a thin part only the thin part goes") {

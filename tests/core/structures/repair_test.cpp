@@ -138,6 +138,38 @@ TEST_CASE("a tunnel that the fit follows is seen against the expected shape, and
   CHECK(barred.bars > 0.004);
 }
 
+TEST_CASE("in coarse voxels a groove a voxel wide is no tunnel, and a few voxels at the surface are not lost") {
+  const auto whole = [](int k) { return test::must(mask_surface(stone_map().volume, k, 0)); };
+  const Vec3 middle = whole(3).points.colwise().mean().transpose();
+  const auto signs_of = [&](int voxel_mm, int label, const auto& is_changed) {
+    VolumeRead map = stone_map(voxel_mm);
+    const VolumeGeometry& grid = map.volume.geometry;
+    std::visit(
+        [&](auto& voxels) {
+          using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
+          for (std::size_t v = 0; v < voxels.size(); ++v)
+            if (rounded_label(voxels[v]) == 3 && is_changed(Vec3(place_of_voxel(grid, v) - middle)))
+              voxels[v] = static_cast<Voxel>(label);
+        },
+        map.volume.data);
+    const SetInMap subject = find_in_map(the_set().set, map, 0);
+    FittedSet fitted = test::must(fit_set(the_set(), subject, {}));
+    fitted.structures[2].fit->mesh = test::must(mask_surface(map.volume, 3, 0));
+    std::vector<std::optional<Mesh>> expected(stones);
+    expected[2] = whole(3);
+    expected[3] = whole(4);
+    return structure_signs(the_set(), map, 0, subject, fitted, expected)[2];
+  };
+  const auto groove = [](const Vec3& off) { return std::abs(off.z()) <= 1.5 && off.y() > 11; };
+  CHECK(signs_of(3, 0, groove).tunnels == 0);
+  const auto through = [](const Vec3& off) { return std::max(std::abs(off.z()), std::abs(off.x())) <= 3; };
+  CHECK(signs_of(3, 0, through).tunnels > 0.0085);
+  int left = 10;
+  CHECK(signs_of(4, 4, [&](const Vec3&) { return left-- > 0; }).lost_to.empty());
+  left = 40;
+  CHECK(signs_of(4, 4, [&](const Vec3&) { return left-- > 0; }).lost_to.at(3) > 0.04);
+}
+
 TEST_CASE("where nothing is expected a bay that the fit bridges is no hole, and a cavity is one") {
   const Mesh whole = test::must(mask_surface(stone_map().volume, 3, 0));
   const Vec3 middle = whole.points.colwise().mean().transpose();
@@ -170,6 +202,40 @@ TEST_CASE("where nothing is expected a bay that the fit bridges is no hole, and 
     CHECK(beside_others > 0.01);
     CHECK(alone == doctest::Approx(open ? 0 : beside_others));
   }
+}
+
+TEST_CASE("two that have each other's name get their own back, though each is unlike its template") {
+  VolumeRead map = stone_map();
+  std::visit(
+      [](auto& all) {
+        using Voxel = typename std::decay_t<decltype(all)>::value_type;
+        for (auto& voxel : all)
+          if (const int label = rounded_label(voxel); label == 2 || label == 3) voxel = static_cast<Voxel>(5 - label);
+      },
+      map.volume.data);
+  const SetInMap subject = find_in_map(the_set().set, map, 0);
+  FittedSet fitted = test::must(fit_set(the_set(), subject, {}));
+  for (const std::size_t k : {1U, 2U}) fitted.structures[k].judgement.doubtful = true;
+  const auto names = find_names(the_set(), subject, fitted, std::vector<StructureSigns>(stones));
+  CHECK(names[1].proposed == name_of_stone(2));
+  CHECK(names[2].proposed == name_of_stone(1));
+  CHECK(names[0].proposed == name_of_stone(0));
+}
+
+TEST_CASE("a repair that is cancelled after its fits looks at nothing more") {
+  const VolumeRead map = stone_map();
+  const SetInMap subject = find_in_map(the_set().set, map, 0);
+  const FittedSet fitted = test::must(fit_set(the_set(), subject, {}));
+  Progress progress;
+  progress.cancel();
+  const auto expected = expected_shapes(the_set(), subject, fitted, &progress);
+  CHECK(std::ranges::none_of(expected, [](const auto& one) { return one.has_value(); }));
+  const std::vector<std::optional<Mesh>> none(stones);
+  CHECK(structure_signs(the_set(), map, 0, subject, fitted, none, &progress)[2].volume == 0);
+  VolumeRead mended = map;
+  MapRepairOptions options;
+  options.progress = &progress;
+  CHECK_FALSE(repair_map(the_set(), mended, 0, options));
 }
 
 TEST_CASE("an island within another structure becomes a part of it") {

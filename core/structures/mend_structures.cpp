@@ -31,7 +31,7 @@ constexpr double some_bars = 0.004;       ///< `bars`: from here on it has bridg
 constexpr double much_lost = 0.04;        ///< `lost_to`: from here on the neighbour has what it lost
 constexpr double much_lacking = 0.15;     ///< `lacking`: from here on a part is missing, if it is much_smaller too
 constexpr double some_lacking = 0.05;     ///< `lacking`: from here on a part is missing, if it reaches far
-constexpr double lacking_bent = 0.05;     ///< of the template, bent to the structure: from here on a part is missing
+constexpr double lacking_bent = 0.2;      ///< of what is `lacking`: if less lacks of the bent template, no part does
 constexpr double far_gap = 0.45;          ///< `gap`: from here on it does, as a spinous process; sound ones reach 0.31
 constexpr double surely_lacking = 0.2;    ///< `lacking`: from here on a part is missing
 constexpr double much_smaller = 0.2;      ///< `volume`: from here on below 0
@@ -125,7 +125,7 @@ void Mending::find_lost(std::size_t k) {
   if (!takers.empty() || !lacks_a_part(k)) return;
   // A rib that is bent otherwise, or a vertebra that leans, lies beside its expected shape and lacks nothing.
   const auto lack = lack_of(k);
-  if (!lack || lack->share < lacking_bent) return;
+  if (!lack || lack->share < lacking_bent * result_.signs[k].lacking) return;
   add(k, DefectKind::half_missing);
   // Where a far part points, the template of another one does not tell well enough: filled in, it may be worse.
   const bool is_told = options_.image != nullptr || options_.model != nullptr;

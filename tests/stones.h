@@ -57,10 +57,11 @@ inline SetOfTemplates stone_set() {
 }
 
 /// Another subject: each a little larger, and moved. Its voxels are `voxel_mm` wide.
-inline VolumeRead stone_map(int voxel_mm = 1) {
+inline VolumeRead stone_map(double voxel_mm = 1.5) {
   VolumeGeometry grid;
-  grid.dims = {90 / voxel_mm, 70 / voxel_mm, 230 / voxel_mm};
-  grid.spacing_mm = Vec3::Constant(voxel_mm);
+  const auto across = [&](double mm) { return static_cast<int>(mm / voxel_mm); };
+  grid.dims = {across(90), across(70), across(231)};
+  grid.spacing_mm.setConstant(voxel_mm);
   grid.origin_mm = Vec3(-40, -32, -30);
   std::vector<MeshOfSegment> meshes;
   for (int k = 0; k < stones; ++k)

@@ -217,7 +217,7 @@ TEST_CASE("a body with a level more than the set is told of in the window, and i
   }
   REQUIRE(write_template_set(set.set, stones.set));
   VolumeGeometry grid = stones.whole.volume.geometry;
-  grid.dims[2] += 60;
+  grid.dims[2] += 40;
   std::vector<MeshOfSegment> meshes;
   for (int k = 0; k < homolog::stones; ++k)
     meshes.push_back(

@@ -30,7 +30,7 @@ std::vector<LevelFound> levels_of(const SetOfTemplates& set, const std::map<std:
   return find_levels(set, subject, fitted, placed, std::vector<char>(stones));
 }
 
-constexpr int with_room = 230, without_room = 190;  // for one more below the last
+constexpr int with_room = 154, without_room = 127;  // for one more below the last
 
 }  // namespace
 

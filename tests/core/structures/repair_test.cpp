@@ -607,7 +607,7 @@ TEST_CASE("a level more than the set has is a variant, and one that is missing i
     for (const std::size_t n : {k - 1, k + 1})
       if (n < stones) set.set.structures[k].neighbours.push_back(set.set.structures[n].name);
   VolumeGeometry grid = stone_map().volume.geometry;
-  grid.dims[2] += 60;
+  grid.dims[2] += 40;
   std::vector<MeshOfSegment> meshes;
   for (int k = 0; k < stones; ++k)
     meshes.push_back(

@@ -35,6 +35,7 @@ constexpr double lacking_bent = 0.2;      ///< of what is `lacking`: if less lac
 constexpr double far_gap = 0.45;          ///< `gap`: from here on it does, as a spinous process; sound ones reach 0.31
 constexpr double surely_lacking = 0.2;    ///< `lacking`: from here on a part is missing
 constexpr double much_smaller = 0.2;      ///< `volume`: from here on below 0
+constexpr double far_smaller = 0.3;       ///< `volume`: from here on below 0, a part is missing however it is bent
 constexpr double much_beyond = 0.05;      ///< `beyond`: above, the end of the map says why it lacks something
 constexpr double mostly_beyond = 0.5;     ///< `beyond`: above, it is not said to have lost something to a neighbour
 constexpr double some_at_border = 0.002;  ///< `at_border`: above, the scan cuts it
@@ -123,9 +124,12 @@ void Mending::find_lost(std::size_t k) {
     take_back(k, other);
   }
   if (!takers.empty() || !lacks_a_part(k)) return;
-  // A rib that is bent otherwise, or a vertebra that leans, lies beside its expected shape and lacks nothing.
+  // A rib that is bent otherwise, or a vertebra that leans, lies beside its expected shape and lacks nothing. The
+  // template bent to what is there tells so, but not of one much too small: half of a smooth organ has the form of a
+  // whole one.
   const auto lack = lack_of(k);
-  if (!lack || lack->share < lacking_bent * result_.signs[k].lacking) return;
+  const bool is_far_smaller = result_.signs[k].volume <= -far_smaller;
+  if (!lack || (!is_far_smaller && lack->share < lacking_bent * result_.signs[k].lacking)) return;
   add(k, DefectKind::half_missing);
   // Where a far part points, the template of another one does not tell well enough: filled in, it may be worse.
   const bool is_told = options_.image != nullptr || options_.model != nullptr;

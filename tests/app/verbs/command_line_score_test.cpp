@@ -86,7 +86,8 @@ TEST_CASE("a shape of the model itself, other faces and options without effect a
   CHECK(mixed.json()["subjects"].size() == 1);
   // Turned inside out they are the same.
   other = read_mesh_file(folder.path / "c6.ply").value();
-  other.triangles.edit().col(1).swap(other.triangles.edit().col(2));
+  Triangles& turned = other.triangles.edit();
+  turned.col(1).swap(turned.col(2));
   REQUIRE(write_mesh_file(other, folder.path / "turned.ply"));
   CHECK(run(folder, "score turned.ply --model m.h5").status == 0);
   check_refused(run(folder, "score c6.ply --model m.h5 --label 2"), "--label and --frame have no effect");

@@ -39,7 +39,7 @@ struct Signed {
   }
   template <class Change>
   static Signed with(const Change& change) {
-    static const Signed sound(stone_map());  // the fits take seconds
+    static const Signed sound(stone_map(1));  // the fits take seconds
     Signed made = sound;
     change(made.found);
     return std::move(made.mend());
@@ -60,7 +60,7 @@ std::vector<std::size_t> voxels_of_label(const VolumeRead& map, int label) {
 
 /// The stones, the third one without its lower half.
 VolumeRead map_without_a_half() {
-  VolumeRead map = stone_map();
+  VolumeRead map = stone_map(1);
   const std::vector<std::size_t> voxels = voxels_of_label(map, 3);
   std::visit(
       [&](auto& all) {
@@ -77,7 +77,7 @@ TEST_CASE("a part comes back only from a neighbour that shows too much") {
   const Signed sound = Signed::with(lost_to_sound);
   CHECK_FALSE(sound.has(2, DefectKind::given_to_neighbour));
   CHECK_FALSE(sound.has(3, DefectKind::taken_from_neighbour));
-  CHECK(sound.map.volume.data == stone_map().volume.data);
+  CHECK(sound.map.volume.data == stone_map(1).volume.data);
   for (const auto& too_much : std::vector<void (*)(StructureSigns&)>{
            [](StructureSigns& signs) { signs.bridges = 0.01; }, [](StructureSigns& signs) { signs.bars = 0.01; },
            [](StructureSigns& signs) { signs.islands = 0.04; }, [](StructureSigns& signs) { signs.volume = 0.12; }}) {
@@ -99,7 +99,7 @@ TEST_CASE("a part comes back only from a neighbour that shows too much") {
     found.expected[3].reset();
   });
   CHECK_FALSE(cut.has(2, DefectKind::given_to_neighbour));
-  CHECK(cut.map.volume.data == stone_map().volume.data);
+  CHECK(cut.map.volume.data == stone_map(1).volume.data);
 }
 
 TEST_CASE("half is missing where much lacks and the volume is small or where very much lacks") {
@@ -125,7 +125,7 @@ TEST_CASE("what lies beside its expected shape lacks nothing") {
   // As a rib that is bent otherwise: much of the expected shape is empty, and nothing of the shape itself.
   const Signed bent = Signed::with([](RepairedMap& found) { found.signs[2].lacking = 0.4; });
   CHECK_FALSE(bent.has(2, DefectKind::half_missing));
-  CHECK(bent.map.volume.data == stone_map().volume.data);
+  CHECK(bent.map.volume.data == stone_map(1).volume.data);
 }
 
 TEST_CASE("what lacks is filled in, but not where the rest lies in two large parts") {
@@ -145,7 +145,7 @@ TEST_CASE("what lacks is filled in, but not where the rest lies in two large par
 TEST_CASE("a few voxels that lie apart are islands where they are many parts") {
   for (const int specks : {3, 6}) {
     CAPTURE(specks);
-    VolumeRead map = stone_map();
+    VolumeRead map = stone_map(1);
     std::visit(
         [&](auto& all) {
           using Voxel = typename std::decay_t<decltype(all)>::value_type;
@@ -159,12 +159,12 @@ TEST_CASE("a few voxels that lie apart are islands where they are many parts") {
     CHECK(made.found.signs[2].islands < 0.0005);
     made.mend();
     CHECK(made.has(2, DefectKind::island) == (specks > 5));
-    if (specks > 5) CHECK(made.map.volume.data == stone_map().volume.data);
+    if (specks > 5) CHECK(made.map.volume.data == stone_map(1).volume.data);
   }
 }
 
 TEST_CASE("of a bridge with a thin part only the thin part goes") {
-  const std::vector<std::size_t> voxels = voxels_of_label(stone_map(), 3);
+  const std::vector<std::size_t> voxels = voxels_of_label(stone_map(1), 3);
   const VoxelChange thick{voxels.front(), 3, 0}, thin{voxels.back(), 3, 0};
   const auto left = [&](double bars) {
     const Signed mended = Signed::with([&](RepairedMap& found) {
@@ -183,7 +183,7 @@ TEST_CASE("of a bridge with a thin part only the thin part goes") {
 
 TEST_CASE("a structure in two bodies has doubled what a small part of it fills") {
   // A tenth of where the third one is missing has the fourth one's label.
-  VolumeRead map = stone_map();
+  VolumeRead map = stone_map(1);
   const std::vector<std::size_t> voxels = voxels_of_label(map, 3);
   std::visit(
       [&](auto& all) {
@@ -205,20 +205,20 @@ TEST_CASE("a structure in two bodies has doubled what a small part of it fills")
 
 TEST_CASE("an island at the border of the scan does not say that its structure is cut off") {
   const auto at_border = [](int height) {
-    VolumeRead map = stone_map();
+    VolumeRead map = stone_map(1);
     std::visit(
         [&](auto& all) {
           using Voxel = typename std::decay_t<decltype(all)>::value_type;
           const auto& dims = map.volume.geometry.dims;
           for (int z = 0; z < height; ++z)
-            for (int y = 13; y < 27; ++y)
-              for (int x = 20; x < 33; ++x) all[static_cast<std::size_t>(x + dims[0] * (y + dims[1] * z))] = Voxel{3};
+            for (int y = 20; y < 40; ++y)
+              for (int x = 30; x < 50; ++x) all[static_cast<std::size_t>(x + dims[0] * (y + dims[1] * z))] = Voxel{3};
         },
         map.volume.data);
     const Signed made(map);
     return structure_signs(Signed::set(), made.map, 0, made.found.subject, made.found.fitted, made.found.expected)[2];
   };
-  const StructureSigns signs = at_border(3);
+  const StructureSigns signs = at_border(4);
   CHECK(signs.islands > 0.03);
   CHECK(signs.at_border == 0);
 }

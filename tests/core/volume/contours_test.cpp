@@ -118,7 +118,7 @@ TEST_CASE("a gap between contours stays a gap and structures that overlap lie in
   REQUIRE(roi);
   CHECK((*roi)->number == 2);
   CHECK(says(roi_of(*contours, "livver"), "liver"));
-  CHECK(says(roi_of(*contours, "9"), "has no structure 9"));
+  CHECK(says(roi_of(*contours, "9"), "has no structure \"9\""));
   const auto read = labels_of_contours("rt.dcm", *contours, "image", image);
   CHECK(count_of(read, 1) == 8);
   CHECK(read->volume.at(1, 1, 0) == 1);

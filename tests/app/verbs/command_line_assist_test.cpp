@@ -200,7 +200,7 @@ TEST_CASE("study schemes compares ways of working and writes tables and case fil
 TEST_CASE("study schemes knows the truth of phantoms") {
   const TemporaryFolder folder;
   const Ran ran =
-      run(folder, "study schemes built-in:ventricle --phantoms 1,2,3 --schemes anchored+warp --pulls 2 --json");
+      run(folder, "study schemes built-in:ventricle --phantoms 1,2,3,4 --schemes anchored+warp --pulls 2 --json");
   REQUIRE_MESSAGE(ran.status == 0, ran.errors);
   const Json json = ran.json();
   CHECK(json["default_scheme"] == "anchored+warp+refine");

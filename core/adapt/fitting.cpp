@@ -163,9 +163,9 @@ Result<void> Fitting::place() {
     return show(placed_.points, 0.1);
   }
   // Vertices stick where they are nearest, so a rim that lies far off has to be near before they are drawn.
-  const KnownMatches known =
-      whole() ? with_rims(placed_.landmarks, {reference_.topology, placed_.points}, boundary_, target_)
-              : placed_.landmarks;
+  const KnownMatches known = whole() ? with_rims(placed_.landmarks, {reference_.topology, placed_.points},
+                                                 RimsLie::near, placed_.points, boundary_, target_)
+                                     : placed_.landmarks;
   shape_.mesh = {reference_.topology,
                  warp_to_boundary(reference_.topology, placed_.points, known, whole() ? round_ : 0, target_)};
   if (!shape_.mesh.points.allFinite() || !(placed_.placement.scale > 0))

@@ -36,10 +36,12 @@ double believed(double strain_ratio) {
 
 }  // namespace
 
-KnownMatches with_rims(KnownMatches known, const Mesh& mesh, const Boundary& boundary, Target& target) {
+KnownMatches with_rims(KnownMatches known, const Mesh& mesh, RimsLie rims_lie, const Points& from,
+                       const Boundary& boundary, Target& target) {
   if (long_rims(boundary.surface).empty()) return known;
-  constexpr double noise_share = 0.015, as_sure_as = 10;  // of the diagonal, of so many places
-  constexpr std::size_t most_places = 200;                // the time goes by their number to the third power
+  constexpr double noise_share = 0.015;                           // of the diagonal
+  const double as_sure_as = rims_lie == RimsLie::near ? 10 : 40;  // of so many places
+  constexpr std::size_t most_places = 200;                        // the time goes by their number to the third power
   const std::vector<Rim> rims = long_rims(mesh);
   std::size_t vertices = 0;
   for (const Rim& rim : rims) vertices += rim.size();
@@ -55,7 +57,7 @@ KnownMatches with_rims(KnownMatches known, const Mesh& mesh, const Boundary& bou
                           std::sqrt(std::max(1.0, static_cast<double>(count) / as_sure_as));
   KnownMatches all{Points(known.from.rows() + count, 3), Points(known.from.rows() + count, 3),
                    VertexScalars(known.from.rows() + count)};
-  all.from << known.from, mesh.points(on_rim, Eigen::all);
+  all.from << known.from, from(on_rim, Eigen::all);
   all.to << known.to, to;
   all.noise_mm << known.noise_mm, VertexScalars::Constant(count, noise_mm);
   return all;
@@ -98,7 +100,9 @@ Result<Adapting> WholeWays::kept() {
   Adapting matched = plain.shape;
   matched.mesh.points = *mean;
   if (smooth > 0) {
-    const Points warped = warp_along_boundary(matched.mesh, placed_.points, placed_.landmarks, target_);
+    const KnownMatches known =
+        with_rims(placed_.landmarks, matched.mesh, RimsLie::on_each_other, placed_.points, boundary_, target_);
+    const Points warped = warp_along_boundary(matched.mesh, placed_.points, known, target_);
     matched.mesh.points = smooth * warped + (1 - smooth) * matched.mesh.points;
   }
   if (auto done = steps_.settle_as_it_is(matched); !done) return fail(done.error());
@@ -121,8 +125,8 @@ Result<Adapting> WholeWays::kept() {
 std::vector<WholeWays::Start> WholeWays::starts(const Points& start, bool match) const {
   std::vector<Start> all{{start}};
   if (!match) return all;
-  const KnownMatches known =
-      with_rims(placed_.known_on(*reference_.topology, start), {reference_.topology, start}, boundary_, target_);
+  const KnownMatches known = with_rims(placed_.known_on(*reference_.topology, start), {reference_.topology, start},
+                                       RimsLie::near, start, boundary_, target_);
   const CoherentMatch coherent(reference_.points, {reference_.topology, start}, boundary_.surface);
   // A template without extent in some direction has no smooth displacement.
   const auto add = [&](Points points) {

@@ -13,8 +13,13 @@ struct PartsOfWork {
   std::size_t done = 0, all = 1;
 };
 
-/// These, and where the rim of a mesh belongs, if the boundary has one too. LPS mm. `target`: of this boundary.
-KnownMatches with_rims(KnownMatches known, const Mesh& mesh, const Boundary& boundary, Target& target);
+/// How surely the rims of a mesh and of a boundary are known to belong to each other.
+enum class RimsLie { near, on_each_other };
+
+/// These, and where the rims of a mesh belong, if the boundary has some too. LPS mm. `mesh`: from where the boundary's
+/// rims are looked for. `from`: the places that the matches start from, n×3. `target`: of this boundary.
+KnownMatches with_rims(KnownMatches known, const Mesh& mesh, RimsLie rims_lie, const Points& from,
+                       const Boundary& boundary, Target& target);
 
 /// Ways of a template onto the boundary of a whole organ: from where it is placed, and from matches of it with the
 /// boundary as a whole. What is kept is the plain way, the mean of those from matches, or a mean of both.

@@ -16,6 +16,7 @@ Result<TextTable> read_text_table(const std::filesystem::path& path) {
   if (!text) return fail(text.error());
   if (text->starts_with("\xFF\xFE") || text->starts_with("\xFE\xFF"))
     return fail(path.string(), "is a table in UTF-16; save it as CSV in UTF-8");
+  if (text->find('\0') != std::string::npos) return fail(path.string(), "is no text; save the table as CSV in UTF-8");
   if (text->starts_with("\xEF\xBB\xBF")) text->erase(0, 3);
   TextTable table;
   std::size_t number = 0;

@@ -34,8 +34,8 @@ Result<std::vector<Token>> tokens_of(const std::string& text) {
       tokens.push_back({text.substr(at + 1, end - at - 1), true});
       at = end + 1;
     } else if (std::string_view("-^/|%!=<>&,").find(c) != std::string_view::npos) {
-      return fail(subject, std::string("has the sign ") + c +
-                               ", which means nothing here; use + : * log() sqrt() factor(), and `…` around a name");
+      return fail(subject, std::string("has the sign \"") + c +
+                               "\", which means nothing here; use + : * log() sqrt() factor(), and `…` around a name");
     } else {
       const std::size_t end = std::min(text.find_first_of(" \t`~+*:()-^/|%!=<>&,", at), text.size());
       tokens.push_back({text.substr(at, end - at), true});

@@ -144,6 +144,7 @@ TEST_CASE("several labels are taken together by every verb that takes one") {
   CHECK(fitted("two.nii.gz --label 3,5") == fitted("one.nii.gz"));
   CHECK(fitted("one.nii.gz --label 3,5") == fitted("one.nii.gz"));  // a kidney without a tumour
   check_refused(run(folder, "fit one.ply --mask two.nii.gz --label 7,8 -o M.ply"), "label 7+8 does not occur");
+  check_refused(run(folder, "fit one.ply --mask one.ply -o M.ply"), "one.ply: is a mesh, where");
   for (const char* wrong : {"3,", ",3", "3;5", "0", "3,-5", "a,"})
     CHECK(run(folder, "fit one.ply --mask two.nii.gz -o M.ply --label " + std::string("'") + wrong + "'").status == 2);
 }

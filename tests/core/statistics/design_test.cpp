@@ -54,7 +54,7 @@ TEST_CASE("a formula that cannot be read says where") {
   const std::array<std::pair<const char*, const char*>, 10> wrong{{{"shape", "lacks a ~"},
                                                                    {"shape ~", "lacks a name at its end"},
                                                                    {"~ a", "lacks a name before ~"},
-                                                                   {"shape ~ a - b", "has the sign -"},
+                                                                   {"shape ~ a - b", "has the sign \"-\", which"},
                                                                    {"shape ~ exp(a)", "has the function exp"},
                                                                    {"shape ~ a + a:b", "a:b needs b as a term"},
                                                                    {"shape ~ 1", "has no term"},
@@ -82,6 +82,7 @@ TEST_CASE("a table is read with any separator and its errors name the line") {
                               "n\0a\0",
                               6)),
              "UTF-16"));
+  CHECK(says(read(std::string("PK\3\4a\0b\n", 8)), "is no text"));  // as a workbook
   CHECK(says(read("name,age\nk1,4\nk1,5\n"), "has the case k1 twice"));
   CHECK(says(read("name,age,age\nk1,4,4\n"), "has the column age twice"));
   CHECK(says(read("name,age\n,4\n"), "names no case"));

@@ -6,6 +6,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/model/shape_files.h"
 #include "core/phantom/phantom.h"
+#include "core/phantom/phantom_scene.h"
 #include "python/homolog/binding.h"
 
 namespace homolog::python {
@@ -144,26 +145,39 @@ std::shared_ptr<HeldLabels> label_map_of(const HeldMesh& self, const HeldVolume&
   return map;
 }
 
+/// What a phantom subject is in Python.
+py::dict phantom_parts(std::shared_ptr<HeldVolume> image, VolumeRead map, const py::object& truth) {
+  auto labels = std::make_shared<HeldLabels>();
+  labels->read = std::make_shared<VolumeRead>(std::move(map));
+  py::dict parts;
+  parts["image"] = std::move(image);
+  parts["labels"] = std::move(labels);
+  parts["truth"] = truth;
+  return parts;
+}
+
+py::dict spine_phantom_of(int subject) {
+  std::optional<PhantomScene> made;
+  do_watched({py::none(), {}}, [&](Progress&) { made.emplace(make_spine_phantom(subject)); });
+  auto image = std::make_shared<HeldVolume>();
+  image->read = std::make_shared<VolumeRead>(VolumeRead{std::move(made->image), {}, {}, {}});
+  py::dict truth;
+  for (SceneStructure& one : made->structures) truth[py::str(one.name)] = held(std::move(one.truth));
+  return phantom_parts(std::move(image), {std::move(made->label_map), {}, std::move(made->segmentation), {}}, truth);
+}
+
 py::dict phantom_of(const std::string& organ, int subject) {
-  const Organ which = value_of(organ_from_name(organ));
   if (subject < 0) refuse("subject", "is negative; give 0 for the mean shape, or more");
+  if (organ == "spine") return spine_phantom_of(subject);
+  const Organ which = value_of(organ_from_name(organ));
   std::optional<PhantomSubject> made;
   do_watched({py::none(), {}}, [&](Progress&) { made.emplace(make_phantom(which, subject)); });
   auto image = std::make_shared<HeldVolume>();
   image->source = phantom_source(which, subject);
-  auto map = std::make_shared<HeldLabels>();
-  auto image_read = std::make_shared<VolumeRead>(), map_read = std::make_shared<VolumeRead>();
-  image_read->volume = std::move(made->image);
-  map_read->volume = std::move(made->label_map);
-  image->read = std::move(image_read);
-  map->read = std::move(map_read);
+  image->read = std::make_shared<VolumeRead>(VolumeRead{std::move(made->image), {}, {}, {}});
   py::list truth;
   for (MeshFile& one : made->truth) truth.append(held(std::move(one)));
-  py::dict parts;
-  parts["image"] = image;
-  parts["labels"] = map;
-  parts["truth"] = truth;
-  return parts;
+  return phantom_parts(std::move(image), {std::move(made->label_map), {}, {}, {}}, truth);
 }
 
 }  // namespace
@@ -278,7 +292,8 @@ Errors: shape, dtype, numbers that are not finite, numbers of no vertex.)")
   module.def("phantom", &phantom_of, py::arg("organ"), py::arg("subject"),
              R"(A made-up subject whose truth is known: {"image": Volume, "labels": LabelMap, "truth": [Mesh]}.
 
-organ: "kidney", "vertebra" or "ventricle". subject: 0 is the mean shape.)");
+organ: "kidney", "vertebra", "ventricle", or "spine", whose labels have names and whose truth is {name: Mesh}. subject: 0
+is the mean shape.)");
 }
 
 }  // namespace homolog::python

@@ -1,6 +1,7 @@
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 
 import pytest
@@ -26,12 +27,7 @@ def refusal_of_command_line(*arguments):
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory):
     """A folder with three phantom kidneys, their label maps, and fits of the built-in template by the command line."""
-    path = tmp_path_factory.mktemp("kidneys")
-    for k in (1, 2, 3):
-        command_line("phantom", "kidney", "--subject", k, "-o", path)
-    for k in (1, 2, 3):
-        command_line("fit", "built-in:kidney", "--mask", f"kidney-{k}-labels.nii.gz", "-o", f"fit-{k}.ply", cwd=path)
-    return path
+    return shutil.copytree(os.environ["HOMOLOG_KIDNEYS"], tmp_path_factory.mktemp("kidneys") / "made")
 
 
 @pytest.fixture(scope="session")

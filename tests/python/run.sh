@@ -15,6 +15,14 @@ $python -m venv --system-site-packages "$folder/venv" || exit 1
 "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --no-index "$wheel" || exit 1
 cd "$folder" || exit 1
 export HOMOLOG_PROGRAM=$program HOMOLOG_SOURCE=$source HOMOLOG_DATA=${HOMOLOG_DATA:-$source/../shared/data}
+# Three phantom kidneys with fits, made once for all files.
+mkdir kidneys && cd kidneys || exit 1
+for k in 1 2 3; do
+  "$program" phantom kidney --subject $k -o . > /dev/null || exit 1
+  "$program" fit built-in:kidney --mask kidney-$k-labels.nii.gz -o fit-$k.ply > /dev/null || exit 1
+done
+cd "$folder" || exit 1
+export HOMOLOG_KIDNEYS=$folder/kidneys
 # Each file in a process of its own, as many at a time as there are cores.
 test_file() { "$1/venv/bin/python" -m pytest -q -rs -p no:cacheprovider "$2" > "$1/$(basename "$2").log" 2>&1; }
 export -f test_file

@@ -2,6 +2,7 @@
 
 import _thread
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -32,6 +33,7 @@ def test_other_threads_go_on_and_progress_is_told(kidney):
 
 
 def test_ctrl_c_stops_a_call_and_the_next_one_works(kidney):
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have started this with it ignored
     timer = threading.Timer(0.3, _thread.interrupt_main)
     timer.start()
     start = time.monotonic()

@@ -34,6 +34,15 @@ def test_moved_points_move_the_label_map():
     assert numpy.array_equal(there.array[2:], 4 * here.array[:-2])
 
 
+def test_a_phantom_spine_has_named_labels_and_the_truth_of_each():
+    spine = homolog.phantom("spine", 3)
+    assert set(spine["truth"]) == set(spine["labels"].names.values())
+    inside_ml = spine["labels"].mask("vertebrae_L3").sum() * numpy.prod(spine["labels"].spacing_mm) / 1000
+    assert inside_ml == pytest.approx(spine["truth"]["vertebrae_L3"].volume_ml, rel=0.03)
+    with pytest.raises(homolog.Error, match="no organ of the phantoms"):
+        homolog.phantom("spleen", 1)
+
+
 @pytest.mark.parametrize("points, triangles, sentence", [
     (numpy.zeros((3, 642)), None, r"points: has the shape \(3, 642\); give n×3.*transpose it"),
     (numpy.zeros((5, 2)), None, r"points: has the shape \(5, 2\)"),

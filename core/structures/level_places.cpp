@@ -54,8 +54,10 @@ double usual_step(const std::vector<Link>& links, double scale) {
   return steps.empty() ? 0 : median_of(steps);
 }
 
-/// By how many levels the second one lies below the first.
-int levels_between(const Link& above, const Link& below, double scale, double usual) {
+constexpr int last_of_chest = 18, first_of_loin = 19;
+
+/// By how many levels the second one lies below the first. `lacks_t12`: the map has no T12.
+int levels_between(const Link& above, const Link& below, double scale, double usual, bool lacks_t12) {
   constexpr double unsure = 0.3;
   const int named = below.level - above.level;
   const double one = named != 0 ? scale * (below.in_set - above.in_set).norm() / std::abs(named) : usual;
@@ -63,18 +65,19 @@ int levels_between(const Link& above, const Link& below, double scale, double us
   const int whole = static_cast<int>(std::lround(levels));
   if (whole < 1 || std::abs(levels - whole) > unsure) return std::max(1, named);
   // Who has 11 ribs has no T12; T13 and L1 count the same.
-  constexpr int last_of_chest = 18, first_of_loin = 19;
-  const bool is_variant = below.level == first_of_loin && (above.level == last_of_chest - 1 || named == 0);
+  const bool is_variant =
+      below.level == first_of_loin && ((lacks_t12 && above.level == last_of_chest - 1) || named == 0);
   return is_variant && whole == 1 ? named : whole;
 }
 
 void find_contradictions(LevelChain& chain, const std::vector<Link>& links, double scale) {
   if (links.size() < 3) return;
   const double usual = usual_step(links, scale);
+  const bool lacks_t12 = std::ranges::none_of(links, [](const Link& link) { return link.level == last_of_chest; });
   std::map<int, std::vector<std::size_t>> groups;  // by what the names are off
   int place = links.front().level;
   for (std::size_t a = 0; a < links.size(); ++a) {
-    if (a > 0) place += levels_between(links[a - 1], links[a], scale, usual);
+    if (a > 0) place += levels_between(links[a - 1], links[a], scale, usual, lacks_t12);
     groups[place - links[a].level].push_back(links[a].k);
   }
   const auto most = std::ranges::max_element(groups, {}, [](const auto& group) { return group.second.size(); });

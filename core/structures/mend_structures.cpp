@@ -28,13 +28,15 @@ constexpr double some_bridges = 0.0025;   ///< `bridges`: from here on it has so
 constexpr double no_bridge = 0.15;        ///< `bridges`: from here on it is something else
 constexpr double bridges_more = 0.004;    ///< `bridges`: from here on, it may have something of a neighbour
 constexpr double some_bars = 0.004;       ///< `bars`: from here on it has bridges
-constexpr double much_lost = 0.04;        ///< `lost_to`: from here on the neighbour has what it lost
+constexpr double much_lost = 0.04;        ///< `lost_to`: from here on the neighbour has what it lost, if it shows it
+constexpr double surely_lost = 0.1;       ///< `lost_to`: from here on it has; sound ones reach 0.051
 constexpr double much_lacking = 0.15;     ///< `lacking`: from here on a part is missing, if it is much_smaller too
 constexpr double some_lacking = 0.05;     ///< `lacking`: from here on a part is missing, if it reaches far
 constexpr double lacking_bent = 0.2;      ///< of what is `lacking`: if less lacks of the bent template, no part does
 constexpr double far_gap = 0.45;          ///< `gap`: from here on it does, as a spinous process; sound ones reach 0.31
 constexpr double surely_lacking = 0.2;    ///< `lacking`: from here on a part is missing
 constexpr double much_smaller = 0.2;      ///< `volume`: from here on below 0
+constexpr double somewhat_smaller = 0.1;  ///< `volume`: from here on below 0, neighbours may have some of it
 constexpr double far_smaller = 0.3;       ///< `volume`: from here on below 0, a part is missing however it is bent
 constexpr double much_beyond = 0.05;      ///< `beyond`: above, the end of the map says why it lacks something
 constexpr double mostly_beyond = 0.5;     ///< `beyond`: above, it is not said to have lost something to a neighbour
@@ -105,8 +107,15 @@ std::vector<std::size_t> Mending::takers_of(std::size_t k) const {
   std::vector<std::size_t> takers;
   if (!result_.fitted.structures[k].fit || !expected_[k] || signs.beyond > mostly_beyond) return takers;
   for (const auto& [other, share] : signs.lost_to)
-    if (share >= much_lost && has_too_much(other)) takers.push_back(other);
+    if ((share >= surely_lost && expected_[other]) || (share >= much_lost && has_too_much(other)))
+      takers.push_back(other);
   return takers;
+}
+
+bool Mending::is_asked(std::size_t k) const {
+  const StructureSigns& signs = result_.signs[k];
+  if (!result_.fitted.structures[k].fit || !expected_[k] || signs.beyond > mostly_beyond) return false;
+  return signs.volume <= -somewhat_smaller || !takers_of(k).empty() || lacks_a_part(k);
 }
 
 bool Mending::lacks_a_part(std::size_t k) const {
@@ -117,7 +126,9 @@ bool Mending::lacks_a_part(std::size_t k) const {
 }
 
 void Mending::find_lost(std::size_t k) {
-  const auto takers = takers_of(k);
+  if (!is_asked(k)) return;
+  auto takers = takers_of(k);
+  if (takers.empty()) takers = takers_of_bent(k);
   for (const std::size_t other : takers) {
     add(k, DefectKind::given_to_neighbour, name(other));
     add(other, DefectKind::taken_from_neighbour, name(k));

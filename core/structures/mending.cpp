@@ -98,7 +98,7 @@ void Mending::name_new() {
 void Mending::find_shapes() {
   std::vector<std::size_t> asked;
   for (std::size_t k = 0; k < result_.structures.size(); ++k)
-    if (!takers_of(k).empty() || lacks_a_part(k)) asked.push_back(k);
+    if (is_asked(k)) asked.push_back(k);
   for_each_in_parallel(asked.size(), [&](std::size_t a) { shape(asked[a]); });
 }
 
@@ -172,6 +172,35 @@ std::optional<Mending::Lack> Mending::lack_of(std::size_t k) {
   for (std::size_t v = 0; v < inside.size(); ++v)
     lack.voxels[v] = inside[v] != 0 && missing.to[v] <= 1.5 * thick_mm ? 1 : 0;
   return lack;
+}
+
+std::vector<std::size_t> Mending::takers_of_bent(std::size_t k) {
+  constexpr double some = 0.02, mostly = 0.7;  // of its voxels, and of those that the other has: so much is clear
+  constexpr std::size_t few = 12;              // voxels, which tell nothing
+  std::vector<std::size_t> takers;
+  const Mesh* mesh = shape(k);
+  if (mesh == nullptr) return takers;
+  const Neighbourhood there = around_now(k, bounds_of(mesh->points), 3);
+  const Body bent(voxelise(*mesh, there.grid), there.grid);
+  const double clear_mm = 0.5 * there.grid.spacing_mm.maxCoeff();
+  const auto least = std::max(few + 1.0, some * static_cast<double>(bent.voxels));
+  for (std::size_t n = 0; n < expected_.size(); ++n) {
+    if (n == k || !result_.subject.structures[n].is_there()) continue;
+    const int label = label_around(result_.subject, k, n);
+    std::vector<std::size_t> held;
+    for (std::size_t v = 0; v < bent.inside.size(); ++v)
+      if (bent.inside[v] != 0 && there.labels[v] == label) held.push_back(v);
+    if (static_cast<double>(held.size()) < least) continue;
+    const std::optional<Body> theirs =
+        expected_[n] ? std::optional<Body>(std::in_place, voxelise(*expected_[n], there.grid), there.grid)
+                     : std::nullopt;
+    const auto is_lost = [&](std::size_t v) {
+      return (theirs ? theirs->signed_mm(v) : 0) - bent.signed_mm(v) > clear_mm;
+    };
+    const auto lost = static_cast<double>(std::ranges::count_if(held, is_lost));
+    if (lost >= std::max(least, mostly * static_cast<double>(held.size()))) takers.push_back(n);
+  }
+  return takers;
 }
 
 void Mending::give(std::size_t k, std::size_t other, const BodyInMap& body) {

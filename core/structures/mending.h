@@ -71,6 +71,8 @@ class Mending {
   /// Who has a part that a structure lost.
   std::vector<std::size_t> takers_of(std::size_t k) const;
   bool lacks_a_part(std::size_t k) const;
+  /// Whether its template, bent to what there is of it, is to tell what it has lost.
+  bool is_asked(std::size_t k) const;
   /// What a structure has lost, to a neighbour or to nobody.
   void find_lost(std::size_t k);
   /// The shapes that find_lost asks for, all at once: each is a fit that takes seconds.
@@ -89,6 +91,9 @@ class Mending {
     double share = 0;                  ///< of the template's voxels, without the outermost ones
   };
   std::optional<Lack> lack_of(std::size_t k);
+  /// Who has a part of a structure by its template, bent to what there is of it: a rib may lie beside its expected
+  /// shape.
+  std::vector<std::size_t> takers_of_bent(std::size_t k);
   /// Gives a structure a body that has another one's label.
   void give(std::size_t k, std::size_t other, const BodyInMap& body);
   /// Gives a structure what another one has of it.

@@ -68,4 +68,24 @@ TEST_CASE("two names that are exchanged among others are the wrong ones") {
   }
 }
 
+TEST_CASE("T12 and L1 that are exchanged are no spine without a T12") {
+  SetOfTemplates set = stone_set();
+  const std::vector<std::string> names{"vertebrae_T10", "vertebrae_T11", "vertebrae_T12", "vertebrae_L1",
+                                       "vertebrae_L2"};
+  for (std::size_t k = 0; k < stones; ++k) set.set.structures[k].name = names[k];
+  const auto exchanged = levels_of(set, {{0, 0}, {1, 1}, {2, 3}, {3, 2}, {4, 4}}, with_room);
+  for (std::size_t k = 0; k < stones; ++k) {
+    CAPTURE(k);
+    CHECK(exchanged[k].shift == (k == 2 ? 1 : k == 3 ? -1 : 0));
+  }
+  // Who has 11 ribs has none: L1 lies where T12 would.
+  const std::map<std::size_t, int> eleven_ribs{{0, 0}, {1, 1}, {3, 2}, {4, 3}};
+  const auto variant = levels_of(set, eleven_ribs, with_room);
+  for (const auto& [k, place] : eleven_ribs) {
+    CAPTURE(k);
+    CHECK(variant[k].shift == 0);
+    CHECK(variant[k].maybe == 0);
+  }
+}
+
 }  // namespace homolog

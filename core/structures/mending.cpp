@@ -181,22 +181,18 @@ std::vector<std::size_t> Mending::takers_of_bent(std::size_t k) {
   const Mesh* mesh = shape(k);
   if (mesh == nullptr) return takers;
   const Neighbourhood there = around_now(k, bounds_of(mesh->points), 3);
-  const Body bent(voxelise(*mesh, there.grid), there.grid);
-  const double clear_mm = 0.5 * there.grid.spacing_mm.maxCoeff();
-  const auto least = std::max(few + 1.0, some * static_cast<double>(bent.voxels));
+  const std::vector<std::uint8_t> bent = voxelise(*mesh, there.grid);
+  const auto least = std::max(few + 1.0, some * static_cast<double>(std::ranges::count(bent, std::uint8_t{1})));
   for (std::size_t n = 0; n < expected_.size(); ++n) {
-    if (n == k || !result_.subject.structures[n].is_there()) continue;
+    if (n == k || !expected_[n] || !result_.subject.structures[n].is_there()) continue;
     const int label = label_around(result_.subject, k, n);
     std::vector<std::size_t> held;
-    for (std::size_t v = 0; v < bent.inside.size(); ++v)
-      if (bent.inside[v] != 0 && there.labels[v] == label) held.push_back(v);
+    for (std::size_t v = 0; v < bent.size(); ++v)
+      if (bent[v] != 0 && there.labels[v] == label) held.push_back(v);
     if (static_cast<double>(held.size()) < least) continue;
-    const std::optional<Body> theirs =
-        expected_[n] ? std::optional<Body>(std::in_place, voxelise(*expected_[n], there.grid), there.grid)
-                     : std::nullopt;
-    const auto is_lost = [&](std::size_t v) {
-      return (theirs ? theirs->signed_mm(v) : 0) - bent.signed_mm(v) > clear_mm;
-    };
+    // What lies within the shape that is expected of the other one is its own: a gallbladder lies in the liver.
+    const std::vector<std::uint8_t> theirs = voxelise(*expected_[n], there.grid);
+    const auto is_lost = [&](std::size_t v) { return theirs[v] == 0; };
     const auto lost = static_cast<double>(std::ranges::count_if(held, is_lost));
     if (lost >= std::max(least, mostly * static_cast<double>(held.size()))) takers.push_back(n);
   }

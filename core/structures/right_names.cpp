@@ -57,21 +57,23 @@ std::vector<double> sizes_of(const SetOfTemplates& set, const FittedSet& fitted)
 void find_shifted_levels(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
                          const std::vector<StructureSigns>& signs, const std::vector<double>& sizes,
                          const Progress* progress, std::vector<NameFound>& names) {
-  constexpr double much_smaller = 0.2, a_part = 0.7, cut = 0.002, much_else = 0.1, hardly_dice = 0.9, part_lost = 0.06,
-                   body_lost = 0.4;
+  constexpr double much_smaller = 0.2, a_part = 0.7, cut = 0.002, touched = 0.03, much_else = 0.1, hardly_dice = 0.9,
+                   part_lost = 0.06, body_lost = 0.4;
   std::vector<char> placed(names.size()), sound(names.size());
   for (std::size_t k = 0; k < names.size(); ++k) {
     const FittedStructure& one = fitted.structures[k];
     const StructureSigns& own = signs[k];
     // A neighbour that has more than a part of it has its name.
     const auto has_part = [](const auto& lost) { return lost.second >= part_lost && lost.second < body_lost; };
-    const bool is_whole = own.at_border <= cut && own.bridges < much_else && own.holes < much_else &&
+    const bool is_whole = own.at_border <= touched && own.bridges < much_else && own.holes < much_else &&
                           own.islands < much_else && one.judgement.inside_scan.dice >= hardly_dice &&
                           std::ranges::none_of(own.lost_to, has_part);
     // The middle of a part is not that of the whole. Where it lies is known of one that has another level's form, too.
     const bool is_placed = one.fit && (!one.judgement.doubtful || one.fit->template_cuts.empty());
     placed[k] = is_placed && is_whole && sizes[k] > a_part ? 1 : 0;
-    sound[k] = placed[k] != 0 && !one.judgement.doubtful && std::abs(own.volume) < much_smaller ? 1 : 0;
+    sound[k] = placed[k] != 0 && own.at_border <= cut && !one.judgement.doubtful && std::abs(own.volume) < much_smaller
+                   ? 1
+                   : 0;
   }
   const auto levels = find_levels(set, subject, fitted, placed, sound, progress);
   for (std::size_t k = 0; k < levels.size(); ++k) {

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "core/structures/right_names.h"
 #include "tests/stones.h"
 
 // Which levels the names of a spine say, with fits that are put in by hand: no form tells here.
@@ -13,21 +14,31 @@ namespace homolog {
 namespace {
 
 /// Fits of stones: by their places in the set, at which place each really lies.
-std::vector<LevelFound> levels_of(const SetOfTemplates& set, const std::map<std::size_t, int>& really, int height) {
+struct Lying {
   SetInMap subject;
   FittedSet fitted;
+  std::vector<char> placed = std::vector<char>(stones);
+
+  Lying(const std::map<std::size_t, int>& really, int height);
+};
+
+Lying::Lying(const std::map<std::size_t, int>& really, int height) {
   subject.grid = stone_map().volume.geometry;
   subject.grid.dims[2] = height;
   subject.structures.resize(stones);
   fitted.structures.resize(stones);
-  std::vector<char> placed(stones);
   for (const auto& [k, place] : really) {
     subject.structures[k].mask.emplace();
     FitResult& fit = fitted.structures[k].fit.emplace();
     fit.mesh = stone_at(place_of(place), radius_of(place), 1);
+    fitted.structures[k].judgement.inside_scan.dice = 1;
     placed[k] = 1;
   }
-  return find_levels(set, subject, fitted, placed, std::vector<char>(stones));
+}
+
+std::vector<LevelFound> levels_of(const SetOfTemplates& set, const std::map<std::size_t, int>& really, int height) {
+  const Lying there(really, height);
+  return find_levels(set, there.subject, there.fitted, there.placed, std::vector<char>(stones));
 }
 
 constexpr int with_room = 154, without_room = 127;  // for one more below the last
@@ -66,6 +77,20 @@ TEST_CASE("two names that are exchanged among others are the wrong ones") {
       CHECK((levels[k].p_named < 0.5) == (k == 1 || k == 2));
     }
   }
+}
+
+TEST_CASE("what the scan hardly cuts has a say in its name, and what lost a part has none") {
+  const SetOfTemplates set = stone_set();
+  const Lying there({{0, 0}, {1, 2}, {2, 1}, {3, 3}, {4, 4}}, with_room);
+  const auto is_exchanged = [&](auto sign) {
+    std::vector<StructureSigns> signs(stones);
+    sign(signs[1]);
+    return find_names(set, there.subject, there.fitted, signs)[2].proposed == name_of_stone(1);
+  };
+  CHECK(is_exchanged([](StructureSigns& signs) { signs.at_border = 0.016; }));
+  CHECK_FALSE(is_exchanged([](StructureSigns& signs) { signs.at_border = 0.1; }));
+  CHECK_FALSE(is_exchanged([](StructureSigns& signs) { signs.lost_to[4] = 0.1; }));
+  CHECK(is_exchanged([](StructureSigns& signs) { signs.lost_to[4] = 0.9; }));
 }
 
 TEST_CASE("T12 and L1 that are exchanged are no spine without a T12") {

@@ -283,8 +283,14 @@ void add_mirror(CLI::App& app, CommandLine& asked) {
 
 namespace {
 
+/// The volume whose grid a label map gets.
+Result<VolumeRead> read_like(const fs::path& path, bool resample, Progress& progress) {
+  if (auto usable = check_reading(path, "", false, resample); !usable) return fail(usable.error());
+  return read_volume(path, read_options("", {}, progress, resample));
+}
+
 /// All structures of a case as voxels on a volume's grid, with their names.
-Result<Report> label_map_of_case(const fs::path& path, const fs::path& like_path, const fs::path& out,
+Result<Report> label_map_of_case(const fs::path& path, const fs::path& like_path, bool resample, const fs::path& out,
                                  const GivenCommand& command, Progress& progress) {
   ReplayOptions replay;
   replay.progress = &progress;
@@ -294,9 +300,10 @@ Result<Report> label_map_of_case(const fs::path& path, const fs::path& like_path
   const auto meshes = segments_of(document);
   if (meshes.empty())
     return fail(path.string(), "has no mesh in the frame that it shows; show another one and save it");
-  const auto like = read_volume(like_path, read_options("", {}, progress));
+  const auto like = read_like(like_path, resample, progress);
   if (!like) return fail(like.error());
   MapOfMeshes made = map_of_meshes(meshes, like->volume.geometry);
+  made.map.resampled = like->resampled;
   const auto record = record_of(command, progress);
   if (!record) return fail(record.error());
   const auto written = write_labels(made.map, out, like_path, progress, *record);
@@ -324,6 +331,7 @@ Result<Report> label_map_of_case(const fs::path& path, const fs::path& like_path
   report.values = {{"voxels", all},
                    {"volume_ml", static_cast<double>(all) * like->volume.geometry.voxel_volume_mm3() / 1000},
                    {"structures", std::move(structures)}};
+  report_resampled(*like, report.values);
   return report;
 }
 
@@ -333,6 +341,7 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path mesh, like, out;
     int value = 1;
+    bool resample = false;
     GivenCommand command;
   };
   auto options = std::make_shared<Options>();
@@ -344,17 +353,19 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
       ->required();
   auto* value = verb->add_option("--value", options->value, "Label of the voxels inside; of a mesh alone")
                     ->check(CLI::Range(1, 32767));
+  add_resample_option(*verb, options->resample);
   const auto label = [options, value](Progress& progress) -> Result<Report> {
     if (is_case_file(options->mesh) && value->count() > 0)
       return fail(options->mesh.string(),
                   "is a case, whose structures are numbered from 1, so --value has no effect; leave it out");
     if (is_case_file(options->mesh))
-      return label_map_of_case(options->mesh, options->like, options->out, options->command, progress);
+      return label_map_of_case(options->mesh, options->like, options->resample, options->out, options->command,
+                               progress);
     const auto file = read_mesh_file(options->mesh);
     if (!file) return fail(file.error());
     const auto mesh = sound_mesh(*file);
     if (!mesh) return fail(options->mesh.string(), mesh.error().what);
-    auto like = read_volume(options->like, read_options("", {}, progress));
+    auto like = read_like(options->like, options->resample, progress);
     if (!like) return fail(like.error());
     const auto misfit = misfit_in_image(bounds_of(mesh->points), like->volume.geometry);
     const Volume labels = label_map(*mesh, like->volume.geometry, options->value);
@@ -364,6 +375,7 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
     if (is_dicom_name(options->out)) {
       VolumeRead map{.volume = labels, .warnings = {}, .segmentation = {}, .other_layers = {}};
       map.segmentation.add({.name = options->mesh.stem().string(), .value = options->value});
+      map.resampled = like->resampled;
       const auto written = write_labels(map, options->out, options->like, progress, *record);
       if (!written) return fail(written.error());
       warnings.insert(warnings.end(), written->begin(), written->end());
@@ -386,6 +398,7 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
     }
     report.values = {{"voxels", voxels},
                      {"volume_ml", static_cast<double>(voxels) * labels.geometry.voxel_volume_mm3() / 1000}};
+    report_resampled(*like, report.values);
     return report;
   };
   verb->callback([options, verb, label, &asked] {

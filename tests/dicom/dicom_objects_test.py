@@ -247,6 +247,19 @@ for name, places in (("tilted", [(0, 0.9 * k, 2.5 * k) for k in range(6)]), ("un
         check(kind + " on the grid", numpy.array_equal(read_nrrd(folder / "on.seg.nrrd")[0][0], labels))
         plain = run("convert", drawn, seg, "--like", ct, status=1)
         check(kind + " without the option, written", "--resample" in plain.stderr, plain.stderr)
+        # A mesh as voxels of it: those whose centre is inside of a box around some of them.
+        corners = [origin + (x, y, z) @ steps for x in (2.5, 5.5) for y in (1.5, 4.5) for z in (0.5, 3.5)]
+        box = folder / "box.ply"
+        box.write_text("ply\nformat ascii 1.0\ncomment SPACE=LPS\nelement vertex 8\nproperty double x\nproperty double y\nproperty double z\n"
+                       "element face 6\nproperty list uchar int vertex_indices\nend_header\n" +
+                       "".join(f"{x:.17g} {y:.17g} {z:.17g}\n" for x, y, z in corners) +
+                       "4 0 1 3 2\n4 4 6 7 5\n4 0 4 5 1\n4 2 3 7 6\n4 0 2 6 4\n4 1 5 7 3\n")
+        ran = run("label-map", box, "--like", ct, "--resample", "-o", seg, "--json")
+        check(kind + " label-map", "resampled" in json.loads(ran.stdout or "{}"), ran.stderr)
+        run("convert", seg, folder / "box.seg.nrrd", "--like", ct, "--resample")
+        check(kind + " label-map on the grid", numpy.array_equal(read_nrrd(folder / "box.seg.nrrd")[0][0], labels))
+        plain = run("label-map", box, "--like", ct, "-o", seg, status=1)
+        check(kind + " label-map without the option", "--resample" in plain.stderr, plain.stderr)
 
 # A series that was robbed of its UIDs is told all of them at once.
 robbed = folder / "robbed"

@@ -68,6 +68,12 @@ Result<std::vector<std::string>> write_labels(const VolumeRead& map, const fs::p
   return std::vector<std::string>();
 }
 
+/// The volume whose grid a label map gets.
+Result<VolumeRead> read_like(const fs::path& path, bool resample, Progress& progress) {
+  if (auto usable = check_reading(path, "", false, resample); !usable) return fail(usable.error());
+  return read_volume(path, read_options("", {}, progress, resample));
+}
+
 /// Contours as a label map on the grid of an image.
 Result<Report> convert_contours(const fs::path& in, const fs::path& out, const fs::path& like,
                                 const std::string& structure, bool resample, Progress& progress,
@@ -84,8 +90,7 @@ Result<Report> convert_contours(const fs::path& in, const fs::path& out, const f
     contours->rois = {ContourRoi(**roi)};
     contours->warnings = doubts_about(in, contours->rois);
   }
-  if (auto usable = check_reading(like, "", false, resample); !usable) return fail(usable.error());
-  const auto image = read_volume(like, read_options("", {}, progress, resample));
+  const auto image = read_like(like, resample, progress);
   if (!image) return fail(image.error());
   auto map = labels_of_contours(in, *contours, like, image->volume, &progress, image->resampled);
   if (!map) return fail(map.error());
@@ -102,8 +107,7 @@ Result<Report> convert_contours(const fs::path& in, const fs::path& out, const f
 
 /// A label map on the grid of an image, with the voxels that it has.
 Result<VolumeRead> read_on_image(const fs::path& in, VolumeReadOptions reading, const fs::path& like, bool resample) {
-  if (auto usable = check_reading(like, "", false, resample); !usable) return fail(usable.error());
-  const auto image = read_volume(like, read_options("", {}, *reading.progress, resample));
+  const auto image = read_like(like, resample, *reading.progress);
   if (!image) return fail(image.error());
   reading.image = ImageGrid{image->volume.geometry, image->volume.frame_of_reference, image->volume.images};
   auto map = read_volume(in, reading);
@@ -282,12 +286,6 @@ void add_mirror(CLI::App& app, CommandLine& asked) {
 }
 
 namespace {
-
-/// The volume whose grid a label map gets.
-Result<VolumeRead> read_like(const fs::path& path, bool resample, Progress& progress) {
-  if (auto usable = check_reading(path, "", false, resample); !usable) return fail(usable.error());
-  return read_volume(path, read_options("", {}, progress, resample));
-}
 
 /// All structures of a case as voxels on a volume's grid, with their names.
 Result<Report> label_map_of_case(const fs::path& path, const fs::path& like_path, bool resample, const fs::path& out,

@@ -52,8 +52,8 @@ Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Prog
   if (auto usable = check_reading(path, "", false, resample); !usable) return fail(usable.error());
   if (!lent && is_mesh_name(path))
     return fail(path.string(),
-                "is a mesh, where an image or a label map is wanted; give it by --mesh, or make voxels "
-                "of it with label-map");
+                "is a mesh, where an image or a label map is wanted; fit takes it by --mesh, and label-map "
+                "makes voxels of it");
   auto read = lent ? Result<VolumeRead>(*lent) : read_volume(path, reading);
   if (read && frame >= read->volume.frames)
     return fail(path.string(),

@@ -102,10 +102,14 @@ void Mending::find_in(std::size_t k) {
   if (is_unlike && result_.structures[k].defects.empty()) add(k, DefectKind::other);
 }
 
+bool Mending::is_compared(std::size_t k) const {
+  return result_.fitted.structures[k].fit && expected_[k] && result_.signs[k].beyond <= mostly_beyond;
+}
+
 std::vector<std::size_t> Mending::takers_of(std::size_t k) const {
   const StructureSigns& signs = result_.signs[k];
   std::vector<std::size_t> takers;
-  if (!result_.fitted.structures[k].fit || !expected_[k] || signs.beyond > mostly_beyond) return takers;
+  if (!is_compared(k)) return takers;
   for (const auto& [other, share] : signs.lost_to)
     if ((share >= surely_lost && expected_[other]) || (share >= much_lost && has_too_much(other)))
       takers.push_back(other);
@@ -113,14 +117,12 @@ std::vector<std::size_t> Mending::takers_of(std::size_t k) const {
 }
 
 bool Mending::is_asked(std::size_t k) const {
-  const StructureSigns& signs = result_.signs[k];
-  if (!result_.fitted.structures[k].fit || !expected_[k] || signs.beyond > mostly_beyond) return false;
-  return signs.volume <= -somewhat_smaller || !takers_of(k).empty() || lacks_a_part(k);
+  return is_compared(k) && (result_.signs[k].volume <= -somewhat_smaller || !takers_of(k).empty() || lacks_a_part(k));
 }
 
 bool Mending::lacks_a_part(std::size_t k) const {
   const StructureSigns& signs = result_.signs[k];
-  if (!result_.fitted.structures[k].fit || !expected_[k] || signs.beyond > much_beyond) return false;
+  if (!is_compared(k) || signs.beyond > much_beyond) return false;
   return signs.lacking >= surely_lacking || (signs.lacking >= much_lacking && signs.volume <= -much_smaller) ||
          (signs.lacking >= some_lacking && signs.gap >= far_gap);
 }

@@ -68,6 +68,8 @@ class Mending {
   void find_in(std::size_t k);
   /// Whether a structure shows that something was added to it.
   bool has_too_much(std::size_t k) const;
+  /// Whether a structure's fit and its expected shape tell what it lost.
+  bool is_compared(std::size_t k) const;
   /// Who has a part that a structure lost.
   std::vector<std::size_t> takers_of(std::size_t k) const;
   bool lacks_a_part(std::size_t k) const;

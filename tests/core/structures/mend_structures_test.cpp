@@ -72,7 +72,7 @@ VolumeRead map_without_a_half() {
 
 }  // namespace
 
-TEST_CASE("a part comes back only from a neighbour that shows too much") {
+TEST_CASE("a little comes back only from a neighbour that shows too much") {
   const auto lost_to_sound = [](RepairedMap& found) { found.signs[2].lost_to[3] = 0.08; };
   const Signed sound = Signed::with(lost_to_sound);
   CHECK_FALSE(sound.has(2, DefectKind::given_to_neighbour));

@@ -18,12 +18,12 @@ namespace fs = std::filesystem;
 namespace {
 
 namespace rt {
-constexpr DicomTag storage = 0x00080016, instance = 0x00081155, images = 0x30060016, modality = 0x00080060,
-                   series_uid = 0x0020000e, space = 0x00200052, spaces = 0x30060010, studies = 0x30060012,
-                   series = 0x30060014, rois = 0x30060020, number = 0x30060022, space_of_roi = 0x30060024,
-                   name = 0x30060026, colour = 0x3006002a, drawn = 0x30060039, contours = 0x30060040, kind = 0x30060042,
-                   count = 0x30060046, points = 0x30060050, observations = 0x30060080, of_roi = 0x30060084,
-                   type = 0x300600a4, offset = 0x30060045;
+constexpr DicomTag storage = 0x00080016, study_uid = 0x0020000d, instance = 0x00081155, images = 0x30060016,
+                   modality = 0x00080060, series_uid = 0x0020000e, space = 0x00200052, spaces = 0x30060010,
+                   studies = 0x30060012, series = 0x30060014, rois = 0x30060020, number = 0x30060022,
+                   space_of_roi = 0x30060024, name = 0x30060026, colour = 0x3006002a, drawn = 0x30060039,
+                   contours = 0x30060040, kind = 0x30060042, count = 0x30060046, points = 0x30060050,
+                   observations = 0x30060080, of_roi = 0x30060084, type = 0x300600a4, offset = 0x30060045;
 }  // namespace rt
 
 bool is_structure_set(const DicomSet& set) {
@@ -66,6 +66,7 @@ std::set<std::string> spaces_of(const DicomItem& data) {
 
 ReferencedImages drawn_images(const DicomItem& data) {
   ReferencedImages drawn;
+  drawn.study = text_of(data, rt::study_uid);
   const auto add = [&](const DicomItem& item) {
     for_each_item(item, rt::images, [&](const DicomItem& image) {
       if (std::string uid = text_of(image, rt::instance); !uid.empty()) drawn.instances.push_back(std::move(uid));

@@ -15,14 +15,14 @@ constexpr DicomTag image_type = 0x00080008, instance_uid = 0x00080018, modality 
                    spacing_between_slices = 0x00180088, frame_time = 0x00181063, frame_times = 0x00181065,
                    imager_pixel_spacing = 0x00181164, kernel = 0x00181210, flip_angle = 0x00181314,
                    effective_echo_time = 0x00189082, b_value = 0x00189087, gradient_direction = 0x00189089,
-                   series_uid = 0x0020000e, acquisition_number = 0x00200012, instance_number = 0x00200013,
-                   image_position = 0x00200032, image_orientation = 0x00200037, frame_of_reference = 0x00200052,
-                   samples = 0x00280002, photometric = 0x00280004, frame_count = 0x00280008,
-                   increment_pointer = 0x00280009, rows = 0x00280010, columns = 0x00280011, pixel_spacing = 0x00280030,
-                   bits_allocated = 0x00280100, bits_stored = 0x00280101, high_bit = 0x00280102,
-                   pixel_representation = 0x00280103, window_centre = 0x00281050, window_width = 0x00281051,
-                   rescale_intercept = 0x00281052, rescale_slope = 0x00281053, lossy = 0x00282110,
-                   lossy_ratio = 0x00282112, lossy_method = 0x00282114, modality_table = 0x00283000,
+                   study_uid = 0x0020000d, series_uid = 0x0020000e, acquisition_number = 0x00200012,
+                   instance_number = 0x00200013, image_position = 0x00200032, image_orientation = 0x00200037,
+                   frame_of_reference = 0x00200052, samples = 0x00280002, photometric = 0x00280004,
+                   frame_count = 0x00280008, increment_pointer = 0x00280009, rows = 0x00280010, columns = 0x00280011,
+                   pixel_spacing = 0x00280030, bits_allocated = 0x00280100, bits_stored = 0x00280101,
+                   high_bit = 0x00280102, pixel_representation = 0x00280103, window_centre = 0x00281050,
+                   window_width = 0x00281051, rescale_intercept = 0x00281052, rescale_slope = 0x00281053,
+                   lossy = 0x00282110, lossy_ratio = 0x00282112, lossy_method = 0x00282114, modality_table = 0x00283000,
                    slice_vector = 0x00540080, slice_locations = 0x00182005, grid_offsets = 0x3004000c,
                    dose_scaling = 0x3004000e;
 // Sequences within the functional groups of enhanced files [DICOM PS3.3, C.7.6.16].
@@ -172,6 +172,7 @@ DicomHeader dicom_header(const DicomSet& set) {
   header.transfer_syntax = set.transfer_syntax;
   header.big_endian = set.big_endian;
   header.pixels = set.pixels;
+  header.study_uid = text_of(data, tag::study_uid);
   header.series_uid = text_of(data, tag::series_uid);
   header.series_description = text_of(data, tag::series_description);
   header.modality = text_of(data, tag::modality);

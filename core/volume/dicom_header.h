@@ -36,7 +36,7 @@ struct DicomSetting {
 /// What a volume needs to know of a DICOM file besides its pixels.
 struct DicomHeader {
   std::filesystem::path path;
-  std::string series_uid, series_description, modality;
+  std::string study_uid, series_uid, series_description, modality;
   std::string instance_uid;        ///< of the file; copies have the same
   std::string frame_of_reference;  ///< UID of the space in which positions are given
   double instance_number = 0;

@@ -312,6 +312,7 @@ bool is_dicom_segmentation(const DicomSet& set) {
 
 ReferencedImages segmented_images(const DicomSet& set) {
   ReferencedImages images;
+  images.study = text_of(set.elements, 0x0020000d);
   const auto add = [&](const DicomItem& item, DicomTag sequence) {
     for (std::size_t k = 0;; ++k) {
       const DicomItem* image = item_of(item, sequence, k);

@@ -38,6 +38,11 @@ Result<std::optional<std::string>> check_scan(const fs::path& path, const std::s
                                    excerpt(frame_of_reference) + " and " + excerpt(image.frame_of_reference) +
                                    "); give the series that it was drawn on" + how);
   if (image.modality == "SEG") return std::optional<std::string>();  // its series is one of its own
+  if (referenced.series.empty() && referenced.instances.empty() && !referenced.study.empty() &&
+      !image.study_uid.empty() && referenced.study != image.study_uid)
+    return path.string() + ": is of the study " + excerpt(referenced.study) + ", and " + image_path.string() +
+           " of the study " + excerpt(image.study_uid) +
+           "; it names no image that it was made on, so check that it was made on that image";
   return other_images(path, referenced, image_path.string(), image.series_uid, image.images);
 }
 

@@ -18,9 +18,9 @@ std::optional<std::string> other_images(const std::filesystem::path& path, const
                                         const std::vector<SourceImage>& images);
 
 /// What must be known before a segmentation or contours (`path`) are used with an image: the warning that they were
-/// made on other images of the same space, as `other_images` says it; nothing where all is well.
-/// Errors: they are of another frame of reference than the image; one that says none is taken for the same. `how`:
-/// behind "give the series that it was drawn on".
+/// made on other images of the same space, as `other_images` says it, or are of another study and name none; nothing
+/// where all is well. Errors: they are of another frame of reference than the image; one that says none is taken for
+/// the same. `how`: behind "give the series that it was drawn on".
 Result<std::optional<std::string>> check_scan(const std::filesystem::path& path, const std::string& frame_of_reference,
                                               const ReferencedImages& referenced,
                                               const std::filesystem::path& image_path, const Volume& image,

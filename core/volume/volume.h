@@ -76,6 +76,7 @@ struct Volume {
   /// The window that the file itself asks for (DICOM): centre and width in intensity units.
   std::optional<std::pair<double, double>> file_window;
   std::string series_uid;           ///< DICOM series instance UID; empty elsewhere
+  std::string study_uid;            ///< DICOM study instance UID; empty elsewhere
   std::string modality;             ///< "CT", "MR", …; empty where unknown
   std::string frame_of_reference;   ///< UID of the space that positions are given in (DICOM); empty elsewhere
   std::vector<SourceImage> images;  ///< DICOM: what it was read from, those that have a UID; empty elsewhere

@@ -26,9 +26,11 @@ struct ImageGrid {
   std::vector<SourceImage> images{};
 };
 
-/// UIDs of the DICOM images that a segmentation or contours were made on, as far as the file names them.
+/// UIDs of the DICOM images that a segmentation or contours were made on, as far as the file names them, and of the
+/// study that it is of itself.
 struct ReferencedImages {
   std::vector<std::string> series, instances;
+  std::string study;
 };
 
 struct VolumeReadOptions {

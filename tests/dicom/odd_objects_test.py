@@ -183,6 +183,16 @@ drawn("of no kind", [one], "of no kind; closed ones were assumed", change=lambda
 drawn("unknown kind", [one], "of the kind CLOSED_ROUND", change=lambda c: setattr(c, "ContourGeometricType", "CLOSED_ROUND"))
 drawn("offset", [one], "1 contour with an offset", change=lambda c: setattr(c, "ContourOffsetVector", [0, 0, 5]))
 
+# Contours of another study that name no image are said, and those that name the images are not.
+ds = make.rtstruct({1: ("A", [one])})
+ds.StudyInstanceUID = "1.2.3.4"
+path = write("of another study", ds)
+ran = run("convert", path, folder / "study.seg.nrrd", "--like", folder / "ct")
+check("another study with images", "warning" not in ran.stderr, ran.stderr)
+del ds.ReferencedFrameOfReferenceSequence[0].RTReferencedStudySequence
+ran = run("convert", write("of another study alone", ds), folder / "study.seg.nrrd", "--like", folder / "ct")
+check("another study", f"is of the study 1.2.3.4, and {folder / 'ct'} of the study {make.STUDY}" in ran.stderr, ran.stderr)
+
 # On slices that are resampled each slice has the contours of the old one nearest to it, moved as its pixels were.
 uneven = make.Grid()
 heights = [0, 2, 4, 6, 8, 10, 13, 16, 19]

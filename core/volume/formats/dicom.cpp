@@ -141,6 +141,7 @@ Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHea
   volume.frames = arrangement->frames;
   volume.frame_seconds = arrangement->frame_seconds;
   volume.series_uid = headers.front().series_uid;
+  volume.study_uid = headers.front().study_uid;
   volume.modality = headers.front().modality;
   volume.frame_of_reference = headers.front().frame_of_reference;
   volume.images = images_of(headers, *arrangement);

@@ -161,6 +161,14 @@ TEST_CASE("contours of another scan or between its slices or of no structure are
                "that it was drawn on by --like, and not resampled (left out)"));
   image.frame_of_reference = "1.2.10";
   CHECK(says(labels_of_contours("rt.dcm", *contours, "image", image), "was drawn on another scan than image"));
+  image.frame_of_reference.clear();
+  image.study_uid = "1.2.11";
+  Contours of_other = test::must(read_rt(two));
+  of_other.referenced = {.study = "1.2.12"};
+  CHECK(warned(test::must(labels_of_contours("rt.dcm", of_other, "image", image)).warnings,
+               "is of the study 1.2.12, and image of the study 1.2.11; it names no image that it was made on"));
+  of_other.referenced.study = "1.2.11";
+  CHECK_FALSE(warned(test::must(labels_of_contours("rt.dcm", of_other, "image", image)).warnings, "of the study"));
   file.drawn.front().roi = 4;
   CHECK(says(read_rt(file), "has contours of structure 4, which it does not describe"));
   file.drawn.front() = {1, "CLOSED_PLANAR", "1\\2\\3\\4"};

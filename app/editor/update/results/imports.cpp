@@ -12,6 +12,7 @@
 #include "core/mesh/surface_search.h"
 #include "core/model/statismo.h"
 #include "core/template_making/template_file.h"
+#include "core/volume/referenced_images.h"
 
 namespace homolog {
 
@@ -64,9 +65,10 @@ Result<OnTemplate> landmarks_on(const std::filesystem::path& path, const Templat
 
 Result<void> write_template(const TemplateMaking& making, const std::filesystem::path& path) {
   const TemplateSettings& settings = making.settings;
-  const auto provenance =
-      settings.tube ? provenance_of(making.source, settings.tube_options) : provenance_of(making.source, settings.mask);
-  MeshFile file = template_file(*making.mesh, provenance);
+  MeshFile file = settings.part && !settings.tube
+                      ? faced_template_file(*making.mesh, making.source, making.faced, faced_options(settings))
+                      : template_file(*making.mesh, settings.tube ? provenance_of(making.source, settings.tube_options)
+                                                                  : provenance_of(making.source, settings.mask));
   mark_cut(file, making.cut);
   if (making.closing_mm) file.comments.push_back(closing_comment(*making.closing_mm));
   if (!making.missing.empty()) file.comments.push_back(missing_share_comment(making.missing_share));
@@ -100,18 +102,16 @@ void read_for_case(Editing& editing, const Done& command, Read read, Take take,
   editing.work.imports.queue(command.path.string(), std::move(reading));
 }
 
-/// Why contours cannot be of the image on the screen; empty where they can.
-std::string not_of_image(const Contours& read, const Volume* image) {
-  if (image == nullptr) return {};
-  if (!read.frame_of_reference.empty() && !image->frame_of_reference.empty() &&
-      read.frame_of_reference != image->frame_of_reference)
-    return "was drawn on another scan than the one on the screen (their frames of reference differ); open the series "
-           "that it was drawn on";
+/// The warning that contours were perhaps drawn on other images than that on the screen. Errors: they were.
+Result<std::optional<std::string>> check_contours(const std::string& name, const Contours& read, const Volume* image) {
+  if (image == nullptr) return std::nullopt;
+  auto other = check_scan(name, read.frame_of_reference, read.referenced, "the image on the screen", *image);
+  if (!other) return other;
   for (const ContourRoi& roi : read.rois)
     for (const Contour& curve : roi.contours)
       for (const Vec3& p : curve.points)
-        if (image->geometry.holds(p)) return {};
-  return "lies outside of the image; open the scan that it was drawn on";
+        if (image->geometry.holds(p)) return other;
+  return fail(name, "lies outside of the image on the screen; open the scan that it was drawn on");
 }
 
 /// The structure of the case that is called like one of a file; null: none is.
@@ -124,8 +124,9 @@ const Structure* called_like(const Document& document, const std::string& name) 
 void take_contours(Editing& editing, const std::string& name, const Contours& read) {
   EditorState& state = editing.state;
   const Document& document = *editing.shown.snapshot().document;
-  if (const std::string fault = not_of_image(read, document.scan.image.get()); !fault.empty())
-    return add_notice(state, name + ": " + fault + ".");
+  const auto other = check_contours(name, read, document.scan.image.get());
+  if (!other) return add_notice(state, other.error().sentence() + ".");
+  if (*other) add_notice(state, **other + ".", false);
   for (const std::string& warning : read.warnings) add_notice(state, warning + ".", false);
   state.wanted_section = contours_section;
   ++state.section_wanted;

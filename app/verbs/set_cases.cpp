@@ -125,10 +125,13 @@ Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const fs::path& p
   auto session =
       case_of_set(set, static_cast<std::size_t>(first - fitted.structures.begin()), path, map, one.file, record);
   if (!session) return fail(session.error());
-  for (EditStep& step : steps_of_fitted_set(session->document(), set, subject, fitted))
+  std::vector<EditStep> steps = steps_of_fitted_set(session->document(), set, subject, fitted);
+  const auto fit =
+      std::make_shared<const KeptMapFit>(map_fit_of(set.set, subject, fitted, steps, session->document().frame));
+  for (EditStep& step : steps)
     if (auto done = session->apply(std::move(step)); !done) return fail(path.string(), done.error().what);
   // The case says itself that nobody worked on it since [goes_on_after_fit].
-  if (auto noted = session->apply(Note{"fit", {}, {}}); !noted) return fail(noted.error());
+  if (auto noted = session->apply(Note{"fit", {}, {}, {}, {}, fit}); !noted) return fail(noted.error());
   if (auto named = name_labels(*session, one.labels); !named) return fail(named.error());
   return one;
 }

@@ -63,6 +63,28 @@ std::string free_structure_id(const Document& document, const std::vector<std::s
   }
 }
 
+KeptMapFit map_fit_of(const TemplateSet& set, const SetInMap& subject, const FittedSet& fitted,
+                      const std::vector<EditStep>& steps, int frame) {
+  KeptMapFit fit;
+  fit.frame = frame;
+  for (const EditStep& step : steps) {
+    if (const auto* points = std::get_if<SetPoints>(&step.action);
+        points != nullptr && fit.structures.contains(step.of))
+      fit.structures[step.of].mesh = mesh_hash(*points->points);
+    const auto* named = std::get_if<SetStructure>(&step.action);
+    if (named == nullptr || !named->name) continue;
+    const auto k = static_cast<std::size_t>(std::ranges::find(set.structures, *named->name, &TemplateOfSet::name) -
+                                            set.structures.begin());
+    const Segment& segment = subject.structures[k].segment;
+    fit.structures[named->id] = {.name = *named->name,
+                                 .layer = segment.layer,
+                                 .value = segment.value,
+                                 .mesh = {},
+                                 .p_named = fitted.structures[k].p_named};
+  }
+  return fit;
+}
+
 std::optional<SetPoints> apart_from_others(const Document& document, const std::string& of, double gap_mm) {
   constexpr double mostly = 0.5;
   const auto shown = document.view(of);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/case/action.h"
+#include "core/case/actions/kept_structures.h"
 #include "core/case/document.h"
 #include "core/structures/fit_set.h"
 
@@ -17,6 +18,10 @@ namespace homolog {
 /// `found`: of each structure of the set what a repair found, which a person has to look at; may be empty.
 std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfTemplates& set, const SetInMap& subject,
                                           const FittedSet& fitted, const std::vector<std::string>& found = {});
+
+/// What the structures that such steps bring are in the label map: name, layer, value, mesh, and how sure the name is.
+KeptMapFit map_fit_of(const TemplateSet& set, const SetInMap& subject, const FittedSet& fitted,
+                      const std::vector<EditStep>& steps, int frame);
 
 /// The edit that moves a structure (`of`: its id) out of the others of its case at the shown frame, where they lie
 /// within each other or nearer than `gap_mm`. It alone moves [keep_apart]. Others that hold it for the most part, or

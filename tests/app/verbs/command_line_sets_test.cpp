@@ -456,8 +456,20 @@ TEST_CASE("a joint model takes a case that was worked on after the fit in place 
 
   // 6 mm at one place of the second structure, 2 mm at one of the first.
   const fs::path edited = folder.path / "fits/twin.homolog";
-  const Document document = test::must(read_case(edited)).session.document();
+  const auto read = test::must(read_case(edited));
+  const Document& document = read.session.document();
   REQUIRE(document.structures.size() == 2);
+  // The case knows where its structures lie in the map, as one that the window fitted does.
+  const auto in_map = read.session.kept().map_fit;
+  REQUIRE(in_map);
+  REQUIRE(in_map->structures.size() == 2);
+  for (const auto& structure : document.structures) {
+    const InFittedMap& in = in_map->structures.at(structure->id);
+    CHECK(in.name == structure->name);
+    CHECK(in.value == (in.name == "kidney_left" ? 3 : 5));
+    CHECK(in.mesh == mesh_hash(*structure->shapes.begin()->second->points));
+    CHECK(in.p_named > 0.5);
+  }
   std::string lines_of_case = read_whole_file(edited).value();
   for (const std::size_t k : {0, 1}) {
     const Vec3 at = document.structures[k]->shapes.begin()->second->points->row(7);

@@ -54,38 +54,24 @@ std::vector<double> rounded_coordinates(const Points& points) {
   return rounded;
 }
 
-/// What the structures that the steps bring are in the label map. Of locked ones stays what was known `before`.
+/// What the structures that the steps bring are in the label map, and what its repair found. Of locked ones stays what
+/// was known `before`.
 KeptMapFit map_fit_of(const SetFitted& found, const std::vector<EditStep>& steps, int frame, const KeptMapFit* before,
                       const std::set<std::string>& locked) {
-  KeptMapFit fit;
-  fit.frame = frame;
+  const auto& structures = found.set->set.structures;
+  KeptMapFit fit = map_fit_of(found.set->set, found.subject, found.fitted, steps, frame);
   fit.changes = found.changes;
+  for (auto& [id, in] : fit.structures) {
+    const auto k =
+        static_cast<std::size_t>(std::ranges::find(structures, in.name, &TemplateOfSet::name) - structures.begin());
+    if (found.found.empty() || found.found[k].empty()) continue;
+    const auto& as_read = found.as_read[k];
+    in.was_missing = !as_read.has_value();
+    if (as_read && *as_read != found.fitted.structures[k].fit->mesh.points) in.as_read = rounded_coordinates(*as_read);
+  }
   if (before != nullptr)
     for (const auto& [id, in] : before->structures)
       if (locked.contains(id)) fit.structures.emplace(id, in);
-  const auto& structures = found.set->set.structures;
-  for (const EditStep& step : steps) {
-    if (const auto* points = std::get_if<SetPoints>(&step.action);
-        points != nullptr && fit.structures.contains(step.of))
-      fit.structures[step.of].mesh = mesh_hash(*points->points);
-    const auto* set = std::get_if<SetStructure>(&step.action);
-    if (set == nullptr || !set->name) continue;
-    const auto k =
-        static_cast<std::size_t>(std::ranges::find(structures, *set->name, &TemplateOfSet::name) - structures.begin());
-    const Segment& segment = found.subject.structures[k].segment;
-    InFittedMap in;
-    in.name = *set->name;
-    in.layer = segment.layer;
-    in.value = segment.value;
-    in.p_named = found.fitted.structures[k].p_named;
-    if (!found.found.empty() && !found.found[k].empty()) {
-      const auto& as_read = found.as_read[k];
-      in.was_missing = !as_read.has_value();
-      if (as_read && *as_read != found.fitted.structures[k].fit->mesh.points)
-        in.as_read = rounded_coordinates(*as_read);
-    }
-    fit.structures[set->id] = std::move(in);
-  }
   return fit;
 }
 

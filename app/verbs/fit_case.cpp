@@ -94,13 +94,15 @@ Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared
   auto mask = read_mask(path, options.label, {options.frame, {}, options.level}, progress);
   if (!mask) return fail(mask.error());
   const auto started = FitClock::now();
-  const bool all_parts = takes_all_parts(options, *shared.the_template);
+  LabelParts parts = parts_for(*shared.the_template, mask->segmentation, mask->warnings);
+  parts.all = takes_all_parts(options, *shared.the_template);
   const auto part = [&](std::size_t rank) {
+    parts.rank = rank;
     return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm ? options.closing_mm : closing_mm,
-                          vertices, {all_parts, rank});
+                          vertices, parts);
   };
   auto boundary = part(0);
-  if (boundary && !all_parts) boundary = likeliest_part(*shared.the_template, std::move(*boundary), part, shared.fit);
+  if (boundary && !parts.all) boundary = likeliest_part(*shared.the_template, std::move(*boundary), part, shared.fit);
   if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
   boundary->warnings = mask->named(std::move(boundary->warnings));
   boundary->warnings.insert(boundary->warnings.begin(), mask->warnings.begin(), mask->warnings.end());

@@ -63,12 +63,13 @@ Result<void> snap_between(const FitJob& options, const Volume& image, const Temp
 
 /// The fit to what is there: contours alone, with a label map, or with an image.
 Result<FitResult> fit_to_all(const FitJob& options, const FitShared& shared, const FitOptions& fitting,
-                             const DrawnOrgan& organ, const MaskRead* mask, const VolumeRead* image, Report& report,
+                             const DrawnOrgan& organ, MaskRead* mask, const VolumeRead* image, Report& report,
                              Progress& progress) {
   const Template& the_template = *shared.the_template;
   if (mask != nullptr) {
-    const auto boundary = label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm,
-                                         the_template.points.rows(), parts_for(*the_template.topology));
+    const auto boundary =
+        label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm, the_template.points.rows(),
+                       parts_for(the_template, mask->segmentation, mask->warnings));
     if (!boundary) return fail(options.masks.front().string(), mask->named(boundary.error().what));
     auto fit = fit_to_contours_and_boundary(the_template, organ.contours, *boundary, fitting);
     if (!fit) return fail(options.masks.front().string(), fit.error().what);

@@ -52,7 +52,7 @@ Result<NewShape> shape_of_map(const NewShapes& asked, const MapScoring& with, co
   warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
   const auto boundary =
       label_boundary(mask->volume, mask->label, mask->frame, usual_closing_mm(mask->volume, mask->label, mask->frame),
-                     mean->points.rows(), parts_for(*mean->topology));
+                     mean->points.rows(), parts_for(*mean, mask->segmentation, warnings));
   if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
   FitOptions options;
   options.allowed = with.allowed;

@@ -15,6 +15,7 @@
 #include "app/verbs/template_job.h"
 #include "app/verbs/verb.h"
 #include "core/adapt/choose_closing.h"
+#include "core/adapt/faced_template.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_io.h"
@@ -127,6 +128,26 @@ Result<MadeTemplate> from_mask(const TemplateJob& options, const MaskRead& mask,
                       std::move(warnings)};
 }
 
+/// Of the part of a label's surface that faces other labels.
+Result<MadeTemplate> from_faced_part(const TemplateJob& options, const MaskRead& mask, Progress& progress) {
+  const auto faced = faced_labels(*options.faced, mask.segmentation);
+  if (!faced) return fail(options.in.string(), faced.error().what);
+  const FacedTemplateOptions making{mask.label, mask.frame, options.vertices,
+                                    options.closing_mm.value_or(usual_closing_mm(mask.volume, mask.label, mask.frame))};
+  auto made = make_faced_template(mask.volume, *faced, making, &progress);
+  if (!made) return fail(options.in.string(), mask.named(made.error().what));
+  std::vector<std::string> warnings = mask.warnings;
+  for (std::string& warning : about(options.in, mask.named(std::move(made->warnings))))
+    warnings.push_back(std::move(warning));
+  MeshFile file = faced_template_file(made->mesh, options.in.filename().string(), *options.faced, making);
+  if (options.closing_mm) file.comments.push_back(closing_comment(*options.closing_mm));
+  return MadeTemplate{std::move(file),
+                      {{"distance_to_mask_mm", json_of(made->to_mesh)},
+                       {"distance_from_mask_mm", json_of(made->from_mesh)},
+                       {"closing_mm", *making.closing_mm}},
+                      std::move(warnings)};
+}
+
 Result<MadeTemplate> tube(const TemplateJob& options, const MaskRead& mask) {
   TubeTemplateOptions making;
   making.label = mask.label;
@@ -194,16 +215,19 @@ Result<MadeTemplate> from_mesh(const TemplateJob& options, Progress& progress) {
 
 Result<MadeTemplate> make_template_of_one(const TemplateJob& options, bool choose_closing, Progress& progress) {
   if (is_mesh_name(options.in)) {
-    if (!options.label.empty() || options.frame || options.level)
-      return fail(options.in.string(),
-                  "is a mesh, on which --label, --frame and --level have no effect; leave them out");
+    if (!options.label.empty() || options.frame || options.level || options.faced)
+      return fail(
+          options.in.string(),
+          "is a mesh, on which --label, --frame, --level, --facing and --open-at have no effect; leave them out");
     if (options.tube)
       return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
     return from_mesh(options, progress);
   }
   const auto mask = read_mask(options.in, options.label, {options.frame, {}, options.level, options.tube}, progress);
   if (!mask) return fail(mask.error());
-  auto made = options.tube ? tube(options, *mask) : from_mask(options, *mask, choose_closing, progress);
+  auto made = options.tube    ? tube(options, *mask)
+              : options.faced ? from_faced_part(options, *mask, progress)
+                              : from_mask(options, *mask, choose_closing, progress);
   if (made) mask->report(made->values);
   return made;
 }
@@ -292,6 +316,12 @@ void check_effect(const TemplateJob& options, const CLI::App& verb) {
     refuse_without_effect(verb, "--holes", "a template of one surface");
   if (!options.consensus.empty()) refuse_without_effect(verb, "--opening-mm", "a template of one subject");
   if (!of_many) refuse_without_effect(verb, "--flip-mirrored", "--consensus and --best-of");
+  if (options.faced) {
+    if (of_many || options.tube)
+      throw CLI::ValidationError(options.faced->kept ? "--facing" : "--open-at", "is for a template of one label map");
+    for (const char* name : {"--opening-mm", "--genus", "--parts"})
+      refuse_without_effect(verb, name, "templates of a whole surface");
+  }
   if (options.tube)
     for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus", "--level"})
       refuse_without_effect(verb, name, "templates without --tube");
@@ -331,6 +361,18 @@ void add_template(CLI::App& app, CommandLine& asked) {
       ->capture_default_str();
   verb->add_flag("--keep-vertices", options->keep_vertices,
                  "Of a mesh: its vertices and faces stay as they are, numbered as before, and get --landmarks");
+  const auto add_faced = [&](const char* name, bool kept, const char* help) {
+    return verb->add_option_function<std::string>(
+        name,
+        [options, kept](const std::string& labels) {
+          options->faced = FacedNames{labels, kept};
+        },
+        help);
+  };
+  add_faced("--facing", true,
+            "Of the label's surface only what faces these labels (numbers, names, background), open at its rim")
+      ->excludes(add_faced("--open-at", false,
+                           "The label's surface without what faces these labels, as a ventricle's without its valves"));
   add_ball_option(*verb, "--closing-mm", options->closing_mm,
                   "Clefts narrower than twice this radius (mm) are filled; of a surface only where given");
   add_ball_option(*verb, "--opening-mm", options->opening_mm,

@@ -8,6 +8,7 @@
 #include "app/verbs/record.h"
 #include "app/verbs/verb.h"
 #include "core/mesh/mesh_io.h"
+#include "core/template/template.h"
 #include "core/template_making/tube_template.h"
 
 namespace homolog {
@@ -19,7 +20,8 @@ struct TemplateJob {
   bool flip_mirrored = false;
   std::string label;
   std::optional<int> frame;
-  std::optional<double> level;  ///< of soft masks
+  std::optional<double> level;      ///< of soft masks
+  std::optional<FacedNames> faced;  ///< of the label's surface a part alone
   int vertices = 2500;
   std::optional<double> closing_mm, opening_mm;
   std::string genus = "auto", parts = "largest", holes = "small";

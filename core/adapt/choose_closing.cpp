@@ -127,7 +127,8 @@ std::optional<double> closing_kept_with(const std::string& source) {
 MoreClosing try_more_closing(const Template& the_template, const Volume& mask, int label, int frame,
                              const LabelParts& parts, const FitOptions& options, const OtherClosing& first) {
   MoreClosing more;
-  if (options.partial || parts.all || first.boundary.parts_alike > 1 || !may_be_clefts(first)) return more;
+  if (options.partial || parts.all || the_template.faced || first.boundary.parts_alike > 1 || !may_be_clefts(first))
+    return more;
   more.tried.push_back(tried_as(first, mask, label, frame));
   double best = more.tried.front().dice_raw - next_to_same;
   FitOptions again = options;

@@ -55,9 +55,9 @@ struct MoreClosing {
 };
 
 /// Tries wider radii where a fit to a label is doubtful and closing may help: not for mirrored organs, nor for partial
-/// fits or labels that the scan cuts. One is better that gives a sound fit whose raw Dice is next to the first's or
-/// higher. Nothing is tried where the first fit took all `parts`, or one of several of about one size: a wider radius
-/// could join them.
+/// fits, labels that the scan cuts or templates of a part of the surface. One is better that gives a sound fit whose
+/// raw Dice is next to the first's or higher. Nothing is tried where the first fit took all `parts`, or one of several
+/// of about one size: a wider radius could join them.
 MoreClosing try_more_closing(const Template& the_template, const Volume& mask, int label, int frame,
                              const LabelParts& parts, const FitOptions& options, const OtherClosing& first);
 

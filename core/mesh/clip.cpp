@@ -9,8 +9,7 @@
 
 namespace homolog {
 
-std::optional<Mesh> clipped(const Mesh& mesh, const Vec3& outward, double offset_mm) {
-  const VertexScalars beyond_mm = mesh.points * outward - VertexScalars::Constant(mesh.points.rows(), offset_mm);
+std::optional<Mesh> clipped(const Mesh& mesh, const VertexScalars& values) {
   std::vector<Vec3> points;
   std::vector<std::int32_t> kept(static_cast<std::size_t>(mesh.points.rows()), -1);
   std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> cut_edges;
@@ -26,7 +25,7 @@ std::optional<Mesh> clipped(const Mesh& mesh, const Vec3& outward, double offset
     if (a > b) std::swap(a, b);
     const auto [there, is_new] = cut_edges.try_emplace({a, b}, static_cast<std::int32_t>(points.size()));
     if (is_new) {
-      const double share = beyond_mm[a] / (beyond_mm[a] - beyond_mm[b]);
+      const double share = values[a] / (values[a] - values[b]);
       points.emplace_back(mesh.points.row(a) + share * (mesh.points.row(b) - mesh.points.row(a)));
     }
     return there->second;
@@ -38,8 +37,8 @@ std::optional<Mesh> clipped(const Mesh& mesh, const Vec3& outward, double offset
     std::size_t count = 0;
     for (Eigen::Index k = 0; k < 3; ++k) {
       const std::int32_t a = triangles(f, k), b = triangles(f, (k + 1) % 3);
-      if (beyond_mm[a] < 0) corners[count++] = keep(a);
-      if ((beyond_mm[a] < 0) != (beyond_mm[b] < 0)) corners[count++] = crossing(a, b);
+      if (values[a] < 0) corners[count++] = keep(a);
+      if ((values[a] < 0) != (values[b] < 0)) corners[count++] = crossing(a, b);
     }
     for (std::size_t k = 2; k < count; ++k) faces.push_back({corners[0], corners[k - 1], corners[k]});
   }
@@ -54,6 +53,10 @@ std::optional<Mesh> clipped(const Mesh& mesh, const Vec3& outward, double offset
   if (!topology) return std::nullopt;
   left.topology = std::move(*topology);
   return left;
+}
+
+std::optional<Mesh> clipped(const Mesh& mesh, const Vec3& outward, double offset_mm) {
+  return clipped(mesh, VertexScalars(mesh.points * outward - VertexScalars::Constant(mesh.points.rows(), offset_mm)));
 }
 
 }  // namespace homolog

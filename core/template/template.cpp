@@ -10,6 +10,15 @@ namespace {
 
 constexpr std::string_view missing_share_key = "homolog.missing_share ";
 
+constexpr std::string_view faces_key = "homolog.faces ", ends_at_key = "homolog.ends_at ";
+
+std::optional<FacedNames> faced_in(const std::vector<std::string>& comments) {
+  for (const std::string& comment : comments)
+    for (const auto& [key, kept] : {std::pair{faces_key, true}, std::pair{ends_at_key, false}})
+      if (comment.starts_with(key)) return FacedNames{comment.substr(key.size()), kept};
+  return std::nullopt;
+}
+
 /// 0 where no comment says it.
 double missing_share_in(const std::vector<std::string>& comments) {
   for (const std::string& comment : comments) {
@@ -28,6 +37,10 @@ std::string missing_share_comment(double share) {
   return std::string(missing_share_key) + number;
 }
 
+std::string faced_comment(const FacedNames& faced) {
+  return std::string(faced.kept ? faces_key : ends_at_key) + faced.labels;
+}
+
 Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source) {
   auto topology = Topology::make(file.points.rows(), std::move(file.triangles));
   if (!topology) return fail(source, topology.error().what);
@@ -39,6 +52,7 @@ Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string
   made.stiffness_base = file.stiffness_base;
   made.regions = std::move(file.regions);
   made.missing_share = missing_share_in(file.comments);
+  made.faced = faced_in(file.comments);
   return with_landmarks(made, std::move(file.landmarks));
 }
 
@@ -61,6 +75,7 @@ MeshFile to_mesh_file(const Template& the_template) {
   file.stiffness_base = the_template.stiffness_base;
   file.regions = the_template.regions;
   file.landmarks = the_template.landmarks;
+  if (the_template.faced) file.comments.push_back(faced_comment(*the_template.faced));
   if (the_template.missing_share > 0) file.comments.push_back(missing_share_comment(the_template.missing_share));
   return file;
 }

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,14 @@
 
 namespace homolog {
 
+/// The labels beyond the part of a label's surface that an open template is of, named as `--label` takes them, or
+/// `background`.
+struct FacedNames {
+  std::string labels;
+  bool kept = true;  ///< it faces them; else it is what faces none of them, and ends at them
+  bool operator==(const FacedNames&) const = default;
+};
+
 /// The mesh that every case of a study starts from, with its stiffness, regions and landmarks. Immutable.
 struct Template {
   std::string source;  ///< path, or the name of a built-in template [core/catalogue]
@@ -23,11 +32,14 @@ struct Template {
   Regions regions;
   std::vector<Landmark> landmarks;            ///< named, in the template's own frame
   std::vector<SurfacePoint> landmark_points;  ///< where on the surface each of them lies
-  double missing_share = 0;  ///< of the label that it was made of: what it lacks, where that is said [below]
+  double missing_share = 0;           ///< of the label that it was made of: what it lacks, where that is said [below]
+  std::optional<FacedNames> faced{};  ///< none of a template of the whole surface
 };
 
 /// The comment by which a template's file says that it lacks a share of the label that it was made of.
 std::string missing_share_comment(double share);
+/// The comment by which it says of which part of a label's surface it is.
+std::string faced_comment(const FacedNames& faced);
 
 /// A template from what a file holds; factors default to 1. Errors: Topology::make's.
 Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source);

@@ -236,9 +236,11 @@ py::dict fit_into(HeldCase& self, const py::object& given, const py::object& ask
   auto edit = computed<FitEdit>(self, progress, [&](Progress& own) -> Result<FitEdit> {
     auto mask = chosen_mask(*labels->read, name, label, {frame, {}, {}});
     if (!mask) return fail(mask.error());
-    const auto boundary = label_boundary(mask->volume, mask->label, mask->frame, closing_mm, view.shape.points->rows(),
-                                         parts_for(*view.the_template().topology));
+    std::vector<std::string> warnings;
+    auto boundary = label_boundary(mask->volume, mask->label, mask->frame, closing_mm, view.shape.points->rows(),
+                                   parts_for(view.the_template(), mask->segmentation, warnings));
     if (!boundary) return fail(name, boundary.error().what);
+    boundary->warnings.insert(boundary->warnings.begin(), warnings.begin(), warnings.end());
     const Points& places = boundary->surface.points;
     const auto in_image = [&](Eigen::Index p) { return image->geometry.holds(Vec3(places.row(p))); };
     bool meets = image == nullptr;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "app/editor/panels/models/models_panel.h"
 #include "app/editor/panels/ui_context.h"
@@ -49,6 +50,41 @@ void draw_organ_settings(const UiContext& ui, int label, MaskTemplateOptions& op
                                 : GenusRule{GenusRule::Kind::number, rule == 2 ? 0 : 1};
     changed = true;
   }
+}
+
+/// The labels beside the one that a template is made of, to choose those that its part faces.
+void draw_part_settings(const UiContext& ui, int label, TemplateSettings& settings, bool& changed) {
+  const Theme& theme = ui.theme;
+  whole_number(theme, "Vertices", settings.mask.vertices, {500, 40000, "%.0f", "", true, true},
+               "How many vertices the template gets", changed);
+  changed |= ball_slider(ui, "Closing", settings.mask.closing_mm, label,
+                         "Radius. Fills clefts that are narrower than twice the radius");
+  int rule = settings.faced.kept ? 0 : 1;
+  if (choice(theme, "part", {"Facing", "Open at"}, rule,
+             {"The part of the surface that faces the labels below, as a joint faces its cartilage",
+              "The surface without what faces the labels below, as a ventricle without its valves"})) {
+    settings.faced.kept = rule == 0;
+    changed = true;
+  }
+  constexpr std::size_t most_rows = 6;
+  constexpr float row = 26;
+  std::vector<int> others{0};
+  std::ranges::copy_if(ui.labels().values, std::back_inserter(others), [&](int value) { return value != label; });
+  auto& faced = settings.faced.values;
+  ImGui::BeginChild("faced", {0, theme.px(row) * static_cast<float>(std::min(most_rows, others.size()))});
+  for (const int value : others) {
+    ImGui::PushID(value);
+    bool on = std::ranges::find(faced, value) != faced.end();
+    const std::string name = value == 0 ? "Background" : ui.labels().label_name(value);
+    if (toggle(theme, name.c_str(), on, value == 0 ? "What has no label" : "Click: the part faces it, or does not")) {
+      std::erase(faced, value);
+      if (on) faced.push_back(value);
+      std::ranges::sort(faced);
+      changed = true;
+    }
+    ImGui::PopID();
+  }
+  ImGui::EndChild();
 }
 
 void draw_tube_settings(const UiContext& ui, int label, TemplateSettings& settings, bool& changed) {
@@ -213,15 +249,20 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   bool changed = label_choice(ui, label, settings.all_labels, "A template is made from one of its labels", out);
   if (label != own) settings.label = label;
   caption(theme, "What the label is");
-  int kind = settings.tube ? 1 : 0;
-  if (choice(theme, "template kind", {"Organ", "Tube"}, kind,
+  int kind = settings.tube ? 2 : settings.part ? 1 : 0;
+  if (choice(theme, "template kind", {"Organ", "Part", "Tube"}, kind,
              {"For any shape: vertices are spread evenly over the surface",
+              "The part of its surface that faces other labels, open at its rim: a joint, or a ventricle without its "
+              "valves",
               "For a ventricle: rings and sectors along an axis"})) {
-    settings.tube = kind == 1;
+    settings.tube = kind == 2;
+    settings.part = kind == 1;
     changed = true;
   }
   if (settings.tube)
     draw_tube_settings(ui, label, settings, changed);
+  else if (settings.part)
+    draw_part_settings(ui, label, settings, changed);
   else
     draw_organ_settings(ui, settings.all_labels ? every_label : label, settings.mask, changed);
   if (changed) out.send(SetTemplate{settings});
@@ -229,10 +270,11 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   const float width = ImGui::GetContentRegionAvail().x;
   const auto making = ui.work.template_maker.latest();
   const bool busy = ui.work.template_maker.busy();
-  const std::string refusal = busy                         ? "The template is being made."
-                              : !ui.labels().volume        ? "Open a label map first."
-                              : ui.labels().values.empty() ? "The label map is empty."
-                                                           : "";
+  const std::string refusal = busy                                             ? "The template is being made."
+                              : !ui.labels().volume                            ? "Open a label map first."
+                              : ui.labels().values.empty()                     ? "The label map is empty."
+                              : settings.part && settings.faced.values.empty() ? "Choose what the part faces first."
+                                                                               : "";
   if (button(theme, "Make the template", "You see each stage in the views", refusal, width, !making || !making->mesh)) {
     settings.label = label;
     out.send(MakeTemplate{settings, settings.axis_by_ruler ? ui.state.hand.ruler : std::nullopt});

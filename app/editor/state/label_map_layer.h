@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/mesh/colours.h"
+#include "core/volume/segmentation.h"
 #include "core/volume/volume.h"
 
 namespace homolog {
@@ -19,6 +20,13 @@ struct LabelMapLayer {
   std::map<int, std::string> names;
   std::shared_ptr<const std::map<int, Rgb>> colours;  ///< that the map gives; null where it gives none
 };
+
+/// What the map says of the layer's labels.
+inline Segmentation segmentation_of(const LabelMapLayer& layer) {
+  Segmentation known;
+  for (const auto& [value, name] : layer.names) known.add({.name = name, .value = value});
+  return known;
+}
 
 /// The frame of a label map that stands for one of the case: the same, or its last where it has fewer.
 inline int frame_of_map(const Volume& labels, int frame) {

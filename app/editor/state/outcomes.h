@@ -55,6 +55,7 @@ struct TemplateMaking {
   };
   TemplateSettings settings;
   std::string source;  ///< name of the label map
+  FacedNames faced;    ///< of a part: what it faces, as fits to other maps find it
   std::vector<Stage> stages;
   bool done = false;
   // Of a finished one.

@@ -6,6 +6,7 @@
 
 #include "core/adapt/image/appearance.h"
 #include "core/adapt/image/edge_search.h"
+#include "core/template_making/faced_part.h"
 #include "core/template_making/mask_template.h"
 #include "core/template_making/tube_template.h"
 #include "core/volume/contours.h"
@@ -30,9 +31,10 @@ struct FitSettings {
 
 /// What a template is to be made of, as the panel holds it.
 struct TemplateSettings {
-  int label = 0;            ///< 0: the label map's first
-  bool all_labels = false;  ///< all labels together, in place of `label`
-  bool tube = false;
+  int label = 0;                    ///< 0: the label map's first
+  bool all_labels = false;          ///< all labels together, in place of `label`
+  bool tube = false, part = false;  ///< neither: the whole surface of an organ
+  FacedLabels faced;                ///< of a part: which
   MaskTemplateOptions mask;
   TubeTemplateOptions tube_options;
   int outer_label = 0;  ///< 0: one sheet

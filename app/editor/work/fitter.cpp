@@ -109,13 +109,17 @@ Result<Fitted> fit_to_labels(const ShapeView& shown, const NamedLabels& labels, 
   const int label = settings.all_labels ? every_label : settings.label;
   const double closing_mm = settings.closing_mm.value_or(
       closing_kept_with(the_template.source).value_or(usual_closing_mm(*labels.volume, label, frame)));
-  const LabelParts parts{settings.partial || parts_for(*the_template.topology).all};
+  std::vector<std::string> warnings;
+  LabelParts parts = parts_for(the_template, labels.known, warnings);
+  parts.all = parts.all || settings.partial;
   const auto part = [&](std::size_t rank) {
-    return label_boundary(*labels.volume, label, frame, closing_mm, the_template.points.rows(), {parts.all, rank});
+    parts.rank = rank;
+    return label_boundary(*labels.volume, label, frame, closing_mm, the_template.points.rows(), parts);
   };
   auto boundary = part(0);
   if (boundary && !parts.all) boundary = likeliest_part(the_template, std::move(*boundary), part, options);
   if (!boundary) return fail(labels.name, boundary.error().what);
+  boundary->warnings.insert(boundary->warnings.begin(), warnings.begin(), warnings.end());
   auto fit = fit_shape(shown, *boundary, settings.as_placed, options);
   if (!fit) return fail(labels.name, fit.error().what);
   FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);

@@ -13,6 +13,7 @@
 #include "core/adapt/fit.h"
 #include "core/case/action.h"
 #include "core/measure/compare.h"
+#include "core/volume/segmentation.h"
 
 namespace homolog {
 
@@ -20,6 +21,7 @@ namespace homolog {
 struct NamedLabels {
   std::shared_ptr<const Volume> volume;
   std::string name;
+  Segmentation known{};  ///< what it says of its labels
 };
 
 /// The label that most of a mesh's inside lies in (half way from each vertex to the middle); 0 where that is none.

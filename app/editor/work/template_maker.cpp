@@ -36,58 +36,88 @@ std::vector<std::string> remarks_on(MaskTemplate& made) {
   return remarks;
 }
 
-/// Fills what the settings ask for: the mesh with its figures, or the error.
-void make(TemplateMaking& making, const Volume& labels, Progress& progress,
-          const std::function<void(const std::string&, const Mesh&)>& show) {
-  if (making.settings.tube) {
-    auto made = make_tube_template(labels, making.settings.tube_options);
-    if (made) {
-      show("Rings and sectors", made->mesh);
-      making.mesh = std::move(made->mesh);
-      making.to_mask = made->to_mask;
-      making.from_mask = made->from_mask;
-      making.remarks = std::move(made->warnings);
-      making.missing_share = made->missing_share;
-      making.missing = missing_from(*made, making.settings.tube_options.label);
-      if (!making.missing.empty())
-        making.missing += ". Draw the ruler (D) from the base to the apex, and choose Axis by the ruler.";
-    } else {
-      making.error = made.error().sentence();
-    }
-  } else {
-    MaskTemplateOptions options = making.settings.mask;
-    making.closing_mm = options.closing_mm;
-    if (!options.closing_mm) {
-      const ClosingChoice choice = choose_template_closing(labels, options, &progress);
-      if (choice.tried.size() > 1) making.closing_mm = options.closing_mm = choice.closing_mm;
-    }
-    auto made = make_mask_template(labels, options, &progress,
-                                   [&](TemplateStage stage, const Mesh& surface) { show(stage_name(stage), surface); });
-    if (made) {
-      making.to_mask = made->to_mask;
-      making.from_mask = made->from_mask;
-      making.remarks = remarks_on(*made);
-      if (making.closing_mm && !making.settings.mask.closing_mm) {
-        char text[80];
-        std::snprintf(text, sizeof text, "Closing %.1f mm, chosen by trying it on the label.", *making.closing_mm);
-        making.remarks.emplace_back(text);
-      }
-      making.cut = std::move(made->cut);
-      making.mesh = std::move(made->mesh);
-    } else {
-      making.error = made.error().sentence();
-    }
+using Show = std::function<void(const std::string&, const Mesh&)>;
+
+void make_tube(TemplateMaking& making, const Volume& labels, const Show& show) {
+  auto made = make_tube_template(labels, making.settings.tube_options);
+  if (!made) {
+    making.error = made.error().sentence();
+    return;
   }
+  show("Rings and sectors", made->mesh);
+  making.mesh = std::move(made->mesh);
+  making.to_mask = made->to_mask;
+  making.from_mask = made->from_mask;
+  making.remarks = std::move(made->warnings);
+  making.missing_share = made->missing_share;
+  making.missing = missing_from(*made, making.settings.tube_options.label);
+  if (!making.missing.empty())
+    making.missing += ". Draw the ruler (D) from the base to the apex, and choose Axis by the ruler.";
+}
+
+void make_part(TemplateMaking& making, const Volume& labels, Progress& progress, const Show& show) {
+  auto made = make_faced_template(labels, making.settings.faced, faced_options(making.settings), &progress);
+  if (!made) {
+    making.error = made.error().sentence();
+    return;
+  }
+  show("Cut where the labels part", made->mesh);
+  making.mesh = std::move(made->mesh);
+  making.to_mask = made->to_mesh;
+  making.from_mask = made->from_mesh;
+  making.closing_mm = making.settings.mask.closing_mm;
+  making.remarks = std::move(made->warnings);
+}
+
+void make_organ(TemplateMaking& making, const Volume& labels, Progress& progress, const Show& show) {
+  MaskTemplateOptions options = making.settings.mask;
+  making.closing_mm = options.closing_mm;
+  if (!options.closing_mm) {
+    const ClosingChoice choice = choose_template_closing(labels, options, &progress);
+    if (choice.tried.size() > 1) making.closing_mm = options.closing_mm = choice.closing_mm;
+  }
+  auto made = make_mask_template(labels, options, &progress,
+                                 [&](TemplateStage stage, const Mesh& surface) { show(stage_name(stage), surface); });
+  if (!made) {
+    making.error = made.error().sentence();
+    return;
+  }
+  making.to_mask = made->to_mask;
+  making.from_mask = made->from_mask;
+  making.remarks = remarks_on(*made);
+  if (making.closing_mm && !making.settings.mask.closing_mm) {
+    char text[80];
+    std::snprintf(text, sizeof text, "Closing %.1f mm, chosen by trying it on the label.", *making.closing_mm);
+    making.remarks.emplace_back(text);
+  }
+  making.cut = std::move(made->cut);
+  making.mesh = std::move(made->mesh);
+}
+
+/// Fills what the settings ask for: the mesh with its figures, or the error.
+void make(TemplateMaking& making, const Volume& labels, Progress& progress, const Show& show) {
+  if (making.settings.tube)
+    make_tube(making, labels, show);
+  else if (making.settings.part)
+    make_part(making, labels, progress, show);
+  else
+    make_organ(making, labels, progress, show);
   if (making.mesh) making.quality = mesh_quality(*making.mesh);
 }
 
 }  // namespace
 
-void TemplateMaker::start(std::shared_ptr<const Volume> labels, std::string source, const TemplateSettings& settings) {
+FacedTemplateOptions faced_options(const TemplateSettings& settings) {
+  return {settings.mask.label, settings.mask.frame, settings.mask.vertices, settings.mask.closing_mm};
+}
+
+void TemplateMaker::start(std::shared_ptr<const Volume> labels, std::string source, const TemplateSettings& settings,
+                          FacedNames faced) {
   if (busy()) return;
   TemplateMaking making;
   making.settings = settings;
   making.source = std::move(source);
+  making.faced = std::move(faced);
   now_ = std::make_shared<const TemplateMaking>(making);
   stages_ = std::make_shared<Stages>();
   worker_.start(making.source,

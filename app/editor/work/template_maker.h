@@ -9,11 +9,15 @@
 #include "app/editor/state/outcomes.h"
 #include "app/editor/work/mailbox.h"
 #include "app/editor/work/worker.h"
+#include "core/adapt/faced_template.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/template_making/mask_template.h"
 #include "core/template_making/tube_template.h"
 
 namespace homolog {
+
+/// How a template of a part of a surface is made.
+FacedTemplateOptions faced_options(const TemplateSettings& settings);
 
 /// Makes templates beside the window, one at a time. Called from the window's thread only.
 class TemplateMaker {
@@ -21,7 +25,9 @@ class TemplateMaker {
   /// `wake` is called from the thread after each stage.
   explicit TemplateMaker(std::function<void()> wake) : wake_(wake), worker_(std::move(wake)) {}
 
-  void start(std::shared_ptr<const Volume> labels, std::string source, const TemplateSettings& settings);
+  /// `faced`: what settings.faced is called.
+  void start(std::shared_ptr<const Volume> labels, std::string source, const TemplateSettings& settings,
+             FacedNames faced = {});
   void cancel();
   bool busy() const { return now_ && !now_->done; }
   double fraction() const { return worker_.fraction(); }

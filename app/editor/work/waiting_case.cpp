@@ -33,7 +33,8 @@ Result<CaseLabels> read_case_labels(const StudyCase& one, const FitSettings& set
   wanted = chosen->empty() ? 0 : unite_segments(read->volume, *chosen, 0);
   CaseLabels labels;
   warn_of_soft_labels(one.labels.filename(), read->volume, 0, labels.warnings);
-  labels.map = {std::make_shared<const Volume>(std::move(read->volume)), one.labels.filename().string()};
+  labels.map = {std::make_shared<const Volume>(std::move(read->volume)), one.labels.filename().string(),
+                read->segmentation};
   for (const auto& [value, voxels] : labels_of(*labels.map.volume, 0))
     if (value != 0) labels.held.push_back(value);
   const auto& held = labels.held;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/adapt/boundary/label_parts.h"
+#include "core/base/text.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_faults.h"
@@ -44,6 +45,33 @@ LevelSet closed_from_outside(const LevelSet& surface, double radius_mm) {
   for (std::size_t v = 0; v < values.size(); ++v)
     if (parts[v] > 0) values[v] = 0;  // part 0 holds the grid's first corner
   return closed_by({surface.grid(), std::move(values)}, radius_mm);
+}
+
+/// Closes what is a hole where `rims` of the boundary loops, the longest, are where the surface ends. Returns how many.
+std::size_t close_holes(Mesh& surface, std::size_t rims) {
+  std::vector<double> lengths_mm;
+  for (const Rim& rim : surface.topology->rims()) lengths_mm.push_back(rim_length_mm(rim, surface.points));
+  if (lengths_mm.size() <= rims) return 0;
+  std::ranges::sort(lengths_mm, std::greater());
+  constexpr double hole_share = 2.0 / 3;  // of the shortest rim: the outflow of a ventricle comes to 0.58 of its base
+  double longest_mm = hole_share * lengths_mm[rims - 1];
+  // What template_of_mesh closes is a hole here too where the rims are of those that it keeps.
+  const double small_mm = small_rim_share * bounds_of(surface.points).diagonal().norm();
+  if (lengths_mm[rims - 1] > small_mm && lengths_mm[rims] <= small_mm) longest_mm = std::max(longest_mm, small_mm);
+  surface = capped(surface, longest_mm);
+  return lengths_mm.size() - surface.topology->rims().size();
+}
+
+/// Of a label's boundary, which is whole, the part that is asked for.
+void take_faced_part(Boundary& boundary, const Volume& mask, int label, int frame, const LabelParts& parts) {
+  auto part = faced_part(boundary.surface, mask, label, frame, *parts.faced);
+  if (!part) {
+    const std::string& what = part.error().what;
+    boundary.warnings.push_back(what.substr(0, what.find(';')) + ", and its whole surface was taken");
+    return;
+  }
+  boundary.surface = std::move(*part);
+  if (parts.rims > 0) close_holes(boundary.surface, parts.rims);
 }
 
 }  // namespace
@@ -89,11 +117,44 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::o
   boundary.share_left_out = cut_out->left_out.share;
   boundary.parts_alike = cut_out->left_out.alike;
   if (auto said = cut_out->left_out.warning(label, "one", "")) boundary.warnings.push_back(std::move(*said));
+  if (parts.faced) take_faced_part(boundary, mask, label, frame, parts);
   return boundary;
 }
 
 LabelParts parts_for(const Topology& the_template) {
   return {.all = the_template.closed() && the_template.components() > 1};
+}
+
+Result<FacedLabels> faced_labels(const FacedNames& names, const Segmentation& known) {
+  std::vector<std::string> each = csv_fields(names.labels);
+  for (std::string& name : each) name = trimmed(name);
+  FacedLabels faced{{}, names.kept};
+  const auto is_background = [](const std::string& name) { return name == "background" || name == "0"; };
+  if (std::ranges::any_of(each, is_background)) {
+    faced.values.push_back(0);
+    std::erase_if(each, is_background);
+    if (each.empty()) return faced;
+  }
+  std::string rest;
+  for (const std::string& name : each) rest += (rest.empty() ? "" : ",") + name;
+  auto segments = asked_segments(rest, known);
+  if (!segments) return fail(segments.error());
+  for (const Segment& segment : *segments) faced.values.push_back(segment.value);
+  return faced;
+}
+
+LabelParts parts_for(const Template& the_template, const Segmentation& known, std::vector<std::string>& warnings) {
+  LabelParts parts = parts_for(*the_template.topology);
+  if (!the_template.faced) return parts;
+  auto faced = faced_labels(*the_template.faced, known);
+  if (faced) {
+    parts.faced = std::move(*faced);
+    parts.rims = long_rims({the_template.topology, the_template.points}).size();
+  } else {
+    warnings.push_back("the template ends at its neighbours, and the map " + faced.error().what +
+                       ". Its whole surface was taken");
+  }
+  return parts;
 }
 
 Boundary mesh_boundary(const Mesh& mesh, bool all_parts) {
@@ -107,25 +168,6 @@ Boundary mesh_boundary(const Mesh& mesh, bool all_parts) {
     boundary.warnings.push_back("has " + std::to_string(parts) + " parts; the largest was taken");
   return boundary;
 }
-
-namespace {
-
-/// Closes what is a hole where `rims` of the boundary loops, the longest, are where the surface ends. Returns how many.
-std::size_t close_holes(Mesh& surface, std::size_t rims) {
-  std::vector<double> lengths_mm;
-  for (const Rim& rim : surface.topology->rims()) lengths_mm.push_back(rim_length_mm(rim, surface.points));
-  if (lengths_mm.size() <= rims) return 0;
-  std::ranges::sort(lengths_mm, std::greater());
-  constexpr double hole_share = 2.0 / 3;  // of the shortest rim: the outflow of a ventricle comes to 0.58 of its base
-  double longest_mm = hole_share * lengths_mm[rims - 1];
-  // What template_of_mesh closes is a hole here too where the rims are of those that it keeps.
-  const double small_mm = small_rim_share * bounds_of(surface.points).diagonal().norm();
-  if (lengths_mm[rims - 1] > small_mm && lengths_mm[rims] <= small_mm) longest_mm = std::max(longest_mm, small_mm);
-  surface = capped(surface, longest_mm);
-  return lengths_mm.size() - surface.topology->rims().size();
-}
-
-}  // namespace
 
 Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress, bool all_parts,
                                   std::size_t rims) {

@@ -9,6 +9,9 @@
 #include "core/base/result.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/topology.h"
+#include "core/template/template.h"
+#include "core/template_making/faced_part.h"
+#include "core/volume/segmentation.h"
 #include "core/volume/volume.h"
 
 namespace homolog {
@@ -25,10 +28,21 @@ struct ScanBorder {
 struct LabelParts {
   bool all = false;      ///< every part, else one alone
   std::size_t rank = 0;  ///< that one, by size: 0 is the largest
+  /// Of the surface the part that faces other labels, with as many `rims`; shorter ones are holes, and closed.
+  std::optional<FacedLabels> faced{};
+  std::size_t rims = 0;
 };
 
 /// What a template of several closed pieces belongs to: all parts. Of one piece: the largest.
 LabelParts parts_for(const Topology& the_template);
+
+/// The labels beyond the part of a label's surface that a template is of, in a map with such segments. Errors: the map
+/// lacks one of them.
+Result<FacedLabels> faced_labels(const FacedNames& names, const Segmentation& known);
+
+/// The same, and the part of the surface that a template is of [Template::faced], in a map with such segments. Where
+/// the map lacks what that part faces, the whole surface is taken, with a warning.
+LabelParts parts_for(const Template& the_template, const Segmentation& known, std::vector<std::string>& warnings);
 
 /// The surface that a template is fitted to, LPS mm.
 struct Boundary {
@@ -50,7 +64,8 @@ struct Boundary {
 
 /// The boundary of a label: its largest part (or `parts`) with cavities filled, and with everything that a ball of
 /// radius `closing_mm` (without: ball_share of the label's size) cannot reach from outside. Computed on isotropic
-/// voxels of about a third of the mean edge of a mesh of `vertices` vertices. Errors: the label does not occur; no such
+/// voxels of about a third of the mean edge of a mesh of `vertices` vertices. Where the label faces none of the labels
+/// that `parts` names, its whole boundary is taken, with a warning. Errors: the label does not occur; no such
 /// frame; a volume of other values than its grid says; fewer than four vertices.
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> closing_mm,
                                 Eigen::Index vertices, const LabelParts& parts = {});

@@ -113,7 +113,7 @@ void StartFit::run(Editing& editing) const {
     return add_notice(editing.state, "The model for the fit is not open any more; choose a model again.");
   editing.work.fit_seen = false;
   editing.work.started_fit = *this;
-  editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name}, chosen, model,
+  editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name, segmentation_of(labels)}, chosen, model,
                                 editing.state.look.structure);
 }
 

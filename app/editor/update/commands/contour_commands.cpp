@@ -59,6 +59,7 @@ void FitContours::run(Editing& editing) const {
   const EditorState& state = editing.state;
   ContourFitJob job{.between = state.automatic.between_contours,
                     .labels = editing.shown.labels_here(),
+                    .known = segmentation_of(editing.shown.labels()),
                     .fit = state.automatic.fit_settings,
                     .snap = state.automatic.snap,
                     .goes_on = joined};

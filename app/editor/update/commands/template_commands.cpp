@@ -31,7 +31,14 @@ void MakeTemplate::run(Editing& editing) const {
   if (axis) chosen.tube_options.base_and_apex = {axis->from, axis->to};
   state.look.shown_stage.reset();
   state.look.making_shown = true;
-  editing.work.template_maker.start(labels.volume, labels.name, chosen);
+  FacedNames faced{{}, chosen.faced.kept};
+  for (const int value : chosen.faced.values) {
+    const auto name = labels.names.find(value);
+    const bool is_named = name != labels.names.end() && name->second.find(',') == std::string::npos;
+    faced.labels += faced.labels.empty() ? "" : ",";
+    faced.labels += value == 0 ? "background" : is_named ? name->second : std::to_string(value);
+  }
+  editing.work.template_maker.start(labels.volume, labels.name, chosen, std::move(faced));
 }
 
 void CancelTemplate::run(Editing& editing) const {

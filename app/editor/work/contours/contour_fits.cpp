@@ -21,9 +21,11 @@ Result<std::shared_ptr<const Boundary>> boundary_of(const ShapeView& shown, cons
   const int label = job.fit.all_labels ? every_label : job.fit.label;
   const double closing_mm = job.fit.closing_mm.value_or(
       closing_kept_with(the_template.source).value_or(usual_closing_mm(*job.labels, label, frame)));
+  std::vector<std::string> warnings;
   auto boundary = label_boundary(*job.labels, label, frame, closing_mm, the_template.points.rows(),
-                                 parts_for(*the_template.topology));
+                                 parts_for(the_template, job.known, warnings));
   if (!boundary) return fail("The label map", boundary.error().what);
+  boundary->warnings.insert(boundary->warnings.begin(), warnings.begin(), warnings.end());
   return std::make_shared<const Boundary>(std::move(*boundary));
 }
 

@@ -8,6 +8,7 @@
 #include "core/assist/assist.h"
 #include "core/base/progress.h"
 #include "core/session/session_thread.h"
+#include "core/volume/segmentation.h"
 
 namespace homolog {
 
@@ -15,6 +16,7 @@ namespace homolog {
 struct ContourFitJob {
   BetweenCurves between = BetweenCurves::shape;
   std::shared_ptr<const Volume> labels;  ///< for BetweenCurves::label
+  Segmentation known;                    ///< what that map says of its labels
   FitSettings fit;                       ///< the label, and how far clefts are closed
   SnapSettings snap;                     ///< for BetweenCurves::image
   bool goes_on = false;                  ///< see fit_shape_to_contours

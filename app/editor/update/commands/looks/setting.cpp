@@ -99,6 +99,9 @@ void spell_value(Fields& line, const char*, TemplateSettings& settings) {
   line.member("label", settings.label);
   line.optional("all_labels", settings.all_labels, settings.all_labels);
   line.member("tube", settings.tube);
+  line.optional("part", settings.part, settings.part);
+  line.optional("faced", settings.faced.values, !settings.faced.values.empty());
+  line.optional("facing", settings.faced.kept, !settings.faced.kept);
   Fields mask = line.object("organ_options");
   mask.count("vertices", settings.mask.vertices);
   mask.or_null("closing_mm", settings.mask.closing_mm);

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/base/progress.h"
+#include "core/template/template.h"
+#include "core/template_making/faced_part.h"
+#include "core/template_making/mesh_template.h"
+
+namespace homolog {
+
+struct FacedTemplateOptions {
+  int label = 1;
+  int frame = 0;
+  int vertices = 2500;
+  std::optional<double> closing_mm;  ///< without: ball_share of the label's size
+};
+
+/// A template of the part of a label's surface that faces other labels, open at its rim: the label's closed boundary is
+/// cut there, and the vertices are spread over it. Its distances are to that part. Openings shorter than
+/// least_rim_share of the diagonal are closed flat. Errors: those of label_boundary, faced_part and make_mesh_template.
+Result<MeshTemplate> make_faced_template(const Volume& mask, const FacedLabels& faced,
+                                         const FacedTemplateOptions& options, Progress* progress = nullptr);
+
+/// The file of such a template, which says how it was made and what it faces [faced_comment]. `source`: a file's name.
+MeshFile faced_template_file(const Mesh& mesh, const std::string& source, const FacedNames& faced,
+                             const FacedTemplateOptions& options);
+
+}  // namespace homolog

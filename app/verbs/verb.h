@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/window/editor.h"
+#include "app/editor_options.h"
 #include "core/base/listed.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"

@@ -9,7 +9,7 @@
 #include "app/editor/interface/drawing.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/window_title.h"
-#include "app/editor/window/editor.h"
+#include "app/editor_options.h"
 
 namespace homolog {
 

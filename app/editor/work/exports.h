@@ -6,15 +6,8 @@
 #include <vector>
 
 #include "app/editor/work/worker.h"
-#include "core/model/procrustes.h"
 
 namespace homolog {
-
-/// Writes the page of a study's model, as `homolog report` does: of the study's file, to `out`. `the_template`: its
-/// source, where it has a recipe to measure by; else empty. Gives warnings.
-using WriteReport = std::function<Result<std::vector<std::string>>(const std::filesystem::path& study,
-                                                                   Alignment alignment, const std::string& the_template,
-                                                                   const std::filesystem::path& out, Progress&)>;
 
 /// Writes files beside the window, one after the other; none is dropped. Called from the window's thread only.
 class Exports {

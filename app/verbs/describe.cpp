@@ -1,6 +1,5 @@
 #include "app/verbs/describe.h"
 
-#include "app/editor/work/opening/opener.h"
 #include "app/verbs/mending_report.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/training.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/editor/scene/mesh_colouring.h"
 #include "app/editor/widgets/short_names.h"
 #include "app/pictures/plots.h"
 #include "core/base/index.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/editor/scene/mesh_colouring.h"
 #include "app/pictures/pictures.h"
+#include "core/mesh/colours.h"
 
 // Plots and colour bars as vectors.
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "app/editor/scene/mesh_colouring.h"
 #include "app/verbs/report_measurements.h"
 #include "app/verbs/report_methods.h"
 #include "app/version.h"

@@ -27,6 +27,18 @@ std::vector<float> vertex_hues(const Topology& topology);
 /// HSV to RGB; surfaces use saturation 0.4, glyphs 1.0, both value 1.0 [Erdt 2009, §3.1].
 Rgb hsv_to_rgb(float hue, float saturation, float value);
 
+// Scales that differ in lightness as well as in hue, so that they are read without colour vision: every other step of
+// nine is told apart by all eyes (tests/app/editor/colour_vision_test.cpp). The colours are evenly spaced.
+
+/// From one side of a middle to the other.
+const std::vector<Rgb>& diverging_scale();
+/// From little to much.
+const std::vector<Rgb>& rising_scale();
+/// From doubtful to sure.
+const std::vector<Rgb>& confidence_scale();
+/// From sure to doubtful: the confidence, read from its other end.
+const std::vector<Rgb>& doubt_scale();
+
 /// Vertices to show as glyphs: by decreasing Gaussian curvature of `mesh`, each farther than `spacing_mm` from all
 /// chosen before [Erdt 2009, §3.1].
 std::vector<std::int32_t> glyph_vertices(const Mesh& mesh, double spacing_mm);

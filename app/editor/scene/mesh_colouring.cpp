@@ -29,11 +29,6 @@ const std::vector<Rgb>& quality_scale() {
   return scale;
 }
 
-const std::vector<Rgb>& confidence_scale() {
-  static const std::vector<Rgb> scale{{0.80f, 0.10f, 0.32f}, {0.97f, 0.62f, 0.30f}, {0.60f, 0.98f, 0.88f}};
-  return scale;
-}
-
 constexpr double stretch_octaves = 1;  // the scale's ends: half and double the length
 
 /// The largest distance of a scale: a round number that the mesh fills.
@@ -101,27 +96,6 @@ std::string figure_text(const char* pattern, double value) {
 }
 
 }  // namespace
-
-const std::vector<Rgb>& diverging_scale() {
-  static const std::vector<Rgb> scale{{0.13f, 0.35f, 0.85f},
-                                      {0.55f, 0.72f, 0.95f},
-                                      {0.93f, 0.93f, 0.93f},
-                                      {0.96f, 0.62f, 0.47f},
-                                      {0.82f, 0.16f, 0.16f}};
-  return scale;
-}
-const std::vector<Rgb>& rising_scale() {
-  static const std::vector<Rgb> scale{{0.17f, 0.19f, 0.38f},
-                                      {0.15f, 0.45f, 0.56f},
-                                      {0.29f, 0.69f, 0.49f},
-                                      {0.68f, 0.85f, 0.32f},
-                                      {1.00f, 0.97f, 0.70f}};
-  return scale;
-}
-const std::vector<Rgb>& doubt_scale() {
-  static const std::vector<Rgb> scale(confidence_scale().rbegin(), confidence_scale().rend());
-  return scale;
-}
 
 VertexScalars moved_mm(const ShapeView& shown) {
   return (*shown.shape.points - *shown.shape.reference).rowwise().norm();

@@ -10,16 +10,6 @@
 
 namespace homolog {
 
-// Scales that differ in lightness as well as in hue, so that they are read without colour vision: every other step of
-// nine is told apart by all eyes (tests/app/editor/colour_vision_test.cpp). The colours are evenly spaced.
-
-/// From one side of a middle to the other.
-const std::vector<Rgb>& diverging_scale();
-/// From little to much.
-const std::vector<Rgb>& rising_scale();
-/// From sure to doubtful: the confidence, read from its other end.
-const std::vector<Rgb>& doubt_scale();
-
 /// Colour of every vertex for a colouring; `hues` are the template's vertex hues, shown at `saturation`; `confidence`
 /// is that of the last snap and `z` that of the score, which their colourings need. Vertices whose place the scan lacks
 /// are greyed.

@@ -2,8 +2,8 @@
 #include <sstream>
 
 #include "app/editor/state/view_geometry.h"
-#include "app/editor/widgets/short_names.h"
 #include "app/pictures/pictures.h"
+#include "core/base/short_names.h"
 
 // What is written on pictures: names and scale bars, where no shape lies.
 

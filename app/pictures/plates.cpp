@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/editor/widgets/short_names.h"
 #include "app/pictures/plots.h"
 #include "core/base/index.h"
+#include "core/base/short_names.h"
 #include "core/base/text.h"
 #include "core/model/groups.h"
 

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/widgets/short_names.h"
 #include "app/editor/widgets/theme.h"
 
 namespace homolog {
@@ -159,16 +158,12 @@ void text_lines(const std::string& text, ImU32 colour = palette::text, float end
 /// is broken behind a "/", and where it has none anywhere.
 std::string in_lines(ImFont* font, const std::string& text, float width_px);
 
-/// The text with its middle left out where it is wider; nothing where not even the dots fit.
+/// As in short_names.h, into a width in the font that is in use.
 std::string shortened(const std::string& text, float width_px);
+std::string shortened_among(const std::string& name, const std::vector<std::string>& names, float width_px);
 
 /// As many whole sentences from the beginning as fit; where not one does, the first without its middle.
 std::string whole_sentences(const std::string& text, float width_px);
-
-/// As shortened() for one of several names, so that it is not taken for another: its words are cut short ("body ant.
-/// sup.") where each is still known among the others; else what it shares with them is left out. Numbers stay whole
-/// where there is room for them.
-std::string shortened_among(const std::string& name, const std::vector<std::string>& names, float width_px);
 
 /// printf into a string.
 std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));

@@ -90,6 +90,8 @@ TEST_CASE("a text is shortened to any room") {
   CHECK(some.starts_with("l"));
   CHECK(some.ends_with("y"));
   CHECK(some.find(dots) != std::string::npos);
+  CHECK(shortened_among("left kidney of a horse", {"left kidney of a horse"}, 60) ==
+        shortened("left kidney of a horse", 60));
   ImGui::EndFrame();
 }
 

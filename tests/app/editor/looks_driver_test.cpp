@@ -6,7 +6,6 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <set>
 #include <sstream>
 
 #include "app/editor/state/icons.h"
@@ -97,46 +96,6 @@ TEST_CASE("numbers that change and stand in columns have digits of one width") {
     CHECK(text_size(even, "111.11 mm").x == text_size(even, "808.08 mm").x);
   }
   CHECK(frame.theme.even_digits(frame.theme.icons) == frame.theme.icons);
-}
-
-TEST_CASE("names of several words are cut short word by word and are never taken for each other") {
-  const InFrame frame;
-  const std::vector<std::string> names{"body anterior superior",
-                                       "body anterior inferior",
-                                       "body posterior superior",
-                                       "body posterior inferior",
-                                       "lamina left",
-                                       "lamina right"};
-  for (const float width : {150.0f, 130.0f, 110.0f, 100.0f}) {
-    std::set<std::string> shown;
-    for (const std::string& name : names) {
-      const std::string text = shortened_among(name, names, width);
-      CAPTURE(text);
-      CHECK(ImGui::CalcTextSize(text.c_str()).x <= width);
-      shown.insert(text);
-      if (!name.starts_with("body")) continue;
-      // What tells the four apart is there: both words.
-      CHECK(text.find(name.find("anterior") != std::string::npos ? "ant" : "pos") != std::string::npos);
-      CHECK(text.find(name.find("superior") != std::string::npos ? "sup" : "inf") != std::string::npos);
-    }
-    CHECK(shown.size() == names.size());
-  }
-  // Where the beginnings of words are the same, words are not cut to them.
-  const std::vector<std::string> alike{"left intermediate lobe", "left interlobar lobe"};
-  const std::string one = shortened_among(alike[0], alike, 90), other = shortened_among(alike[1], alike, 90);
-  CHECK(one != other);
-  CHECK(one.find("int.") == std::string::npos);
-}
-
-TEST_CASE("the numbers of cases stay whole where names are cut short") {
-  const InFrame frame;
-  const std::vector<std::string> names{"kidney_0001_left_2021", "kidney_0002_right_2022", "kidney_0013_left_2023"};
-  for (const float width : {120.0f, 90.0f})
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      const std::string text = shortened_among(names[k], names, width);
-      CAPTURE(text);
-      CHECK(text.find(std::array{"0001", "0002", "0013"}[k]) != std::string::npos);
-    }
 }
 
 TEST_CASE("a sentence of an error is shown whole however long it is") {

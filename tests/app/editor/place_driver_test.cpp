@@ -1,14 +1,9 @@
 #include <doctest/doctest.h>
 
-#include <imgui.h>
-
 #include <algorithm>
-#include <set>
 
 #include "app/editor/state/view_geometry.h"
 #include "app/editor/update/controls.h"
-#include "app/editor/widgets/imgui_context.h"
-#include "app/editor/widgets/widgets.h"
 #include "app/editor/work/fitter.h"
 #include "core/case/held_landmarks.h"
 #include "core/catalogue/catalogue.h"
@@ -23,7 +18,7 @@
 #include "tests/driver.h"
 #include "tests/must.h"
 
-// Landmarks and the fit to a label, in the section Place, and how labels and names are told apart.
+// Landmarks and the fit to a label, in the section Place, and how labels are told apart.
 
 namespace homolog {
 
@@ -322,31 +317,6 @@ TEST_CASE("the key L scrolls the panel to the landmarks") {
   CHECK(title.y >= panel.y - 1);
   CHECK(title.y < panel.y + 40);
   CHECK(driver.has("north/row"));
-}
-
-TEST_CASE("names that would look alike keep what tells them apart") {
-  const ImGuiAlone imgui;
-  make_theme(1);
-  ImGui::GetIO().DisplaySize = {800, 600};
-  ImGui::NewFrame();
-  std::vector<std::string> names;
-  for (const char* number : {"00000", "00003", "00014", "00096"})
-    names.push_back(std::string("case_") + number + "_left_healthy_thin");
-  for (const float width : {130.0f, 90.0f, 60.0f}) {
-    std::set<std::string> shown;
-    for (const std::string& name : names) {
-      shown.insert(shortened_among(name, names, width));
-      CHECK(ImGui::CalcTextSize(shortened_among(name, names, width).c_str()).x <= width);
-    }
-    CHECK(shown.size() == names.size());
-    for (const char* number : {"14", "96"})  // whole, in each
-      CHECK(std::any_of(shown.begin(), shown.end(),
-                        [&](const std::string& one) { return one.find(number) != std::string::npos; }));
-  }
-  CHECK(shortened_among("left kidney of a horse", {"left kidney of a horse"}, 60) ==
-        shortened("left kidney of a horse", 60));
-  CHECK(shortened_among(names[0], names, 500) == names[0]);
-  ImGui::EndFrame();
 }
 
 TEST_CASE("looking at a place keeps the patient upright however the camera was rolled") {

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "app/editor/state/view_geometry.h"
 #include "app/pictures/pictures.h"
+#include "core/base/caption_sizes.h"
 #include "core/base/short_names.h"
 
 // What is written on pictures: names and scale bars, where no shape lies.

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <span>
 
-#include "app/editor/state/models/gallery.h"
 #include "app/pictures/pictures.h"
+#include "core/base/caption_sizes.h"
 #include "core/mesh/colours.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "app/editor/widgets/widgets.h"
+#include "core/base/caption_sizes.h"
 
 namespace homolog {
 

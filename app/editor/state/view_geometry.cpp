@@ -87,14 +87,6 @@ double slice_step_mm(const VolumeGeometry& geometry, const Vec3& direction) {
   return 1 / voxels_per_mm.norm();
 }
 
-double scale_bar_mm(double mm_per_px, double longest_px) {
-  const double longest_mm = mm_per_px * longest_px;
-  const double power = std::pow(10, std::floor(std::log10(longest_mm)));
-  for (const double factor : {5.0, 2.0})
-    if (factor * power <= longest_mm) return factor * power;
-  return power;
-}
-
 Camera3D camera_from(LookFrom from, const Box& box_mm) {
   Camera3D camera;
   switch (from) {

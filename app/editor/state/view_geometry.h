@@ -47,9 +47,6 @@ std::string position_text(const Vec3& p_mm);
 /// Distance between neighbouring slices along a unit direction: the spacing where it runs along an axis of the grid.
 double slice_step_mm(const VolumeGeometry& geometry, const Vec3& direction);
 
-/// A round length (1, 2 or 5 times a power of ten, mm) that is at most `longest_px` long on the screen.
-double scale_bar_mm(double mm_per_px, double longest_px);
-
 /// Standard directions to look from.
 enum class LookFrom { anterior, posterior, left, right, superior, inferior };
 inline constexpr std::array<const char*, 6> side_names{"anterior", "posterior", "left",

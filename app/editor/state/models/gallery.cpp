@@ -39,11 +39,6 @@ ModelsLayout models_layout(const Layout& layout) {
   return parts;
 }
 
-float caption_scale(float picture_width_px, float cell_width_px) {
-  constexpr float usual_width_px = 800, least_cell_px = 180;
-  return std::max(1.0f, std::min(picture_width_px / usual_width_px, cell_width_px / least_cell_px));
-}
-
 CaptionRoom caption_room(float scale) {
   constexpr float name = 28, bar = 24;
   return {std::round(name * scale), std::round(bar * scale)};

@@ -21,9 +21,7 @@ struct CaptionRoom {
     return {rect.x, rect.y + above, rect.width, std::max(rect.height - above - below, 1.0f)};
   }
 };
-/// The scale of the letters on a picture of cells: they grow with the picture, as far as names have room in the cells.
-float caption_scale(float picture_width_px, float cell_width_px);
-/// Of a picture's cell, at that scale: above for its name, below for a scale bar.
+/// Of a picture's cell, at the scale of its letters [caption_scale]: above for its name, below for a scale bar.
 CaptionRoom caption_room(float scale);
 /// Below the model's shape, for the legend of its colours.
 CaptionRoom legend_room(const ModelsState& state, float scale);

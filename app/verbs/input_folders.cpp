@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "app/editor/state/files/file_extensions.h"
 #include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/dicom_series.h"
+#include "core/volume/formats/formats.h"
 #include "core/volume/label_likeness.h"
 #include "core/volume/volume_io.h"
 
@@ -38,7 +38,7 @@ std::vector<fs::path> volumes_in(const fs::path& folder) {
     // Slices of one scan lie in folders of their own.
     for (const char* slice : {".dcm", ".ima", ".png", ".tif", ".tiff", ".jpg", ".jpeg"})
       if (name.ends_with(slice)) return false;
-    const auto& endings = volume_extensions();
+    static const auto endings = volume_format_endings(&VolumeFormat::endings);
     return std::any_of(endings.begin(), endings.end(), [&](const auto& ending) { return name.ends_with(ending); });
   });
   return by_name.empty() ? segmentations_in(folder) : by_name;

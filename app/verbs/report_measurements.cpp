@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <map>
 
-#include "app/editor/state/figures/measurements.h"
 #include "app/verbs/report_methods.h"
 #include "core/base/listed.h"
 #include "core/catalogue/catalogue.h"
+#include "core/measure/recipe/recipe.h"
 #include "core/model/shape_files.h"
 
 namespace homolog {

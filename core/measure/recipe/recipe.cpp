@@ -1,7 +1,9 @@
 #include "core/measure/recipe/recipe.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -336,6 +338,14 @@ std::vector<std::string> Recipe::structures() const {
 
 std::string kind_word(const RecipeStep& step) {
   return step.kind->word;
+}
+
+std::string value_with_unit(double value, const std::string& unit) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), unit == "1" ? "%.3f" : unit == "mm2" ? "%.0f" : "%.1f", value);
+  if (unit == "1" || unit == "image") return text.data();
+  if (unit == "deg") return std::string(text.data()) + "\xc2\xb0";
+  return std::string(text.data()) + ' ' + (unit == "mm2" ? "mm\xc2\xb2" : unit);
 }
 
 Result<Recipe> parse_recipe(std::string_view text) {

@@ -57,6 +57,9 @@ struct Recipe {
 /// The word of a step's kind: "distance".
 std::string kind_word(const RecipeStep& step);
 
+/// "31.2 mm", "84.0°", "1.07": a value as the window and the page of a report show it. `unit`: of its step.
+std::string value_with_unit(double value, const std::string& unit);
+
 /// Errors, without a subject: no JSON, no recipe, a newer version, an unknown word (with the nearest), a member that is
 /// missing or of another type, a name that is used twice, a cycle, no measurement.
 Result<Recipe> parse_recipe(std::string_view text);

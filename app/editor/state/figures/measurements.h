@@ -33,7 +33,4 @@ struct ShapeMeasurements {
 ShapeMeasurements shape_measurements(const std::shared_ptr<const Recipe>& recipe, const Document& document,
                                      const std::string& structure);
 
-/// "31.2 mm", "84.0°", "1.07": a value as the window shows it. `unit`: of its step.
-std::string value_with_unit(double value, const std::string& unit);
-
 }  // namespace homolog

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "app/editor/widgets/fonts.h"
+#include "app/fonts/fonts.h"
 #include "app/pictures/page.h"
 
 // The letters of pages: Inter, which is embedded, and where it lacks one a font of the system.

@@ -4,21 +4,10 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdlib>
-#include <filesystem>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "app/editor/widgets/fonts.h"
-#include "core/base/files.h"
-
-extern "C" {
-extern const unsigned char font_inter_semibold[];
-extern const std::size_t font_inter_semibold_size;
-extern const unsigned char font_fork_awesome[];
-extern const std::size_t font_fork_awesome_size;
-}
+#include "app/fonts/fonts.h"
 
 namespace homolog {
 
@@ -28,31 +17,6 @@ namespace {
 constexpr ImWchar text_ranges[] = {0x20,   0x24F,  0x370,  0x3FF,  0x400,  0x4FF,  0x2010, 0x2044, 0x2070,
                                    0x209C, 0x2190, 0x21FF, 0x2200, 0x22FF, 0x232B, 0x232B, 0};
 constexpr ImWchar icon_ranges[] = {0xF000, 0xF330, 0};
-
-}  // namespace
-
-std::string east_asian_font() {
-  namespace fs = std::filesystem;
-  const auto set_to = [](const char* name, const std::string& otherwise) {
-    const char* value = std::getenv(name);
-    return value != nullptr && value[0] != 0 ? std::string(value) : otherwise;
-  };
-  const fs::path own = fs::path(set_to("XDG_DATA_HOME", (home_folder() / ".local/share").string())) / "fonts";
-  const std::string shared = set_to("XDG_DATA_DIRS", "/usr/local/share:/usr/share");
-  for (const fs::path file : {"opentype/noto/NotoSansCJK-Regular.ttc", "truetype/droid/DroidSansFallbackFull.ttf"}) {
-    std::vector<fs::path> places{own / file.filename()};
-    std::istringstream folders(shared);
-    for (std::string folder; std::getline(folders, folder, ':');) places.push_back(fs::path(folder) / "fonts" / file);
-    for (const fs::path& place : places) {
-      std::error_code ignored;
-      if (!fs::is_regular_file(place, ignored)) continue;
-      if (auto bytes = read_whole_file(place)) return std::move(*bytes);
-    }
-  }
-  return {};
-}
-
-namespace {
 
 ImFont* add_font(const unsigned char* bytes, std::size_t size, float size_px, const ImWchar* ranges, bool merge = false,
                  float down_px = 0) {

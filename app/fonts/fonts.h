@@ -3,10 +3,14 @@
 #include <cstddef>
 #include <string>
 
-/// Inter, as it is embedded [app/CMakeLists.txt].
+/// Inter and Fork Awesome, as they are embedded [app/CMakeLists.txt].
 extern "C" {
 extern const unsigned char font_inter_regular[];
 extern const std::size_t font_inter_regular_size;
+extern const unsigned char font_inter_semibold[];
+extern const std::size_t font_inter_semibold_size;
+extern const unsigned char font_fork_awesome[];
+extern const std::size_t font_fork_awesome_size;
 }
 
 namespace homolog {

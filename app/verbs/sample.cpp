@@ -1,4 +1,4 @@
-#include "app/editor/work/opening/sample.h"
+#include "app/sample/sample.h"
 
 #include <filesystem>
 
@@ -15,10 +15,10 @@ namespace {
 
 /// Written to a folder of the program's own and opened in the editor; says why that cannot be.
 void open_sample(CommandLine& asked) {
-  const OpenRequest sample = sample_request();
-  asked.editor.files = {sample.volume_source, sample.labels};
+  const OwnSample sample = own_sample();
+  asked.editor.files = {sample.image, sample.labels};
   asked.editor.template_source = sample.template_source;
-  if (auto made = make_sample(sample); !made)
+  if (auto made = write_own_sample(); !made)
     asked.run = [error = made.error()](Progress&) -> Result<Report> { return fail(error); };
 }
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "app/editor/work/opening/sample.h"
+#include "app/sample/sample.h"
 #include "core/base/files.h"
 #include "core/base/picture_io.h"
 #include "tests/driver.h"

@@ -1,76 +1,20 @@
 #include "app/editor/work/opening/sample.h"
 
-#include <string_view>
-#include <utility>
-
-#include "core/base/files.h"
-#include "core/catalogue/catalogue.h"
-#include "core/session/unsaved_cases.h"
-
-extern "C" {
-extern const unsigned char sample_image[];
-extern const std::size_t sample_image_size;
-extern const unsigned char sample_labels[];
-extern const std::size_t sample_labels_size;
-extern const unsigned char sample_cine[];
-extern const std::size_t sample_cine_size;
-extern const unsigned char sample_cine_labels[];
-extern const std::size_t sample_cine_labels_size;
-extern const unsigned char sample_end_systole[];
-extern const std::size_t sample_end_systole_size;
-extern const unsigned char sample_licence[];
-extern const std::size_t sample_licence_size;
-}
+#include "app/sample/sample.h"
 
 namespace homolog {
 
-namespace fs = std::filesystem;
-
-namespace {
-
-constexpr const char *image_name = "heart.nii.gz", *labels_name = "heart-labels.nii.gz",
-                     *licence_name = "heart-licence.txt";
-
-fs::path sample_folder() {
-  return unsaved_folder() / "sample";
-}
-
-}  // namespace
-
-Result<std::vector<fs::path>> write_sample(const fs::path& folder) {
-  const auto made = ResultFolder::make(folder);
-  if (!made) return fail(made.error());
-  const auto bytes = [](const unsigned char* data, std::size_t size) {
-    return std::string_view(reinterpret_cast<const char*>(data), size);
-  };
-  const std::vector<std::pair<const char*, std::string_view>> files{
-      {image_name, bytes(sample_image, sample_image_size)},
-      {labels_name, bytes(sample_labels, sample_labels_size)},
-      {"heart-cine.nii.gz", bytes(sample_cine, sample_cine_size)},
-      {"heart-cine-labels.nii.gz", bytes(sample_cine_labels, sample_cine_labels_size)},
-      {"heart-cine-end-systole-labels.nii.gz", bytes(sample_end_systole, sample_end_systole_size)},
-      {licence_name, bytes(sample_licence, sample_licence_size)}};
-  std::vector<fs::path> paths;
-  for (const auto& [name, content] : files) {
-    if (auto written = write_whole_file(folder / name, content); !written) return fail(written.error());
-    paths.push_back(folder / name);
-  }
-  return paths;
-}
-
 OpenRequest sample_request() {
+  const OwnSample sample = own_sample();
   OpenRequest request;
-  request.volume_source = (sample_folder() / image_name).string();
-  request.labels = sample_folder() / labels_name;
-  request.template_source = built_in_source(Organ::ventricle);
+  request.volume_source = sample.image.string();
+  request.labels = sample.labels;
+  request.template_source = sample.template_source;
   return request;
 }
 
 Result<void> make_sample(const OpenRequest& request) {
-  if (request.volume_source != sample_folder() / image_name) return {};
-  if (auto made = make_folder(sample_folder(), Readers::user_alone); !made) return made;
-  const auto written = write_sample(sample_folder());
-  return written ? Result<void>() : fail(written.error());
+  return request.volume_source == own_sample().image ? write_own_sample() : Result<void>();
 }
 
 }  // namespace homolog

@@ -4,7 +4,7 @@
 
 #include "app/editor/update/controls.h"
 #include "app/editor/update/editing.h"
-#include "app/editor/work/opening/demo.h"
+#include "core/experiment/demo_case.h"
 #include "tests/must.h"
 
 namespace homolog {

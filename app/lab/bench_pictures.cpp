@@ -6,9 +6,9 @@
 
 #include "app/editor/drawing/gallery_pictures.h"
 #include "app/editor/work/models/build_study_model.h"
-#include "app/editor/work/opening/demo.h"
 #include "app/lab/median.h"
 #include "core/base/process.h"
+#include "core/experiment/demo_case.h"
 #include "core/mesh/colours.h"
 #include "core/volume/volume_io.h"
 #include "render/offscreen.h"

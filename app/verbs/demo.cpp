@@ -1,10 +1,10 @@
 #include <filesystem>
 
-#include "app/editor/work/opening/demo.h"
 #include "app/pictures/pictures.h"
 #include "app/verbs/verb.h"
 #include "core/base/files.h"
 #include "core/base/picture_io.h"
+#include "core/experiment/demo_case.h"
 #include "core/experiment/scripted_user.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"

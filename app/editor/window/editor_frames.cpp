@@ -11,11 +11,11 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/window/bench_hand.h"
-#include "app/editor/work/opening/demo.h"
 #include "core/base/process.h"
 #include "core/base/statistics.h"
 #include "core/case/actions/structures.h"
 #include "core/catalogue/catalogue.h"
+#include "core/experiment/demo_case.h"
 #include "core/session/case_file.h"
 #include "render/offscreen.h"
 

@@ -11,7 +11,7 @@
 #include "app/editor/window/editor_app.h"
 #include "app/editor/window/editor_picture.h"
 #include "app/editor/work/models/study_folder.h"
-#include "app/editor/work/opening/demo.h"
+#include "core/experiment/demo_case.h"
 #include "core/mesh/icosphere.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"

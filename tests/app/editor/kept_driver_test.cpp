@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/editor/work/opening/demo.h"
+#include "core/experiment/demo_case.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"

@@ -14,6 +14,7 @@
 #include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
+#include "core/experiment/demo_case.h"
 #include "core/mesh/curve_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/slicer_curves.h"

@@ -16,7 +16,8 @@ endfunction()
 
 # homolog_part(FOLDER USES folder… SOURCES file… LIBRARIES library… SYSTEM_INCLUDES folder…): a folder of the source tree
 # as a target of its own, named homolog_ and the folder (core/mesh is homolog_core_mesh). USES are the other folders, and
-# single headers, that it may include, all of them [homolog_arrows].
+# single headers, that it may include, all of them [homolog_arrows]. The global property homolog_core_parts lists the
+# targets of core, what is used first.
 function(homolog_part folder)
   cmake_parse_arguments(PART "" "" "USES;SOURCES;LIBRARIES;SYSTEM_INCLUDES" ${ARGN})
   string(REPLACE "/" "_" target homolog_${folder})
@@ -24,6 +25,8 @@ function(homolog_part folder)
 
   homolog_arrows(${folder} ${PART_USES})
   add_library(${target} STATIC ${PART_SOURCES})
+  string(REGEX MATCH "^[^/]*" top ${folder})
+  set_property(GLOBAL APPEND PROPERTY homolog_${top}_parts ${target})
   add_dependencies(${target} ${target}_arrows)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/homolog>)

@@ -1,9 +1,7 @@
 # What a program that builds on Homolog needs: headers in include/homolog, static libraries, and targets for
 # find_package(homolog COMPONENTS core render pictures). docs/library.md is about them. The packages of the program leave
 # this component out.
-set(core_parts base volume mesh measure solve deform placement template template_making phantom catalogue
-  case session adapt assist model groupwise statistics structures experiment)
-list(TRANSFORM core_parts PREPEND homolog_core_)
+get_property(core_parts GLOBAL PROPERTY homolog_core_parts)
 set(config lib/cmake/homolog)
 set_target_properties(homolog_core PROPERTIES EXPORT_NAME core)
 set_target_properties(homolog_render PROPERTIES EXPORT_NAME render)

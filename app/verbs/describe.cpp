@@ -1,5 +1,7 @@
 #include "app/verbs/describe.h"
 
+#include <algorithm>
+
 #include "app/verbs/mending_report.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/training.h"

@@ -19,13 +19,14 @@ namespace homolog {
 
 /// What a picture shows, as a value: drawing it changes nothing in it, and the same scene gives the same picture in
 /// the window and without a display. Large parts are shared; the renderer uploads one again only when its address or
-/// `revision` changed.
+/// `revision` changed. Scenes that are equal give the same picture: their large parts are the same objects.
 
 struct ImageLayer {
   std::shared_ptr<const Volume> volume;  ///< nothing is drawn where null
   int frame = 0;
   double window_low = 0, window_high = 1;  ///< intensity shown black and white
   bool linear = true;                      ///< trilinear, else nearest voxel
+  bool operator==(const ImageLayer&) const = default;
 };
 
 struct LabelLayer {
@@ -34,6 +35,7 @@ struct LabelLayer {
   float opacity = 0.4f;                               ///< twice that on the edges of a label
   std::shared_ptr<const std::map<int, Rgb>> colours;  ///< that the map gives; null where it gives none
   std::shared_ptr<const std::set<int>> hidden{};      ///< labels that are not drawn; null: all are
+  bool operator==(const LabelLayer&) const = default;
 };
 
 /// Of a mesh without colours of its own: bone.
@@ -53,6 +55,7 @@ struct MeshLayer {
   float surface_opacity = 1;
   bool wireframe = false;         ///< its edges over the surface
   bool saturated_outline = true;  ///< outline colours at full saturation, for contrast on grey
+  bool operator==(const MeshLayer&) const = default;
 };
 
 /// Spheres in the 3D view; the discs in which they meet the plane in slices.
@@ -61,8 +64,10 @@ struct GlyphLayer {
     Vec3 position = Vec3::Zero();
     Rgb colour{1, 1, 1};
     float radius_mm = 1;
+    bool operator==(const Glyph&) const = default;
   };
   std::vector<Glyph> glyphs;
+  bool operator==(const GlyphLayer&) const = default;
 };
 
 /// Straight lines in mm (axes, rulers), drawn with a width in px in the 3D view and in every slice in whose plane both
@@ -72,8 +77,10 @@ struct LineLayer {
     Vec3 from = Vec3::Zero(), to = Vec3::Zero();
     std::array<float, 4> colour{1, 1, 1, 1};
     float width_px = 1;
+    bool operator==(const Line&) const = default;
   };
   std::vector<Line> lines;
+  bool operator==(const LineLayer&) const = default;
 };
 
 /// A plane through the volume: `right` and `down` on the screen are unit vectors in LPS; the plane holds `centre`.
@@ -82,6 +89,7 @@ struct SliceView {
   Vec3 right = Vec3::UnitX(), down = Vec3::UnitY();
   double mm_per_px = 1;
   Vec3 normal() const { return right.cross(down); }  ///< into the screen
+  bool operator==(const SliceView&) const = default;
 };
 
 /// A camera that looks at `target`. `to_eye` and `up` are directions in LPS, not parallel. `fov_deg` is seen across the
@@ -93,6 +101,7 @@ struct Camera3D {
   Vec3 up = Vec3::UnitZ();
   double distance_mm = 400;
   double fov_deg = 30;
+  bool operator==(const Camera3D&) const = default;
 };
 
 /// The slice planes shown in the 3D view with the image on them.
@@ -102,6 +111,7 @@ struct PlaneInSpace {
   std::array<float, 3> frame_colour{1, 1, 1};
   float opacity = 1;  ///< below 1 it lets all be seen through it; at 1 it cuts meshes, whose rest shines through
   bool behind_meshes = false;  ///< hides nothing of a mesh, wherever it lies
+  bool operator==(const PlaneInSpace&) const = default;
 };
 
 struct Scene {
@@ -113,6 +123,7 @@ struct Scene {
   std::vector<PlaneInSpace> planes;  ///< 3D view only
   /// Alpha 0 leaves what is not drawn on transparent; nothing draws over the picture that is there.
   std::optional<std::array<float, 4>> background{{0, 0, 0, 1}};
+  bool operator==(const Scene&) const = default;
 };
 
 }  // namespace homolog

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <utility>
 
 namespace homolog {
 
@@ -29,14 +29,6 @@ Rgb difference_colour(double share) {
   const float part = std::abs(t);
   return {none[0] + part * (end[0] - none[0]), none[1] + part * (end[1] - none[1]),
           none[2] + part * (end[2] - none[2])};
-}
-
-bool GalleryPictures::same(const GalleryKey& a, const GalleryKey& b) {
-  const auto key = [](const GalleryKey& x) {
-    return std::tie(x.model, x.camera.target, x.camera.to_eye, x.camera.up, x.camera.distance_mm, x.focused, x.glyphs,
-                    x.moving, x.pinned, x.glyph_spacing_mm, x.grid, x.scale);
-  };
-  return key(a) == key(b);
 }
 
 GalleryPictures::GalleryKey GalleryPictures::key_of(const ModelsState& state, const GalleryGrid& grid, bool moving,
@@ -120,17 +112,17 @@ void GalleryPictures::draw_gallery(const ModelsState& state, const RectPx& rect,
   GalleryKey quick = key;
   quick.moving = true;
   const bool fits = gallery_.width == static_cast<int>(rect.width) && gallery_.height == static_cast<int>(rect.height);
-  if (fits && same(key, shown_)) return;
+  if (fits && key == shown_) return;
   if (!fits) fine_ = {};  // its picture is gone
   take_page(state, grid);
   const auto cells = static_cast<std::size_t>(grid.columns * grid.rows);
-  if (!fits || !same(quick, shown_)) {
+  if (!fits || quick != shown_) {
     const bool other_page = shown_.model != key.model || shown_.grid.first != key.grid.first;
     const GalleryKey& now = key.moving || other_page ? quick : key;
     if (draw_cells(state, now, rect, 0, cells, renderer)) shown_ = now;
     return;
   }
-  if (!same(key, fine_)) {
+  if (key != fine_) {
     fine_ = key;
     fine_cells_ = 0;
   }
@@ -186,10 +178,7 @@ void GalleryPictures::draw_model(const ModelsState& state, const RectPx& rect, f
   const bool moving = state.turning || state.animated_mode;
   ModelKey key{key_of(state, {}, moving, scale), state.deviations, state.show_difference, state.compared};
   const bool fits = model_.width == static_cast<int>(rect.width) && model_.height == static_cast<int>(rect.height);
-  if (fits && same(key.view, model_key_.view) &&
-      std::tie(key.deviations, key.difference, key.compared) ==
-          std::tie(model_key_.deviations, model_key_.difference, model_key_.compared))
-    return;
+  if (fits && key == model_key_) return;
   Framebuffer* framebuffer = fit(model_, rect, moving);
   if (framebuffer == nullptr) return;
   const StudyModel& model = *state.model;

@@ -44,14 +44,15 @@ class GalleryPictures {
     double glyph_spacing_mm = 0;
     GalleryGrid grid;
     float scale = 0;
+    bool operator==(const GalleryKey&) const = default;
   };
   struct ModelKey {
     GalleryKey view;
     std::vector<double> deviations;
     bool difference = false;
     std::array<std::string, 2> compared;
+    bool operator==(const ModelKey&) const = default;
   };
-  static bool same(const GalleryKey& a, const GalleryKey& b);
   GalleryKey key_of(const ModelsState& state, const GalleryGrid& grid, bool moving, float scale) const;
 
   /// Colours and glyphs of the vertices, for the model and spacing that are shown.

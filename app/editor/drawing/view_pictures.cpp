@@ -3,55 +3,9 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
-#include <tuple>
 #include <utility>
 
 namespace homolog {
-
-namespace {
-
-auto key(const ImageLayer& x) {
-  return std::tie(x.volume, x.frame, x.window_low, x.window_high, x.linear);
-}
-auto key(const LabelLayer& x) {
-  return std::tie(x.labels, x.frame, x.opacity, x.colours, x.hidden);
-}
-auto key(const MeshLayer& x) {
-  return std::tie(x.topology, x.points, x.points_revision, x.colours, x.colours_revision, x.outline, x.outline_px,
-                  x.outline_opacity, x.surface, x.surface_opacity, x.wireframe, x.saturated_outline);
-}
-auto key(const GlyphLayer::Glyph& x) {
-  return std::tie(x.position, x.colour, x.radius_mm);
-}
-auto key(const LineLayer::Line& x) {
-  return std::tie(x.from, x.to, x.colour, x.width_px);
-}
-auto key(const SliceView& x) {
-  return std::tie(x.centre, x.right, x.down, x.mm_per_px);
-}
-auto key(const Camera3D& x) {
-  return std::tie(x.target, x.to_eye, x.up, x.distance_mm, x.fov_deg);
-}
-bool same(const PlaneInSpace& a, const PlaneInSpace& b) {
-  return key(a.plane) == key(b.plane) && a.half_width_mm == b.half_width_mm && a.half_height_mm == b.half_height_mm &&
-         a.frame_colour == b.frame_colour && a.opacity == b.opacity && a.behind_meshes == b.behind_meshes;
-}
-template <class Part>
-bool same(const Part& a, const Part& b) {
-  return key(a) == key(b);
-}
-template <class Part>
-bool same_all(const std::vector<Part>& a, const std::vector<Part>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Part& x, const Part& y) { return same(x, y); });
-}
-
-}  // namespace
-
-bool same_scene(const Scene& a, const Scene& b) {
-  return same(a.image, b.image) && same(a.labels, b.labels) && same_all(a.meshes, b.meshes) &&
-         same_all(a.glyphs.glyphs, b.glyphs.glyphs) && same_all(a.lines.lines, b.lines.lines) &&
-         same_all(a.planes, b.planes) && a.background == b.background;
-}
 
 Result<ViewPictures> ViewPictures::make() {
   auto renderer = Renderer::make();
@@ -75,8 +29,7 @@ bool ViewPictures::fit(Drawn& drawn, const Target& target, int samples) {
 
 bool ViewPictures::draw_slice(Drawn& drawn, const Scene& scene, const SliceView& view, const Target& target,
                               const Framebuffer* below) {
-  const bool current =
-      drawn.content_scale == target.content_scale && same(drawn.slice, view) && same_scene(drawn.scene, scene);
+  const bool current = drawn.content_scale == target.content_scale && drawn.slice == view && drawn.scene == scene;
   if (current) return false;
   drawn.framebuffer->bind();
   if (below != nullptr) below->copy_to(0, 0);
@@ -123,7 +76,7 @@ const FaintLayer* ViewPictures::faint_of(const Scene& scene, const Camera3D& cam
       return nullptr;
     }
     faint_.layer = std::move(*layer);
-  } else if (same(faint_.camera, camera) && same_scene(faint_.scene, scene)) {
+  } else if (faint_.camera == camera && faint_.scene == scene) {
     return &*faint_.layer;
   }
   if (auto done = renderer_->draw_faint(scene, camera, *faint_.layer); !done) error_ = done.error().sentence();
@@ -135,8 +88,7 @@ const FaintLayer* ViewPictures::faint_of(const Scene& scene, const Camera3D& cam
 const Framebuffer* ViewPictures::space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving) {
   Drawn& drawn = moving ? moving_space_ : still_space_;
   if (!fit(drawn, target, moving ? 1 : 4)) return nullptr;
-  const bool current =
-      drawn.content_scale == target.content_scale && same(drawn.camera, camera) && same_scene(drawn.scene, scene);
+  const bool current = drawn.content_scale == target.content_scale && drawn.camera == camera && drawn.scene == scene;
   if (current) return drawn.framebuffer.get();
   // Dozens of meshes that are seen through take most of the time, and stay while one is dragged.
   const auto is_faint = [](const MeshLayer& mesh) { return mesh.surface_opacity < 1; };

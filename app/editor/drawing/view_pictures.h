@@ -64,7 +64,4 @@ class ViewPictures {
   std::string error_;
 };
 
-/// Whether two scenes give the same picture: the same shared parts, the same revisions, the same settings.
-bool same_scene(const Scene& a, const Scene& b);
-
 }  // namespace homolog

@@ -69,6 +69,11 @@ inline constexpr auto document_members = std::make_tuple(
     Member{"frame", &Document::frame, Origin::set}, Member{"scheme", &Document::scheme, Origin::set},
     Member{"events", &Document::paper_events, Origin::set}, Member{"spacing", &Document::even_spacing, Origin::set});
 
+/// The members of a template, for equality alone: a checkpoint holds what the case changed of it.
+inline constexpr auto template_members = std::make_tuple(
+    &Template::source, &Template::topology, &Template::points, &Template::stiffness, &Template::stiffness_base,
+    &Template::regions, &Template::landmarks, &Template::landmark_points, &Template::missing_share, &Template::faced);
+
 /// Calls `visit(member)` for each member of a list, in its order.
 template <class List, class Visit>
 constexpr void for_each_member(const List& list, const Visit& visit) {
@@ -102,6 +107,7 @@ static_assert(names_all<Paint>(paint_members), "name the new member of Paint in 
 static_assert(names_all<LandmarkRules>(landmark_rules_members), "name the new member in landmark_rules_members");
 static_assert(names_all<Structure>(structure_members), "name the new member of Structure in structure_members");
 static_assert(names_all<Scan>(scan_members), "name the new member of Scan in scan_members");
+static_assert(names_all<Template>(template_members), "name the new member of Template in template_members");
 static_assert(names_all<Document>(document_members), "name the new member of Document in document_members");
 
 // The list of an object's members, by its type.

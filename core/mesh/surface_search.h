@@ -22,6 +22,7 @@ struct SurfacePoint {
     return (weights[0] * per_vertex.row(t[0]) + weights[1] * per_vertex.row(t[1]) + weights[2] * per_vertex.row(t[2]))
         .eval();
   }
+  bool operator==(const SurfacePoint&) const = default;
 };
 
 /// Whether a point lies on a boundary loop of the surface.

@@ -68,7 +68,7 @@ std::shared_ptr<const Template> changed_template(std::shared_ptr<const Template>
   std::vector<Landmark> landmarks;
   for (const Json& landmark : changes.at("landmarks"))
     landmarks.push_back({landmark.at("name").get<std::string>(), *unpacked_array<Vec3>(landmark.at("at"), 3, 1)});
-  return same_landmarks(landmarks, now->landmarks) ? now : with_landmarks(*now, std::move(landmarks));
+  return landmarks == now->landmarks ? now : with_landmarks(*now, std::move(landmarks));
 }
 
 // A member that is newer than checkpoints is left out where it is empty: so a case without it keeps its bytes, and its

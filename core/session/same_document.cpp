@@ -10,22 +10,11 @@
 
 namespace homolog {
 
-bool same_landmarks(const std::vector<Landmark>& a, const std::vector<Landmark>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const Landmark& x, const Landmark& y) { return x.name == y.name && x.position == y.position; });
-}
-
 namespace {
 
 using Shapes = std::map<int, std::shared_ptr<const Shape>>;
 using Structures = std::vector<std::shared_ptr<const Structure>>;
 using ContourSets = std::vector<std::shared_ptr<const ContourSet>>;
-
-bool same_template(const Template& a, const Template& b) {
-  return &a == &b || (a.source == b.source && a.topology->triangles() == b.topology->triangles() &&
-                      a.points == b.points && a.stiffness == b.stiffness && a.stiffness_base == b.stiffness_base &&
-                      a.regions == b.regions && same_landmarks(a.landmarks, b.landmarks));
-}
 
 // Members of a document and of what it holds are compared by their types [members.h].
 
@@ -42,8 +31,13 @@ bool same(const std::shared_ptr<const Volume>& a, const std::shared_ptr<const Vo
   return a == b;
 }
 
+bool same(const std::shared_ptr<const Topology>& a, const std::shared_ptr<const Topology>& b) {
+  return a == b || a->triangles() == b->triangles();
+}
+
 bool same(const std::shared_ptr<const Template>& a, const std::shared_ptr<const Template>& b) {
-  return a == b || (a && b && same_template(*a, *b));
+  const auto all = [&](const auto&... member) { return (same((*a).*member, (*b).*member) && ...); };
+  return a == b || (a && b && std::apply(all, template_members));
 }
 
 bool same(const ContourSets& a, const ContourSets& b) {

@@ -311,6 +311,18 @@ TEST_CASE("two documents that differ in one member are not the same") {
     test::changed_shape(changed).*member.of = start.structure()->shape(0)->*member.of;
     differs(member.key, changed);
   });
+  const auto differs_in_template = [&](const char* key, const auto& change) {
+    Document changed = full;
+    changed.change({}, [&](Structure& first) {
+      auto another = std::make_shared<Template>(*first.the_template);
+      change(*another);
+      first.the_template = another;
+    });
+    differs(key, changed);
+  };
+  differs_in_template("landmark_points", [](Template& one) { one.landmark_points.front().face += 1; });
+  differs_in_template("missing_share", [](Template& one) { one.missing_share = 0.5; });
+  differs_in_template("faced", [](Template& one) { one.faced = FacedNames{"2"}; });
 }
 
 TEST_CASE("a landmark that is placed after a reopening lies where it does without a checkpoint") {

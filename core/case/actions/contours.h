@@ -1,11 +1,11 @@
 #pragma once
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/base/same_values.h"
 #include "core/case/actions/kind.h"
 
 namespace homolog {
@@ -16,15 +16,12 @@ struct SetContours {
   std::string id;
   std::optional<std::string> name{};
   /// Of new ones, or the one in the place of `curve`; null for those that are there. LPS mm.
-  std::shared_ptr<const std::vector<Contour>> curves{};
+  SharedValue<std::vector<Contour>> curves{};
   std::optional<int> curve{};      ///< which curve of those that are there `curves` replaces, from 0
   std::optional<double> off_mm{};  ///< [ContourSet::off_mm]
   std::optional<bool> outside{};   ///< [ContourSet::outside]
 
-  bool operator==(const SetContours& other) const {
-    return id == other.id && name == other.name && off_mm == other.off_mm && outside == other.outside &&
-           curve == other.curve && (curves == other.curves || (curves && other.curves && *curves == *other.curves));
-  }
+  bool operator==(const SetContours&) const = default;
 };
 const ActionKind<SetContours>& action_kind(const SetContours&);
 

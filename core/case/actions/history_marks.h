@@ -32,14 +32,11 @@ struct Note {
   std::optional<std::array<double, 2>> window;  ///< the image's values that are shown black and white
   std::string template_file;                    ///< where the template was saved as it is painted; empty: it was not
   std::optional<FitFigures> fit{};              ///< of the last one
-  std::shared_ptr<const KeptLooks> looks{};     ///< null: it says nothing of them
-  std::shared_ptr<const KeptMapFit> map_fit{};  ///< of the last fit of a set; null: it says nothing of one
+  SharedValue<KeptLooks> looks{};               ///< null: it says nothing of them
+  SharedValue<KeptMapFit> map_fit{};            ///< of the last fit of a set; null: it says nothing of one
   /// Whether it says more than its text.
   bool keeps() const { return window || !template_file.empty() || fit || looks || map_fit; }
-  bool operator==(const Note& other) const {
-    return text == other.text && window == other.window && template_file == other.template_file && fit == other.fit &&
-           same_values(looks, other.looks) && same_values(map_fit, other.map_fit);
-  }
+  bool operator==(const Note&) const = default;
 };
 const ActionKind<Note>& action_kind(const Note&);
 

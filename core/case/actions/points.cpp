@@ -154,7 +154,8 @@ Result<EditReport> apply_points(const SetPoints& action, StructureEdit& edit) {
   }
   keep_unsnapped(action, shape);
   shape.points = action.points;
-  shape.carried = action.by == by_propagation ? action.points : nullptr;
+  shape.carried.reset();
+  if (action.by == by_propagation) shape.carried = action.points;
   shape.doubt = action.doubt;
   if (!keeps_doubt(action.by)) {
     shape.doubt_mm = action.doubt_mm;

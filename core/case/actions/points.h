@@ -28,18 +28,14 @@ inline constexpr const char* by_propagation = "propagate";
 /// Puts every vertex where an automatic step found it: a fit, a snap, a shape model. The points themselves are kept, so
 /// replaying needs neither that step nor its image.
 struct SetPoints {
-  std::string by;                                   ///< what found them: one of those above
-  std::optional<Similarity> placement;              ///< the reference moves there; unwarped then
-  std::shared_ptr<const Points> points;             ///< n×3, LPS mm
-  std::optional<int> of_frame{};                    ///< of a cine, where it is not the one that is shown
-  std::string doubt{};                              ///< of a frame that was carried there: see Shape::doubt
-  std::shared_ptr<const VertexScalars> doubt_mm{};  ///< of a fit: see Shape::doubt_mm; on doubt_on_grid's grid
-  std::shared_ptr<const VertexScalars> outlier{};   ///< of a fit: see Shape::outlier; 0 or 1 each
-  bool operator==(const SetPoints& other) const {
-    return by == other.by && placement == other.placement && of_frame == other.of_frame && doubt == other.doubt &&
-           same_values(points, other.points) && same_values(doubt_mm, other.doubt_mm) &&
-           same_values(outlier, other.outlier);
-  }
+  std::string by;                         ///< what found them: one of those above
+  std::optional<Similarity> placement;    ///< the reference moves there; unwarped then
+  SharedValue<Points> points;             ///< n×3, LPS mm
+  std::optional<int> of_frame{};          ///< of a cine, where it is not the one that is shown
+  std::string doubt{};                    ///< of a frame that was carried there: see Shape::doubt
+  SharedValue<VertexScalars> doubt_mm{};  ///< of a fit: see Shape::doubt_mm; on doubt_on_grid's grid
+  SharedValue<VertexScalars> outlier{};   ///< of a fit: see Shape::outlier; 0 or 1 each
+  bool operator==(const SetPoints&) const = default;
 };
 const ActionKind<SetPoints>& action_kind(const SetPoints&);
 
@@ -47,15 +43,11 @@ const ActionKind<SetPoints>& action_kind(const SetPoints&);
 struct MovePoints {
   std::string by;
   std::optional<Similarity> placement;
-  std::shared_ptr<const std::vector<std::uint32_t>> moves;  ///< 3n, vertex by vertex; 0 stays
+  SharedValue<std::vector<std::uint32_t>> moves;  ///< 3n, vertex by vertex; 0 stays
   std::optional<int> of_frame{};
   std::string doubt{};
-  std::shared_ptr<const VertexScalars> doubt_mm{}, outlier{};
-  bool operator==(const MovePoints& other) const {
-    return by == other.by && placement == other.placement && of_frame == other.of_frame && doubt == other.doubt &&
-           same_values(moves, other.moves) && same_values(doubt_mm, other.doubt_mm) &&
-           same_values(outlier, other.outlier);
-  }
+  SharedValue<VertexScalars> doubt_mm{}, outlier{};
+  bool operator==(const MovePoints&) const = default;
 };
 const ActionKind<MovePoints>& action_kind(const MovePoints&);
 

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <memory>
-
+#include "core/base/same_values.h"
 #include "core/case/actions/kind.h"
 
 namespace homolog {
@@ -25,10 +24,8 @@ const ActionKind<SmoothStiffness>& action_kind(const SmoothStiffness&);
 
 /// Gives every vertex a factor, from an array of a mesh file.
 struct SetStiffnessFactors {
-  std::shared_ptr<const VertexScalars> factors;
-  bool operator==(const SetStiffnessFactors& other) const {
-    return factors == other.factors || (factors && other.factors && *factors == *other.factors);
-  }
+  SharedValue<VertexScalars> factors;
+  bool operator==(const SetStiffnessFactors&) const = default;
 };
 const ActionKind<SetStiffnessFactors>& action_kind(const SetStiffnessFactors&);
 

@@ -7,7 +7,7 @@
 
 namespace homolog {
 
-/// A reference mesh of every label of every mask, with default settings: quality, distances in mm and milliseconds,
+/// A template of every label of every mask, with default settings: quality, distances in mm and milliseconds,
 /// one row each, and the worst of all. A mask that cannot be read has its sentence in the row.
 Json template_figures(const std::vector<std::filesystem::path>& masks, int vertices, Progress& progress);
 

@@ -20,8 +20,8 @@ struct TargetOptions {
 };
 void add_target_options(CLI::App& verb, TargetOptions& options);
 
-/// A label map as the organ to adapt `reference` to, without landmarks. `warnings`: the reader's. Errors: the reader's,
-/// the label's.
+/// A label map as the organ to adapt `the_template` to, without landmarks. `warnings`: the reader's. Errors: the
+/// reader's, the label's.
 Result<ExperimentSubject> mask_subject(const std::filesystem::path& path, const TargetOptions& options,
                                        const Template& the_template, std::vector<std::string>& warnings,
                                        Progress& progress);

@@ -23,7 +23,7 @@ constexpr double easing_edges = 1;  ///< mean edges: folds of the template finer
 }  // namespace
 
 FitSteps::FitSteps(const Template& the_template, Target& target, const FitOptions& options, Show show)
-    : reference_(the_template),
+    : template_(the_template),
       target_(target),
       options_(options),
       show_(std::move(show)),
@@ -34,7 +34,7 @@ Result<Adapted> FitSteps::adapt(const Points& points, const Similarity& placemen
                                 const Annealing& annealing) {
   auto smooth = eased(reference);
   if (!smooth) return fail(smooth.error());
-  Adapting shape{{reference_.topology, points}, std::move(*smooth), placement, {}, factors_, {}};
+  Adapting shape{{template_.topology, points}, std::move(*smooth), placement, {}, factors_, {}};
   shape.refit();
   if (auto done = anneal_to_target(shape, annealing); !done) return fail(done.error());
   shape.rest = reference;
@@ -75,11 +75,11 @@ Result<void> FitSteps::settle_as_it_is(Adapting& shape) {
 Result<void> FitSteps::slide_to_facing(Adapting& shape, const Mesh& surface, double share) {
   const Adapting before = shape;
   const double most_mm = most_off_mm(target_.off_mm2(before.mesh)),
-               edge_mm = mean_edge_mm(*reference_.topology, shape.mesh.points),
+               edge_mm = mean_edge_mm(*template_.topology, shape.mesh.points),
                diagonal_mm = bounds_of(shape.mesh.points).diagonal().norm();
-  const FacingSearch facing(surface, reference_.points.rows());
+  const FacingSearch facing(surface, template_.points.rows());
   const auto forces = [&](const Mesh& mesh, double) {
-    return with_landmarks(facing.pull({reference_.topology, template_placed(shape)}, mesh), mesh);
+    return with_landmarks(facing.pull({template_.topology, template_placed(shape)}, mesh), mesh);
   };
   const Annealing equally_stiff{.steps = sliding_steps,
                                 .softest_edges = facing.stiffness_mm() / edge_mm,
@@ -92,17 +92,17 @@ Result<void> FitSteps::slide_to_facing(Adapting& shape, const Mesh& surface, dou
 }
 
 Force FitSteps::force(const Mesh& mesh, const Similarity& placement, double share) {
-  if (options_.partial) target_.may_lack_parts(bounds_of(placement.apply(reference_.points)).diagonal().norm());
+  if (options_.partial) target_.may_lack_parts(bounds_of(placement.apply(template_.points)).diagonal().norm());
   return with_landmarks(target_.pull(mesh, share), mesh);
 }
 
 Force FitSteps::with_landmarks(TargetPull pull, const Mesh& mesh) const {
-  pull_landmarks(reference_, options_.landmarks, trust_, mesh, pull);
+  pull_landmarks(template_, options_.landmarks, trust_, mesh, pull);
   return force_of(pull);
 }
 
 double FitSteps::strain(const Adapting& shape) const {
-  return strain_share(*reference_.topology, template_placed(shape), shape.mesh.points);
+  return strain_share(*template_.topology, template_placed(shape), shape.mesh.points);
 }
 
 double FitSteps::most_off_mm(double left_mm2) const {
@@ -110,17 +110,17 @@ double FitSteps::most_off_mm(double left_mm2) const {
 }
 
 Points FitSteps::unplaced(const Points& shape) const {
-  return nearest_similarity(shape, reference_.points, {}).apply(shape);
+  return nearest_similarity(shape, template_.points, {}).apply(shape);
 }
 
 Points FitSteps::template_placed(const Adapting& shape) const {
-  return nearest_similarity(reference_.points, shape.mesh.points, shape.placement).apply(reference_.points);
+  return nearest_similarity(template_.points, shape.mesh.points, shape.placement).apply(template_.points);
 }
 
 /// Smooths the reference that the annealing keeps to. A deep fold that the case does not have would stay behind:
 /// its walls face each other, and neither finds the boundary. The folds that a case has come from its boundary.
 Result<Points> FitSteps::eased(const Points& reference) {
-  const double edge_mm = mean_edge_mm(*reference_.topology, reference);
+  const double edge_mm = mean_edge_mm(*template_.topology, reference);
   const double stiffness = stiffness_from_length(easing_edges * edge_mm, edge_mm);
   const VertexScalars even = VertexScalars::Constant(reference.rows(), stiffness);
   if (auto ready = solver_.factorise(even); !ready) return fail(ready.error());

@@ -68,7 +68,7 @@ class FitSteps {
   Result<Points> eased(const Points& reference);
   Force with_landmarks(TargetPull pull, const Mesh& mesh) const;
 
-  const Template& reference_;
+  const Template& template_;
   Target& target_;
   const FitOptions& options_;
   Show show_;

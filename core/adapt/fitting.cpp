@@ -14,6 +14,7 @@
 #include "core/adapt/untangle.h"
 #include "core/base/statistics.h"
 #include "core/deform/fold_guard.h"
+#include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/placement/similarity_fit.h"
 
@@ -34,7 +35,7 @@ std::vector<std::int32_t> either(const std::vector<std::int32_t>& a, const std::
 }  // namespace
 
 Fitting::Fitting(const Template& the_template, const Boundary& boundary, const FitOptions& options)
-    : reference_(the_template),
+    : template_(the_template),
       boundary_(boundary),
       options_(options),
       round_(roundness({the_template.topology, the_template.points})),
@@ -50,21 +51,21 @@ Result<void> Fitting::to_boundary(std::vector<Points> about_right) {
 }
 
 Points Fitting::form_placed() const {
-  return nearest_similarity(reference_.points, shape_.mesh.points, shape_.placement).apply(reference_.points);
+  return nearest_similarity(template_.points, shape_.mesh.points, shape_.placement).apply(template_.points);
 }
 
 FitResult Fitting::finish() {
   Mesh& mesh = shape_.mesh;
   FitResult result;
-  result.placement = nearest_similarity(reference_.points, mesh.points, shape_.placement);
+  result.placement = nearest_similarity(template_.points, mesh.points, shape_.placement);
   result.turned_triangles =
-      turned_triangles(*mesh.topology, result.placement.apply(reference_.points), mesh.points).size();
+      turned_triangles(*mesh.topology, result.placement.apply(template_.points), mesh.points).size();
   result.self_intersections = self_intersections(mesh).size();
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
     if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
   result.outliers = lacking_;
-  result.landmarks = carried_landmarks(reference_, mesh.points);
-  result.believed = believed_landmarks(reference_, options_.landmarks, placed_.trust);
+  result.landmarks = carried_landmarks(template_, mesh.points);
+  result.believed = believed_landmarks(template_, options_.landmarks, placed_.trust);
   result.landmarks_used = result.believed.size();
   result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
   if (options_.rough) {
@@ -74,7 +75,7 @@ FitResult Fitting::finish() {
   const bool told = result.landmarks_place || options_.allowed;
   VertexScalars spread = spread_mm2();
   const bool axes_count = options_.orientation == Orientation::patient && !options_.placement;
-  if (const auto other = other_lie(reference_, boundary_, options_.orientation, axes_count, options_.partial)) {
+  if (const auto other = other_lie(template_, boundary_, options_.orientation, axes_count, options_.partial)) {
     result.half_turned = other->half_turned;
     result.mirrored = !other->half_turned;
     spread += (other->points - mesh.points).rowwise().squaredNorm();
@@ -95,13 +96,13 @@ Result<FitResult> Fitting::among_allowed(std::vector<std::int32_t> lacking) {
     return steps_.force(mesh, placed_.placement, share);
   };
   const auto after_step = [this](double share) { return show(shape_.mesh.points, 0.1 + 0.4 * share); };
-  const auto found = fit_allowed(*options_.allowed, reference_.topology, placed_.placement, forces, after_step);
+  const auto found = fit_allowed(*options_.allowed, template_.topology, placed_.placement, forces, after_step);
   if (!found) return fail(found.error());
   shape_.mesh.points = found->points;
   shape_.placement = found->placement;
   shape_.rest = found->shape;
   shape_.refit();
-  if (options_.partial) lacking_ = either(lacking_, beyond_noise({reference_.topology, found->points}));
+  if (options_.partial) lacking_ = either(lacking_, beyond_noise({template_.topology, found->points}));
   const double beyond = options_.allowed->beyond;
   if (beyond > 0) {
     if (auto done = steps_.anneal_to_target(shape_, from_placement); !done) return fail(done.error());
@@ -144,7 +145,7 @@ void Fitting::keep_where_lacking(const Points& likely) {
     const VertexScalars before = kept;
     for (Eigen::Index i = 0; i < kept.size(); ++i) {
       double sum = before[i], count = 1;
-      for (const std::int32_t j : reference_.topology->one_ring(i)) sum += before[j], ++count;
+      for (const std::int32_t j : template_.topology->one_ring(i)) sum += before[j], ++count;
       kept[i] = std::max(all[i], sum / count);
     }
   }
@@ -153,29 +154,29 @@ void Fitting::keep_where_lacking(const Points& likely) {
 }
 
 Result<void> Fitting::place() {
-  auto placed = place_template(reference_, boundary_, options_);
+  auto placed = place_template(template_, boundary_, options_);
   if (!placed) return fail(placed.error());
   placed_ = std::move(*placed);
   shape_.placement = placed_.placement;
   steps_.trust(placed_.trust);
   if (options_.allowed) {
-    shape_.mesh = {reference_.topology, placed_.points};
+    shape_.mesh = {template_.topology, placed_.points};
     return show(placed_.points, 0.1);
   }
   // Vertices stick where they are nearest, so a rim that lies far off has to be near before they are drawn.
-  const KnownMatches known = whole() ? with_rims(placed_.landmarks, {reference_.topology, placed_.points},
-                                                 RimsLie::near, placed_.points, boundary_, target_)
+  const KnownMatches known = whole() ? with_rims(placed_.landmarks, {template_.topology, placed_.points}, RimsLie::near,
+                                                 placed_.points, boundary_, target_)
                                      : placed_.landmarks;
-  shape_.mesh = {reference_.topology,
-                 warp_to_boundary(reference_.topology, placed_.points, known, whole() ? round_ : 0, target_)};
+  shape_.mesh = {template_.topology,
+                 warp_to_boundary(template_.topology, placed_.points, known, whole() ? round_ : 0, target_)};
   if (!shape_.mesh.points.allFinite() || !(placed_.placement.scale > 0))
     return fail("", "the template cannot be placed on the surface: one of them is flat or has no size; check both");
   return show(shape_.mesh.points, 0);
 }
 
 Result<void> Fitting::adapt_to_parts() {
-  PartialWays ways(reference_, boundary_, target_, steps_,
-                   [this](const Points& points) { return placed_.known_on(*reference_.topology, points); });
+  PartialWays ways(template_, boundary_, target_, steps_,
+                   [this](const Points& points) { return placed_.known_on(*template_.topology, points); });
   parts_ = {0, 2 + about_right_.size()};
   const auto next = [this](Result<void> done) {
     ++parts_.done;
@@ -193,7 +194,7 @@ Result<void> Fitting::adapt_to_parts() {
   ways_.push_back(*closest);
   lacking_ = best.missing;
   shape_ = closest->shape;
-  shape_.rest = reference_.points;
+  shape_.rest = template_.points;
   if (lacking_.empty()) return {};
   keep_where_lacking(best.way.shape.mesh.points);
   untangle(shape_.mesh, shape_.placed, shape_.factors);
@@ -201,7 +202,7 @@ Result<void> Fitting::adapt_to_parts() {
 }
 
 Result<void> Fitting::adapt_to_whole() {
-  WholeWays ways(reference_, boundary_, target_, steps_, placed_, round_, parts_);
+  WholeWays ways(template_, boundary_, target_, steps_, placed_, round_, parts_);
   const bool match = (whole() || matches_beyond_cuts_) && !options_.rough;
   if (auto done = ways.go(shape_.mesh.points, match); !done) return done;
   auto kept = ways.kept();

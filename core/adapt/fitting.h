@@ -56,7 +56,7 @@ class Fitting {
   /// `done`: of the part of the work that is under way.
   Result<void> show(const Points& points, double done);
 
-  const Template& reference_;
+  const Template& template_;
   const Boundary& boundary_;
   const FitOptions& options_;
   double round_;       ///< the organ, as its template tells: 0 … 1

@@ -45,7 +45,7 @@ double unexplained_mm2(const Boundary& boundary, const Mesh& mesh) {
 
 PartialWays::PartialWays(const Template& the_template, const Boundary& boundary, SurfaceTarget& target, FitSteps& steps,
                          KnownOn known)
-    : reference_(the_template),
+    : template_(the_template),
       boundary_(boundary),
       target_(target),
       steps_(steps),
@@ -55,7 +55,7 @@ PartialWays::PartialWays(const Template& the_template, const Boundary& boundary,
 Result<void> PartialWays::add(Result<Adapted> way) {
   if (!way) return fail(way.error());
   std::vector<std::int32_t> missing = target_.missing(way->shape.mesh);
-  const double there = 1 - static_cast<double>(missing.size()) / static_cast<double>(reference_.points.rows());
+  const double there = 1 - static_cast<double>(missing.size()) / static_cast<double>(template_.points.rows());
   const double energy = way->strain / std::max(there, least_there) +
                         unexplained_counts * unexplained_mm2(boundary_, way->shape.mesh) / area_mm2_;
   const auto worse =
@@ -66,24 +66,24 @@ Result<void> PartialWays::add(Result<Adapted> way) {
 
 Result<void> PartialWays::from_placement(const Points& start, const Similarity& placement) {
   const auto from = [&](const Points& points, const Similarity& placed) {
-    return add(steps_.adapt(points, placed, reference_.points, from_placement_of_parts));
+    return add(steps_.adapt(points, placed, template_.points, from_placement_of_parts));
   };
   if (auto done = from(start, placement); !done) return done;
   const PartialWay& first = tried_.front();
-  VertexScalars missing = VertexScalars::Zero(reference_.points.rows());
+  VertexScalars missing = VertexScalars::Zero(template_.points.rows());
   for (const std::int32_t i : first.missing) missing[i] = 1;
   for (const Similarity& other : placements_towards(placement, first.way.shape.mesh.points, missing))
-    if (auto done = from(other.apply(reference_.points), other); !done) return done;
+    if (auto done = from(other.apply(template_.points), other); !done) return done;
   return {};
 }
 
 Result<void> PartialWays::from_mesh(const Points& mesh) {
   // What lacks may have been drawn into what is there, and would not find out of it.
   Points points = mesh;
-  const std::vector<std::int32_t> missing = target_.missing({reference_.topology, mesh});
+  const std::vector<std::int32_t> missing = target_.missing({template_.topology, mesh});
   const Similarity placement = placement_of_rest(mesh, missing);
-  for (const std::int32_t i : missing) points.row(i) = placement.apply(Points(reference_.points.row(i)));
-  return add(steps_.adapt(points, placement, reference_.points, from_mesh_of_parts));
+  for (const std::int32_t i : missing) points.row(i) = placement.apply(Points(template_.points.row(i)));
+  return add(steps_.adapt(points, placement, template_.points, from_mesh_of_parts));
 }
 
 Similarity PartialWays::placement_of_rest(const Points& mesh, const std::vector<std::int32_t>& missing) const {
@@ -95,15 +95,15 @@ Similarity PartialWays::placement_of_rest(const Points& mesh, const std::vector<
     else
       there.push_back(i);
   }
-  return nearest_similarity(Points(reference_.points(there, Eigen::all)), Points(mesh(there, Eigen::all)),
-                            nearest_similarity(reference_.points, mesh, {}));
+  return nearest_similarity(Points(template_.points(there, Eigen::all)), Points(mesh(there, Eigen::all)),
+                            nearest_similarity(template_.points, mesh, {}));
 }
 
 Points PartialWays::matched() const {
   const PartialWay& best = tried_.front();
-  const Mesh placed{reference_.topology,
-                    placement_of_rest(best.way.shape.mesh.points, best.missing).apply(reference_.points)};
-  return CoherentMatch(reference_.points, placed, boundary_.surface).match(close_match, known_(placed.points)).forth;
+  const Mesh placed{template_.topology,
+                    placement_of_rest(best.way.shape.mesh.points, best.missing).apply(template_.points)};
+  return CoherentMatch(template_.points, placed, boundary_.surface).match(close_match, known_(placed.points)).forth;
 }
 
 Result<void> PartialWays::from_match() {
@@ -114,7 +114,7 @@ Result<void> PartialWays::from_match() {
 Result<Adapted> PartialWays::closest() {
   const Points points = matched();
   if (!points.allFinite()) return tried_.front().way;
-  return steps_.adapt(points, nearest_similarity(reference_.points, points, {}), steps_.unplaced(points),
+  return steps_.adapt(points, nearest_similarity(template_.points, points, {}), steps_.unplaced(points),
                       from_own_match);
 }
 

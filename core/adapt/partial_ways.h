@@ -51,7 +51,7 @@ class PartialWays {
   /// Of the template, by what is not missing of a mesh.
   Similarity placement_of_rest(const Points& mesh, const std::vector<std::int32_t>& missing) const;
 
-  const Template& reference_;
+  const Template& template_;
   const Boundary& boundary_;
   SurfaceTarget& target_;
   FitSteps& steps_;

@@ -65,7 +65,7 @@ KnownMatches with_rims(KnownMatches known, const Mesh& mesh, RimsLie rims_lie, c
 
 WholeWays::WholeWays(const Template& the_template, const Boundary& boundary, Target& target, FitSteps& steps,
                      const PlacedTemplate& placed, double roundness, PartsOfWork& parts)
-    : reference_(the_template),
+    : template_(the_template),
       boundary_(boundary),
       target_(target),
       steps_(steps),
@@ -125,9 +125,9 @@ Result<Adapting> WholeWays::kept() {
 std::vector<WholeWays::Start> WholeWays::starts(const Points& start, bool match) const {
   std::vector<Start> all{{start}};
   if (!match) return all;
-  const KnownMatches known = with_rims(placed_.known_on(*reference_.topology, start), {reference_.topology, start},
+  const KnownMatches known = with_rims(placed_.known_on(*template_.topology, start), {template_.topology, start},
                                        RimsLie::near, start, boundary_, target_);
-  const CoherentMatch coherent(reference_.points, {reference_.topology, start}, boundary_.surface);
+  const CoherentMatch coherent(template_.points, {template_.topology, start}, boundary_.surface);
   // A template without extent in some direction has no smooth displacement.
   const auto add = [&](Points points) {
     if (points.allFinite()) all.push_back({std::move(points), true});
@@ -147,14 +147,13 @@ std::vector<WholeWays::Start> WholeWays::starts(const Points& start, bool match)
 Result<Adapted> WholeWays::from(const Start& start) {
   // A match is its own reference: the template's proportions would draw it back off small features.
   const bool own_reference = start.matched || placed_.by_landmarks();
-  return steps_.adapt(start.points, placed_.placement,
-                      own_reference ? steps_.unplaced(start.points) : reference_.points,
+  return steps_.adapt(start.points, placed_.placement, own_reference ? steps_.unplaced(start.points) : template_.points,
                       start.matched ? from_match : from_placement);
 }
 
 double WholeWays::differs_smoothly() const {
-  const double edge_mm = spread_edge_mm(surface_area_mm2(boundary_.surface), reference_.points.rows()),
-               off = target_.off_mm2({reference_.topology, last_match_}) / std::pow(rounded_edges * edge_mm, 2);
+  const double edge_mm = spread_edge_mm(surface_area_mm2(boundary_.surface), template_.points.rows()),
+               off = target_.off_mm2({template_.topology, last_match_}) / std::pow(rounded_edges * edge_mm, 2);
   return std::clamp((most_unexplained - off) / (most_unexplained - 1), 0.0, 1.0);
 }
 
@@ -170,7 +169,7 @@ std::optional<Points> WholeWays::mean_way(double plain_counts) const {
   double least = std::numeric_limits<double>::infinity();
   for (const Adapted& way : ways_)
     if (counts(way) > 0) least = std::min(least, energy(way));
-  Points sum = Points::Zero(reference_.points.rows(), 3);
+  Points sum = Points::Zero(template_.points.rows(), 3);
   double weights = 0;
   for (const Adapted& way : ways_) {
     if (counts(way) == 0) continue;

@@ -56,7 +56,7 @@ class WholeWays {
   /// where no way counts.
   std::optional<Points> mean_way(double plain_counts) const;
 
-  const Template& reference_;
+  const Template& template_;
   const Boundary& boundary_;
   Target& target_;
   FitSteps& steps_;

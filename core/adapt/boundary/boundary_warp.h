@@ -5,7 +5,7 @@
 
 namespace homolog {
 
-/// A placed reference carried smoothly to a boundary and to landmarks: the displacement of space that is most likely
+/// A placed template carried smoothly to a boundary and to landmarks: the displacement of space that is most likely
 /// [Lüthi 2018, §4.1: Gaussian-process regression] given where landmarks belong and, at a few hundred vertices, how far
 /// away the boundary is along its normal; across the normal nothing is known. Between the observations this is smoother
 /// than Eq. 3 alone, whose forces say nothing along the surface. As far as it turns no triangle over. Below three

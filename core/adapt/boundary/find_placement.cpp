@@ -192,9 +192,9 @@ Placed likeliest(const Template& the_template, const ClosestPoints& closest, con
 /// find_placement; `rest`: the last step, as a share of the organ's size.
 Placed placed(const Template& the_template, const Boundary& boundary, const PlacementHints& hints, double rest) {
   const ClosestPoints closest(the_template, boundary, hints.partial || hints.cut_template);
-  const Mesh reference{the_template.topology, the_template.points};
-  const Moments from = moments_of(reference), to = moments_of(boundary.surface);
-  return likeliest(the_template, closest, hints.partial ? moments_of_parts(reference, from) : std::vector{from},
+  const Mesh own{the_template.topology, the_template.points};
+  const Moments from = moments_of(own), to = moments_of(boundary.surface);
+  return likeliest(the_template, closest, hints.partial ? moments_of_parts(own, from) : std::vector{from},
                    hints.cut_template ? moments_of_parts(boundary.surface, to) : std::vector{to}, hints, rest);
 }
 

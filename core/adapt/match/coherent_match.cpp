@@ -35,10 +35,10 @@ CoherentMatch::Sides CoherentMatch::sides_of(const Mesh& mesh, const Points& spr
   return sides;
 }
 
-CoherentMatch::CoherentMatch(const Points& reference, const Mesh& placed, const Mesh& surface)
+CoherentMatch::CoherentMatch(const Points& template_points, const Mesh& placed, const Mesh& surface)
     : placed_(placed.points),
-      nodes_(placed.points(spread_vertices(reference, nodes), Eigen::all)),
-      own_(sides_of(placed, reference)),
+      nodes_(placed.points(spread_vertices(template_points, nodes), Eigen::all)),
+      own_(sides_of(placed, template_points)),
       there_(sides_of(surface, surface.points)),
       centre_(placed.points.colwise().mean()),
       radius_mm_(std::sqrt((placed.points.rowwise() - centre_).rowwise().squaredNorm().mean())),

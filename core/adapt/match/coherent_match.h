@@ -31,9 +31,9 @@ inline constexpr MatchFreedom loose_match{.bend_share = 0.3, .together = 1, .fac
 /// All lengths are shares of the shapes' sizes. One thread, no random numbers.
 class CoherentMatch {
  public:
-  /// `reference`: n×3 in the template's own frame; it decides which of its vertices are sampled. `placed`: the template
-  /// under its similarity, LPS mm. `surface`: what it is matched with, outward oriented, LPS mm.
-  CoherentMatch(const Points& reference, const Mesh& placed, const Mesh& surface);
+  /// `template_points`: n×3 in the template's own frame; they decide which of its vertices are sampled. `placed`: the
+  /// template under its similarity, LPS mm. `surface`: what it is matched with, outward oriented, LPS mm.
+  CoherentMatch(const Points& template_points, const Mesh& placed, const Mesh& surface);
 
   /// The placed template displaced, n×3, LPS mm: by what takes it to the surface, and against what takes the surface to
   /// it.

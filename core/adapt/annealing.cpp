@@ -68,7 +68,7 @@ Result<void> solve(Adapting& shape, ShapeSolver& solver, double stiffness, Force
 
 }  // namespace
 
-void Adapting::refit() {
+void Adapting::place_anew() {
   placement = nearest_similarity(rest, mesh.points, placement);
   placed = placement.apply(rest);
 }
@@ -83,7 +83,7 @@ Result<void> anneal(Adapting& shape, ShapeSolver& solver, const Annealing& annea
     const double length_mm = first_mm * std::pow(last_mm / first_mm, share);
     const double stiffness = stiffness_from_length(length_mm, edge_mm);
     if (auto done = solve(shape, solver, stiffness, force(shape.mesh, share)); !done) return done;
-    shape.refit();
+    shape.place_anew();
     if (!after_step) continue;
     if (auto done = after_step(share); !done) return done;
   }

@@ -28,7 +28,7 @@ struct Adapting {
   std::vector<Pin> pins;           ///< on triangles of which not all corners are held: exactly met by every solve
 
   /// Lays the reference anew on the mesh as it is now.
-  void refit();
+  void place_anew();
 };
 
 /// How the stiffness falls: its length [stiffness_length_mm] goes from a share of the mesh's diagonal to
@@ -46,9 +46,9 @@ using ForceSource = std::function<Force(const Mesh& mesh, double share)>;
 using AfterStep = std::function<Result<void>(double share)>;
 
 /// Draws a mesh to what `force` looks for: solves Eq. 3 again and again [Erdt 2009, §2.2] while the stiffness falls.
-/// After each step the reference is refitted by a similarity. For each solve it is turned with the shape, one-ring by
-/// one-ring. A fit and a snap differ only in their force and in what follows. `solver`: of the mesh's topology; it is
-/// factorised anew, so its present factor is lost. Errors: those of `after_step`.
+/// After each step the reference is placed anew by a similarity. For each solve it is turned with the shape, one-ring
+/// by one-ring. A fit and a snap differ only in their force and in what follows. `solver`: of the mesh's topology; it
+/// is factorised anew, so its present factor is lost. Errors: those of `after_step`.
 Result<void> anneal(Adapting& shape, ShapeSolver& solver, const Annealing& annealing, const ForceSource& force,
                     const AfterStep& after_step = {});
 

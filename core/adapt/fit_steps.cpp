@@ -35,7 +35,7 @@ Result<Adapted> FitSteps::adapt(const Points& points, const Similarity& placemen
   auto smooth = eased(reference);
   if (!smooth) return fail(smooth.error());
   Adapting shape{{template_.topology, points}, std::move(*smooth), placement, {}, factors_, {}};
-  shape.refit();
+  shape.place_anew();
   if (auto done = anneal_to_target(shape, annealing); !done) return fail(done.error());
   shape.rest = reference;
   if (auto done = settle(shape); !done) return fail(done.error());
@@ -53,7 +53,7 @@ Result<void> FitSteps::settle(Adapting& shape) {
   Mesh& mesh = shape.mesh;
   if (auto ready = solver_.factorise(shape.factors); !ready) return ready;
   for (int step = 0; step < settling_steps; ++step) {
-    shape.refit();
+    shape.place_anew();
     const FoldGuard guard(*mesh.topology, shape.placed, mesh.points);
     const Points offset = tangential(mesh, relaxation_offset(*mesh.topology, solver_, shape.placed, mesh.points));
     const auto slid = [&](double share) { return Points(mesh.points + share * offset); };
@@ -61,7 +61,7 @@ Result<void> FitSteps::settle(Adapting& shape) {
     mesh.points = target_.nearest(mesh).targets;
     if (auto shown = show_(mesh.points, 0.8 + 0.1 * step / settling_steps); !shown) return shown;
   }
-  shape.refit();
+  shape.place_anew();
   // A match that is its own reference may have turned a triangle of the template. A model's shape has not.
   untangle(mesh, options_.allowed ? shape.placed : template_placed(shape), shape.factors);
   return show_(mesh.points, 0.95);

@@ -101,7 +101,7 @@ Result<FitResult> Fitting::among_allowed(std::vector<std::int32_t> lacking) {
   shape_.mesh.points = found->points;
   shape_.placement = found->placement;
   shape_.rest = found->shape;
-  shape_.refit();
+  shape_.place_anew();
   if (options_.partial) lacking_ = either(lacking_, beyond_noise({template_.topology, found->points}));
   const double beyond = options_.allowed->beyond;
   if (beyond > 0) {
@@ -110,7 +110,7 @@ Result<FitResult> Fitting::among_allowed(std::vector<std::int32_t> lacking) {
   }
   if (beyond < 1) {
     shape_.mesh.points = found->points + beyond * (shape_.mesh.points - found->points);
-    shape_.refit();
+    shape_.place_anew();
     if (beyond > 0) untangle(shape_.mesh, shape_.placed, shape_.factors);
   }
   if (beyond > 0 && !lacking_.empty()) {
@@ -150,7 +150,7 @@ void Fitting::keep_where_lacking(const Points& likely) {
     }
   }
   shape_.mesh.points += kept.asDiagonal() * (likely - shape_.mesh.points);
-  shape_.refit();
+  shape_.place_anew();
 }
 
 Result<void> Fitting::place() {

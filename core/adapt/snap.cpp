@@ -44,7 +44,7 @@ class Snapping {
                start.stiffness / start.stiffness.mean(),
                {},
                start.pins} {
-    if (start.rest.size() > 0) shape_.refit();
+    if (start.rest.size() > 0) shape_.place_anew();
     for (Eigen::Index i = 0; i < start.free.size(); ++i)
       if (!(start.free[i] > 0)) shape_.held.push_back(static_cast<std::int32_t>(i));
   }

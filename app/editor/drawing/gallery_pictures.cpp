@@ -82,7 +82,7 @@ Scene GalleryPictures::scene_of(const ModelsState& state, std::shared_ptr<const 
   return scene;
 }
 
-Framebuffer* GalleryPictures::fit(Drawn& drawn, const RectPx& rect, bool moving) {
+Framebuffer* GalleryPictures::framebuffer_for(Drawn& drawn, const RectPx& rect, bool moving) {
   const auto width = static_cast<int>(rect.width), height = static_cast<int>(rect.height);
   if (drawn.width != width || drawn.height != height) drawn = {nullptr, nullptr, width, height};
   auto& framebuffer = moving ? drawn.moving : drawn.still;
@@ -135,7 +135,7 @@ void GalleryPictures::draw_gallery(const ModelsState& state, const RectPx& rect,
 
 bool GalleryPictures::draw_cells(const ModelsState& state, const GalleryKey& key, const RectPx& rect, std::size_t first,
                                  std::size_t count, Renderer& renderer) {
-  Framebuffer* framebuffer = fit(gallery_, rect, key.moving);
+  Framebuffer* framebuffer = framebuffer_for(gallery_, rect, key.moving);
   if (framebuffer == nullptr) return false;
   framebuffer->bind();
   if (first == 0) {
@@ -179,7 +179,7 @@ void GalleryPictures::draw_model(const ModelsState& state, const RectPx& rect, f
   ModelKey key{key_of(state, {}, moving, scale), state.deviations, state.show_difference, state.compared};
   const bool fits = model_.width == static_cast<int>(rect.width) && model_.height == static_cast<int>(rect.height);
   if (fits && key == model_key_) return;
-  Framebuffer* framebuffer = fit(model_, rect, moving);
+  Framebuffer* framebuffer = framebuffer_for(model_, rect, moving);
   if (framebuffer == nullptr) return;
   const StudyModel& model = *state.model;
   const auto points = std::make_shared<const Points>(

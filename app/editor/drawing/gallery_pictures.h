@@ -59,7 +59,7 @@ class GalleryPictures {
   void prepare(const ModelsState& state);
   Scene scene_of(const ModelsState& state, std::shared_ptr<const Points> points, bool glyphs) const;
   /// The framebuffer for a picture of that size; null where it could not be made.
-  Framebuffer* fit(Drawn& drawn, const RectPx& rect, bool moving);
+  Framebuffer* framebuffer_for(Drawn& drawn, const RectPx& rect, bool moving);
   void draw_gallery(const ModelsState& state, const RectPx& rect, float scale, Renderer& renderer);
   /// Draws cells from `first` on into the framebuffer for the key; false where there is none.
   bool draw_cells(const ModelsState& state, const GalleryKey& key, const RectPx& rect, std::size_t first,

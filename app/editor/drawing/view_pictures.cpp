@@ -13,7 +13,7 @@ Result<ViewPictures> ViewPictures::make() {
   return ViewPictures(std::move(*renderer));
 }
 
-bool ViewPictures::fit(Drawn& drawn, const Target& target, int samples) {
+bool ViewPictures::make_room(Drawn& drawn, const Target& target, int samples) {
   if (drawn.framebuffer && drawn.width == target.width && drawn.height == target.height) return true;
   drawn = {};
   auto framebuffer = Framebuffer::make(target.width, target.height, samples);
@@ -49,7 +49,7 @@ void ViewPictures::forget() {
 
 const Framebuffer* ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target) {
   DrawnSlice& drawn = slices_[index_of(kind)];
-  if (!fit(drawn.below, target, 1) || !fit(drawn.whole, target, 1)) return nullptr;
+  if (!make_room(drawn.below, target, 1) || !make_room(drawn.whole, target, 1)) return nullptr;
   // What stays while a mesh is dragged lies below: the image, and all meshes but the last, which is the active one.
   Scene below, over = scene;
   below.image = std::exchange(over.image, {});
@@ -87,7 +87,7 @@ const FaintLayer* ViewPictures::faint_of(const Scene& scene, const Camera3D& cam
 
 const Framebuffer* ViewPictures::space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving) {
   Drawn& drawn = moving ? moving_space_ : still_space_;
-  if (!fit(drawn, target, moving ? 1 : 4)) return nullptr;
+  if (!make_room(drawn, target, moving ? 1 : 4)) return nullptr;
   const bool current = drawn.content_scale == target.content_scale && drawn.camera == camera && drawn.scene == scene;
   if (current) return drawn.framebuffer.get();
   // Dozens of meshes that are seen through take most of the time, and stay while one is dragged.

@@ -49,8 +49,8 @@ class ViewPictures {
     Camera3D camera;
   };
   explicit ViewPictures(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
-  /// False where the framebuffer could not be made.
-  bool fit(Drawn& drawn, const Target& target, int samples);
+  /// Makes the framebuffer of that size, where it is not there. False where it could not be made.
+  bool make_room(Drawn& drawn, const Target& target, int samples);
   /// Draws `scene` where `drawn` shows another one, over `below` where given. True where it did.
   bool draw_slice(Drawn& drawn, const Scene& scene, const SliceView& view, const Target& target,
                   const Framebuffer* below);

@@ -92,7 +92,7 @@ void Drawing::draw(int width_px, int height_px, double frames_per_second) {
   if (light_ != state_.preferences.light) set_scale(scale_);
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
                         {state_.look.maximised, state_.preferences.panel_open, state_.models.shown});
-  if (!state_.models.shown && std::exchange(state_.look.fit_views_wanted, false)) {
+  if (!state_.models.shown && std::exchange(state_.look.show_all_wanted, false)) {
     show_all(state_, shown_.document(), layout_);
     if (const auto frame = Models::show_repair(state_, shown_.snapshot())) out_.send(ShowFrame{*frame});
   }

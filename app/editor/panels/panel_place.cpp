@@ -225,11 +225,11 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
              ui.shown().shape.landmarks.empty() ? "No landmark is placed yet." : "", half))
     ask(FilePurpose::export_landmarks, case_name(ui.snapshot().file, ui.document()) + "-landmarks.mrk.json");
   caption(theme, "How landmarks move the template");
-  int fit = static_cast<int>(ui.structure()->landmarks.pull);
-  if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,
+  int pull = static_cast<int>(ui.structure()->landmarks.pull);
+  if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, pull,
              {"Landmarks do not move the template", "Landmarks move, turn and scale the template",
               "As Similarity. With four landmarks or more, the template is also warped smoothly to them"}))
-    out.apply(SetLandmarkPull{static_cast<LandmarkPull>(fit)});
+    out.apply(SetLandmarkPull{static_cast<LandmarkPull>(pull)});
 }
 
 }  // namespace

@@ -203,7 +203,7 @@ struct Look {
   Camera3D camera;
   bool own_planes = false;
   std::optional<ViewKind> maximised;
-  bool fit_views_wanted = true;  ///< once it is known how large they are
+  bool show_all_wanted = true;  ///< in the views, once it is known how large they are
 
   double window_low = 0, window_high = 1;
   double label_opacity = 0.4;

@@ -28,7 +28,7 @@ struct Shafts {
   Adapting slid() const {
     Adapting shape{{own.topology, shapes::slid_along(there, Vec3(0, 0, 2.5))}, own.points, {}, {}, {}, {}};
     shape.factors = VertexScalars::Ones(own.points.rows());
-    shape.refit();
+    shape.place_anew();
     return shape;
   }
 };

@@ -212,8 +212,8 @@ void start_session(Editing& editing, EditSession session) {
     bring_into_view(state, document);
   }
   const Layout& layout = editing.layout;
-  state.look.fit_views_wanted = layout.scale <= 0 || layout.status_line.width <= 0 || layout.models.width > 0;
-  if (!state.look.fit_views_wanted) show_repair(editing);
+  state.look.show_all_wanted = layout.scale <= 0 || layout.status_line.width <= 0 || layout.models.width > 0;
+  if (!state.look.show_all_wanted) show_repair(editing);
   remember_case(state, shown.snapshot());
   for (const std::string& sentence : told(refused)) add_notice(state, "In the case before: " + sentence);
   if (document.scan.image != (before ? before->scan.image : nullptr)) editing.pictures.forget();

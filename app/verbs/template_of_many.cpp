@@ -63,14 +63,13 @@ Result<CohortRead> read_cohort(const TemplateJob& options, const std::vector<fs:
   if (!options.closing_mm)
     if (auto chosen = choose_closing_of(options, subject_paths(files), all, progress); !chosen)
       return fail(chosen.error());
-  auto read = read_subjects({files,
-                             {},
-                             options.label,
-                             options.frame,
-                             options.level,
-                             all.cohort.closing_mm,
-                             options.vertices,
-                             options.flip_mirrored},
+  auto read = read_subjects({.files = files,
+                             .label = options.label,
+                             .frame = options.frame,
+                             .level = options.level,
+                             .closing_mm = all.cohort.closing_mm,
+                             .vertices = options.vertices,
+                             .flip_mirrored = options.flip_mirrored},
                             progress);
   if (!read) return fail(read.error());
   all.read = std::move(*read);

@@ -34,7 +34,8 @@ Result<Adapted> FitSteps::adapt(const Points& points, const Similarity& placemen
                                 const Annealing& annealing) {
   auto smooth = eased(reference);
   if (!smooth) return fail(smooth.error());
-  Adapting shape{{template_.topology, points}, std::move(*smooth), placement, {}, factors_, {}};
+  Adapting shape{
+      .mesh = {template_.topology, points}, .rest = std::move(*smooth), .placement = placement, .factors = factors_};
   shape.place_anew();
   if (auto done = anneal_to_target(shape, annealing); !done) return fail(done.error());
   shape.rest = reference;

@@ -37,13 +37,11 @@ class Snapping {
         start_(start),
         options_(options),
         target_(image, frame, start.mesh, options.edges, start.pins),
-        shape_{start.mesh,
-               start.rest.size() > 0 ? start.rest : start.mesh.points,
-               {},
-               start.mesh.points,
-               start.stiffness / start.stiffness.mean(),
-               {},
-               start.pins} {
+        shape_{.mesh = start.mesh,
+               .rest = start.rest.size() > 0 ? start.rest : start.mesh.points,
+               .placed = start.mesh.points,
+               .factors = start.stiffness / start.stiffness.mean(),
+               .pins = start.pins} {
     if (start.rest.size() > 0) shape_.place_anew();
     for (Eigen::Index i = 0; i < start.free.size(); ++i)
       if (!(start.free[i] > 0)) shape_.held.push_back(static_cast<std::int32_t>(i));

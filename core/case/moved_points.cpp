@@ -38,9 +38,13 @@ std::optional<MovePoints> moves_of(const Points& before, const SetPoints& edit) 
     moves[static_cast<std::size_t>(k)] =
         move_of(static_cast<std::int64_t>(std::nearbyint(from)), static_cast<std::int64_t>(to));
   }
-  return MovePoints{edit.by,       edit.placement, std::make_shared<const std::vector<std::uint32_t>>(std::move(moves)),
-                    edit.of_frame, edit.doubt,     edit.doubt_mm,
-                    edit.outlier};
+  return MovePoints{.by = edit.by,
+                    .placement = edit.placement,
+                    .moves = std::make_shared<const std::vector<std::uint32_t>>(std::move(moves)),
+                    .of_frame = edit.of_frame,
+                    .doubt = edit.doubt,
+                    .doubt_mm = edit.doubt_mm,
+                    .outlier = edit.outlier};
 }
 
 Result<SetPoints> points_of(const Points& before, const MovePoints& edit) {
@@ -52,9 +56,13 @@ Result<SetPoints> points_of(const Points& before, const MovePoints& edit) {
   for (Eigen::Index k = 0; k < points.size(); ++k)
     if (const std::uint32_t move = (*edit.moves)[static_cast<std::size_t>(k)]; move != 0)
       points.data()[k] = moved(points.data()[k], move);
-  return SetPoints{edit.by,       edit.placement, std::make_shared<const Points>(std::move(points)),
-                   edit.of_frame, edit.doubt,     edit.doubt_mm,
-                   edit.outlier};
+  return SetPoints{.by = edit.by,
+                   .placement = edit.placement,
+                   .points = std::make_shared<const Points>(std::move(points)),
+                   .of_frame = edit.of_frame,
+                   .doubt = edit.doubt,
+                   .doubt_mm = edit.doubt_mm,
+                   .outlier = edit.outlier};
 }
 
 }  // namespace homolog

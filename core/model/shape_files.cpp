@@ -207,8 +207,14 @@ Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& file
     for (const StudyCase& one : read->study.cases) {
       if (one.waits() || !(group.empty() || one.group == group)) continue;
       const bool done = one.state == CaseState::done;
-      sources.push_back({one.file, one.frame, one.flipped, done ? std::string() : one.doubt, one.group, done,
-                         one.structure, one.name});
+      sources.push_back({.file = one.file,
+                         .frame = one.frame,
+                         .flipped = one.flipped,
+                         .doubt = done ? std::string() : one.doubt,
+                         .group = one.group,
+                         .done = done,
+                         .structure = one.structure,
+                         .study_case = one.name});
     }
     if (sources.size() > before) continue;
     if (std::any_of(read->study.cases.begin(), read->study.cases.end(),

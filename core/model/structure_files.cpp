@@ -142,8 +142,14 @@ class Finder {
       const bool is_whole = one.structure.empty();  // else it is named after its structure too
       const std::string name = is_whole || frames[one.file].size() > 1 ? one.name : file_stem(one.file);
       const bool done = one.state == CaseState::done;
-      if (auto added = add_case(name, {one.file, one.frame, one.flipped, done ? std::string() : one.doubt, one.group,
-                                       done, one.structure, one.name});
+      if (auto added = add_case(name, {.file = one.file,
+                                       .frame = one.frame,
+                                       .flipped = one.flipped,
+                                       .doubt = done ? std::string() : one.doubt,
+                                       .group = one.group,
+                                       .done = done,
+                                       .structure = one.structure,
+                                       .study_case = one.name});
           !added)
         return added;
     }

@@ -199,9 +199,16 @@ LinearTest test_terms(const Design& design, const Eigen::MatrixXd& responses, co
     const auto as_large = std::count_if(permuted.begin(), permuted.end(),
                                         [&](const Found& one) { return is_as_large(one.statistic, found.statistic); });
     const double ss = tester.ss();
-    test.terms.push_back({term.name, term.count, ss, ss / test.total_ss, ss / (ss + test.residual_ss), found.f,
-                          deviations_above(found.f, permuted), p_of(as_large, permutations.rows()), tester.sided(),
-                          tester.change()});
+    test.terms.push_back({.name = term.name,
+                          .df = term.count,
+                          .ss = ss,
+                          .r2 = ss / test.total_ss,
+                          .partial_r2 = ss / (ss + test.residual_ss),
+                          .f = found.f,
+                          .z = deviations_above(found.f, permuted),
+                          .p = p_of(as_large, permutations.rows()),
+                          .sided = tester.sided(),
+                          .change = tester.change()});
     add_pairs(term, tester, found, permuted, test);
   }
   return test;

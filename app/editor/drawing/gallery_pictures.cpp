@@ -33,15 +33,15 @@ Rgb difference_colour(double share) {
 
 GalleryPictures::GalleryKey GalleryPictures::key_of(const ModelsState& state, const GalleryGrid& grid, bool moving,
                                                     float scale) const {
-  return {state.model,
-          state.camera,
-          state.focused,
-          state.glyphs,
-          moving,
-          state.focused ? *state.pinned : -1,
-          state.glyph_spacing_mm,
-          grid,
-          scale};
+  return {.model = state.model,
+          .camera = state.camera,
+          .focused = state.focused,
+          .glyphs = state.glyphs,
+          .moving = moving,
+          .pinned = state.focused ? *state.pinned : -1,
+          .glyph_spacing_mm = state.glyph_spacing_mm,
+          .grid = grid,
+          .scale = scale};
 }
 
 void GalleryPictures::prepare(const ModelsState& state) {

@@ -277,15 +277,16 @@ SceneBuilder::Input Drawing::scene_input(const EditorState& state) const {
   static const std::optional<EditReport> none;
   const Document& document = shown_.document();
   const bool is_of_active = document.structure(shown_.snapshot().preview_of) == active_structure(state, document);
-  return {state,
-          shown_.displayed(),
-          is_of_active ? shown_.snapshot().preview : none,
-          shown_.labels_here(),
-          shown_making(state, work_),
-          shown_.mesh().outlines(),
-          state.preferences.show.label_surface && shown_.labels().volume ? work_.label_surfaces.shown() : nullptr,
-          work_.label_surfaces.label(),
-          shown_.labels().colours};
+  const bool shows_label = state.preferences.show.label_surface && shown_.labels().volume;
+  return {.state = state,
+          .document = shown_.displayed(),
+          .preview = is_of_active ? shown_.snapshot().preview : none,
+          .labels = shown_.labels_here(),
+          .making = shown_making(state, work_),
+          .outlines = shown_.mesh().outlines(),
+          .label_surface = shows_label ? work_.label_surfaces.shown() : nullptr,
+          .label = work_.label_surfaces.label(),
+          .label_colours = shown_.labels().colours};
 }
 
 std::vector<RunningWork> Drawing::running_work() const {

@@ -102,14 +102,14 @@ struct Editing {
   CommandLog& log;
 
   ControlsContext controls() const {
-    return {layout,
-            shown.document(),
-            shown.mesh(),
-            shown.snapshot().can_undo,
-            shown.snapshot().can_redo,
-            shown.snapshot().file,
-            work.fitter.busy() || work.propagator.busy() || work.set_fitter.busy() || work.contour_fits.busy(),
-            state.look.structure};
+    return {.layout = layout,
+            .document = shown.document(),
+            .mesh = shown.mesh(),
+            .can_undo = shown.snapshot().can_undo,
+            .can_redo = shown.snapshot().can_redo,
+            .file = shown.snapshot().file,
+            .fits = work.fitter.busy() || work.propagator.busy() || work.set_fitter.busy() || work.contour_fits.busy(),
+            .structure = state.look.structure};
   }
   /// Does an edit of the case, or of the structure that is worked on. `joined`: see EditStep.
   void apply(Action action, bool joined = false) const;

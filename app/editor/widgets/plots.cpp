@@ -158,9 +158,26 @@ std::vector<double> axis_marks_between(double least, double most, int count) {
 std::vector<Plot> plots_of(const Evaluation& evaluation) {
   const std::optional<int> own = evaluation.modes.empty() ? std::nullopt : std::optional(evaluation.modes.front());
   const auto of = [&](const char* name) { return *evaluation.find(name); };
-  return {{"Compactness", "%", "share of the variance, %", of("compactness"), 100, 1, 100, own},
-          {"Generalisation", "mm", "RMS to unseen shapes, mm", of("generalization_rms"), 1, 3, {}, own},
-          {"Specificity", "mm", "RMS to the nearest shape, mm", of("specificity_rms"), 1, 3, {}, own}};
+  return {{.title = "Compactness",
+           .unit = "%",
+           .axis = "share of the variance, %",
+           .measures = of("compactness"),
+           .factor = 100,
+           .decimals = 1,
+           .whole = 100,
+           .mark_modes = own},
+          {.title = "Generalisation",
+           .unit = "mm",
+           .axis = "RMS to unseen shapes, mm",
+           .measures = of("generalization_rms"),
+           .decimals = 3,
+           .mark_modes = own},
+          {.title = "Specificity",
+           .unit = "mm",
+           .axis = "RMS to the nearest shape, mm",
+           .measures = of("specificity_rms"),
+           .decimals = 3,
+           .mark_modes = own}};
 }
 
 void draw_plot(ImDrawList& draw, const Theme& theme, const RectPx& rect, const Plot& plot,

@@ -107,8 +107,10 @@ class ContourFitting {
   /// Draws a mesh that lies about right onto the curves, and to `other` where there are none [Erdt 2009, Eq. 3]. What
   /// it keeps to is the mesh as it begins.
   Result<Mesh> draw(const Points& from, Target* other) {
-    Adapting shape{
-        {template_.topology, from}, from, {}, from, template_.stiffness / template_.stiffness.mean(), {}, {}};
+    Adapting shape{.mesh = {template_.topology, from},
+                   .rest = from,
+                   .placed = from,
+                   .factors = template_.stiffness / template_.stiffness.mean()};
     ShapeSolver solver(template_.topology);
     const auto force = [&](const Mesh& mesh, double share) {
       TargetPull pull = target_.pull(mesh, share);

@@ -118,16 +118,16 @@ const ActionKind<Stroke>& action_kind(const Stroke&) {
 StrokeStart stroke_start(const Document& document, const ShapeView& shown) {
   const Shape& shape = shown.shape;
   const Paint& paint = shown.paint();
-  return {shown.the_template().topology,
-          shape.placed,
-          shape.reference,
-          shape.points,
-          paint.stiffness,
-          paint.base,
-          shape.confirmed,
-          document.scheme,
-          document.paper_events,
-          document.even_spacing};
+  return {.topology = shown.the_template().topology,
+          .placed = shape.placed,
+          .reference = shape.reference,
+          .points = shape.points,
+          .stiffness = paint.stiffness,
+          .stiffness_base = paint.base,
+          .confirmed = shape.confirmed,
+          .scheme = document.scheme,
+          .paper_events = document.paper_events,
+          .even_spacing = document.even_spacing};
 }
 
 }  // namespace homolog

@@ -12,9 +12,14 @@ namespace {
 
 /// The description length over the rounds, as it comes; always of the same height.
 void draw_bits(const Theme& theme, const StudyOptimisation& optimisation) {
-  Plot plot{"Description length", "bits", "bits over rounds", {}, 1, 2, {}, {}, "rounds", 0};
-  plot.room = static_cast<std::size_t>(GroupwiseOptions().rounds) + 1;
-  plot.from_zero = plot.has_errors = false;
+  Plot plot{.title = "Description length",
+            .unit = "bits",
+            .axis = "bits over rounds",
+            .over = "rounds",
+            .first = 0,
+            .room = static_cast<std::size_t>(GroupwiseOptions().rounds) + 1,
+            .from_zero = false,
+            .has_errors = false};
   for (const double bits : optimisation.bits) plot.measures.push_back({bits, 0});
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = theme.px(148);

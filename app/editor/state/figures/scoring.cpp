@@ -44,7 +44,7 @@ ScoredShape scored_shape(const std::shared_ptr<const ShapeModel>& model, const D
                          const std::string& structure, bool flipped) {
   const ShapeView shown = *document.view(structure);
   const Points& own = *shown.shape.points;
-  ScoredShape scored{model, structure, shown.frame, shown.shape.points, nullptr, {}, nullptr};
+  ScoredShape scored{.model = model, .structure = structure, .frame = shown.frame, .points = shown.shape.points};
   const auto refuse = [&](std::string sentence) {
     scored.refusal = std::move(sentence);
     return scored;

@@ -24,13 +24,11 @@ bool begin_brush(const Press& press) {
   if (paints_regions(state) && press.shape()->paint().regions->list.empty())
     return press.hold({{}, "There is no region to paint yet. Add one first (Template, Regions)."});
   press.stay_at_frame();
-  state.pointer.drag = BrushDrag{hover.view,
-                                 press.event.x_px,
-                                 press.event.y_px,
-                                 0,
-                                 false,
-                                 press.event.alt,
-                                 press.event.seconds + double_click_seconds};
+  state.pointer.drag = BrushDrag{.view = hover.view,
+                                 .x_px = press.event.x_px,
+                                 .y_px = press.event.y_px,
+                                 .reversed = press.event.alt,
+                                 .waits_until = press.event.seconds + double_click_seconds};
   if (const auto dab = first_dab(state, press.context)) press.out.preview(dab);
   return true;
 }

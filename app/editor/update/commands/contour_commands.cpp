@@ -25,10 +25,6 @@ void AddContours::run(Editing& editing) const {
     if (roi.number == number) add_contours(editing, roi, *editing.structure(), false);
 }
 
-void CloseContours::run(EditorState& state) const {
-  state.automatic.offered = {};
-}
-
 void ShowContours::spell(Fields& line) {
   line.member("ids", ids);
   line.member("shown", shown);
@@ -39,14 +35,6 @@ void ShowContours::run(EditorState& state) const {
       state.look.hidden_contours.erase(id);
     else
       state.look.hidden_contours.insert(id);
-}
-
-void SetBetweenContours::spell(Fields& line) {
-  static constexpr std::array names{"shape", "image", "label"};
-  spell_choice(line, "between", names, between);
-}
-void SetBetweenContours::run(EditorState& state) const {
-  state.automatic.between_contours = between;
 }
 
 void FitContours::spell(Fields& line) {

@@ -30,23 +30,11 @@ struct AddContours {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
-/// Offers no file any more.
-struct CloseContours {
-  static constexpr const char* key = "close contours";
-  void run(EditorState& state) const;
-};
 /// Opens or closes eyes.
 struct ShowContours {
   static constexpr const char* key = "show contours";
   std::vector<std::string> ids;
   bool shown = true;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// What says where the boundary lies between the contours.
-struct SetBetweenContours {
-  static constexpr const char* key = "set between contours";
-  BetweenCurves between = BetweenCurves::shape;
   void spell(Fields& line);
   void run(EditorState& state) const;
 };

@@ -72,14 +72,6 @@ void ShowFileDialog::run(EditorState& state, const ControlsContext& context, Out
   state.dialog = std::move(dialog);
 }
 
-void ShowKeys::run(EditorState& state) const {
-  state.dialog = KeysDialog{};
-}
-
-void CloseDialog::run(EditorState& state) const {
-  state.dialog.reset();
-}
-
 void DismissNotice::spell(Fields& line) {
   line.member("index", index);
 }

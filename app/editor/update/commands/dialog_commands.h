@@ -24,18 +24,6 @@ struct ShowFileDialog {
   void spell(Fields& line);
   void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
 };
-/// The list of keys.
-struct ShowKeys {
-  static constexpr const char* key = "show keys";
-  static constexpr Logged logged = Logged::never;
-  void run(EditorState& state) const;
-};
-/// Closes whichever dialog is open.
-struct CloseDialog {
-  static constexpr const char* key = "close dialog";
-  static constexpr Logged logged = Logged::never;
-  void run(EditorState& state) const;
-};
 struct DismissNotice {
   static constexpr const char* key = "dismiss notice";
   std::size_t index = 0;

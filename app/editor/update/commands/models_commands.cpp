@@ -31,10 +31,6 @@ void PanGallery::run(EditorState& state) const {
   pan_gallery(state.models, right_px, down_px, side_px);
 }
 
-void LetGoOfGallery::run(EditorState& state) const {
-  state.models.turning = false;
-}
-
 void PinVertex::spell(Fields& line) {
   spell_value(line, "", place);
   line.member("focus", focus);

@@ -21,11 +21,6 @@ struct PanGallery {
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
-/// A turn or a pan ends.
-struct LetGoOfGallery {
-  static constexpr const char* key = "let go of gallery";
-  void run(EditorState& state) const;
-};
 /// Marks a vertex in all shapes; none: unmarks.
 struct PinVertex {
   static constexpr const char* key = "pin vertex";

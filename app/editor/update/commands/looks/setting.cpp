@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::array alignment_names{"similarity", "rigid", "none"};
 constexpr std::array column_names{"study", "name", "group", "state", "distance"};
+constexpr std::array between_names{"shape", "image", "label"};
 constexpr std::array paint_names{"factor", "region", "smooth", "fill"};
 constexpr std::array fill_names{"region", "curvature"};
 constexpr std::array study_picture_names{"gallery", "modes"};
@@ -52,6 +53,9 @@ void spell_value(Fields& line, const char* name, Alignment& value) {
 }
 void spell_value(Fields& line, const char* name, CaseColumn& value) {
   spell_choice(line, name, column_names, value);
+}
+void spell_value(Fields& line, const char* name, BetweenCurves& value) {
+  spell_choice(line, name, between_names, value);
 }
 void spell_value(Fields& line, const char* name, std::optional<ViewKind>& value) {
   spell_choice_or_null(line, name, view_names, value);

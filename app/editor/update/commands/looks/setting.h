@@ -17,7 +17,7 @@ namespace homolog {
 
 class Fields;
 
-// A command that sets one member of the state, or calls one function of it, is a row of setting_commands.h.
+// A command that sets or clears one member of the state, or calls one function of it, is a row of setting_commands.h.
 
 /// A text that stands among the arguments of a template.
 template <std::size_t size>
@@ -40,6 +40,7 @@ void spell_value(Fields& line, const char* name, std::optional<std::size_t>& val
 void spell_value(Fields& line, const char* name, LookFrom& value);
 void spell_value(Fields& line, const char* name, Alignment& value);
 void spell_value(Fields& line, const char* name, CaseColumn& value);
+void spell_value(Fields& line, const char* name, BetweenCurves& value);
 void spell_value(Fields& line, const char* name, std::optional<ViewKind>& value);
 void spell_value(Fields& line, const char* name, ShownParts& value);
 void spell_value(Fields& line, const char* name, BrushSettings& value);
@@ -66,6 +67,24 @@ struct SettingLogged {
 };
 template <Word word, Word name, auto... way>
 using Setting = SettingLogged<Logged::at_once, word, name, way...>;
+
+/// Sets a member of the state back: false, empty or none.
+template <Logged when, Word word, auto... way>
+struct ClearingLogged {
+  static constexpr const char* key = word.text;
+  static constexpr Logged logged = when;
+  void run(EditorState& state) const { (state.*....*way) = {}; }
+};
+template <Word word, auto... way>
+using Clearing = ClearingLogged<Logged::at_once, word, way...>;
+
+/// Opens a dialog of one kind, as it is at first.
+template <Word word, class Kind>
+struct DialogOpening {
+  static constexpr const char* key = word.text;
+  static constexpr Logged logged = Logged::never;
+  void run(EditorState& state) const { state.dialog = Kind{}; }
+};
 
 /// Sets a member of the dialog that is open, where it is of the kind that has it.
 template <Word word, Word name, auto... way>

@@ -52,6 +52,12 @@ using SetTemplate = Setting<"set template", "", &EditorState::automatic, &Automa
 /// A stage of a template's making; none: the last one.
 using ShowTemplateStage = Setting<"show stage", "stage", &EditorState::look, &Look::shown_stage>;
 
+/// What says where the boundary lies between the contours.
+using SetBetweenContours =
+    Setting<"set between contours", "between", &EditorState::automatic, &Automatic::between_contours>;
+/// Offers no file of contours any more.
+using CloseContours = Clearing<"close contours", &EditorState::automatic, &Automatic::offered>;
+
 /// Whether the mesh is scored against a model's file, or against the open study.
 using ScoreByFile = Setting<"score by file", "file", &EditorState::scoring, &Scoring::by_file>;
 
@@ -64,6 +70,10 @@ using SetPicture = Setting<"set picture", "", &EditorState::saving, &Saving::pic
 
 // Dialogs.
 
+/// The list of keys.
+using ShowKeys = DialogOpening<"show keys", KeysDialog>;
+/// Closes whichever dialog is open.
+using CloseDialog = ClearingLogged<Logged::never, "close dialog", &EditorState::dialog>;
 /// Types the name of a folder to make; no name ends that.
 using NameFolder = DialogSetting<"name folder", "name", &FileDialog::browser, &FileBrowser::new_folder>;
 /// The voxel size of a stack of pictures, mm.
@@ -99,6 +109,8 @@ using LookFromSideInGallery =
 using ShowAllShapes = PlainCall<"fit gallery", show_all_shapes, &EditorState::models>;
 /// From 0.
 using ShowGalleryPage = Call<"show gallery page", "page", show_gallery_page, &EditorState::models>;
+/// A turn or a pan ends.
+using LetGoOfGallery = Clearing<"let go of gallery", &EditorState::models, &ModelsState::turning>;
 using ZoomGallery = Call<"zoom gallery", "steps", zoom_gallery, &EditorState::models>;
 /// What the pointer is over.
 using PointAtVertex = SettingLogged<Logged::never, "point at vertex", "", &EditorState::models, &ModelsState::hover>;

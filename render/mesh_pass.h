@@ -24,8 +24,8 @@ class MeshPass {
   std::size_t uploads() const { return uploads_; }
   std::size_t kept() const { return surfaces_.size(); }  ///< meshes on the GPU
   void draw_opaque(const Projection& projection);
-  /// Of the opaque ones what the depth that was drawn hides, seen through it: faintly, and without depth of its own.
-  /// Before draw_opaque().
+  /// Draws what the depth that was drawn hides of the opaque ones, seen through it: faintly, and without depth of its
+  /// own. Call it before draw_opaque().
   void draw_hidden(const Projection& projection);
   /// The far side first, then the nearest layer of the near side. Several surfaces are drawn from far to near, an
   /// enclosing one after what it encloses.

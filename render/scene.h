@@ -38,7 +38,7 @@ struct LabelLayer {
   bool operator==(const LabelLayer&) const = default;
 };
 
-/// Of a mesh without colours of its own: bone.
+/// A mesh without colours of its own has this one: bone.
 inline constexpr Rgb mesh_colour{0.93f, 0.88f, 0.80f};
 
 struct MeshLayer {

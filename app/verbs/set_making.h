@@ -42,9 +42,9 @@ struct SetInMaking {
   std::vector<std::string> warnings;
 };
 
-/// The structures that are asked for, of each map those that it has. Of all of a map those are left out whose name two
-/// labels have, with a warning. Errors: a map that cannot be read, or is given twice; a label that no map has; two
-/// structures of one name that were asked for.
+/// The structures that are asked for, of each map those that it has. Where all of a map are asked for, those are left
+/// out whose name two labels have, with a warning. Errors: a map that cannot be read, or is given twice; a label that
+/// no map has; two structures of one name that were asked for.
 Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, SetInMaking& making, Progress& progress);
 
 /// What a segment is called in the set.

@@ -39,11 +39,12 @@ struct MadeTemplate {
   std::vector<std::string> warnings;
 };
 
-/// Of one subject, `options.in`. `choose_closing`: the closing radius of a label is tried where none is given; else it
-/// is the usual one. Errors: the file cannot be read; no template can be made of it; options that have no effect on it.
+/// Makes a template of one subject, `options.in`. `choose_closing`: the closing radius of a label is tried where none
+/// is given; else it is the usual one. Errors: the file cannot be read; no template can be made of it; options that
+/// have no effect on it.
 Result<MadeTemplate> make_template_of_one(const TemplateJob& options, bool choose_closing, Progress& progress);
 
-/// Of several subjects: their mean shape, or that one of them which suits the others best.
+/// Makes one of several subjects: their mean shape, or that one of them which suits the others best.
 Result<MadeTemplate> make_template_of_many(const TemplateJob& options, Progress& progress);
 
 }  // namespace homolog

@@ -15,7 +15,8 @@ struct SubjectPair {
   double difference_mm = 0;  ///< root mean square over the vertices
   double individual_mm = 0;  ///< the same less the mean difference of all subjects: what is the subject's own
 };
-/// Of paired shapes with a term of two groups, where each subject has one shape of each. Else empty.
+/// Returns the pairs of paired shapes with a term of two groups, where each subject has one shape of each. Else there
+/// are none.
 std::vector<SubjectPair> subject_pairs(const TestJob& job);
 
 }  // namespace homolog

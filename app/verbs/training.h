@@ -18,7 +18,7 @@ struct TrainingVerb {
   bool keep_scale = false, no_align = false;
   TrainingOptions reading;
   Eigen::Index leading_modes = 0;  ///< how many components are computed; 0: all
-  // Of several structures.
+  // Several structures have these.
   std::vector<std::string> structures;  ///< empty: shapes of one
   std::string together = "common";      ///< or "each"
   bool complete = false, world = false;
@@ -44,7 +44,7 @@ struct Training {
   std::vector<std::vector<std::string>> study_keys;  ///< of each shape, as TrainingSetRead has them
   std::vector<DoubtfulShape> doubtful, left_out;
   std::size_t flipped = 0;  ///< mirror images that were flipped, as asked
-  // Of several structures.
+  // Several structures have these.
   std::vector<StructurePart> parts;
   std::optional<StructurePoses> poses;
   std::vector<CompletedStructure> completed;

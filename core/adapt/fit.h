@@ -21,8 +21,8 @@ struct FitOptions {
   /// The boundary may lack parts of the organ, or have what is not the organ's: see FitResult::outliers.
   bool partial = false;
   /// One way onto the boundary alone, without doubt or a look for mirror images: a fit in a quarter of the time, for a
-  /// mean of many whose parts nobody looks at. Not for partial fits. Of a fit to contours: without doubt and without
-  /// what is wrong with the mesh, while somebody draws.
+  /// mean of many whose parts nobody looks at. Not for partial fits. A fit to contours then goes without doubt and
+  /// without what is wrong with the mesh, while somebody draws.
   bool rough = false;
   std::shared_ptr<const AllowedShapes> allowed;  ///< shapes to look among first; null: any
   Progress* progress = nullptr;
@@ -40,7 +40,8 @@ struct FitResult {
   Points allowed;                    ///< the nearest of the allowed shapes (n×3); empty where any was allowed
   std::vector<Landmark> landmarks;   ///< the template's, carried along on the surface
   std::vector<std::int32_t> unseen;  ///< vertices beyond the scan's border, where the shape follows the template
-  /// Of a partial fit, in rising order: vertices whose places the boundary lacks; the shape follows the template there.
+  /// Vertices whose places the boundary lacks, as a partial fit finds them, in rising order. The shape follows the
+  /// template there.
   std::vector<std::int32_t> outliers;
   std::vector<ScanBorder> template_cuts;  ///< where the template is cut off, as it lies in the end [cut_borders]
   bool mirrored = false;                  ///< the template's mirror image fits clearly better [other_lie]

@@ -53,7 +53,7 @@ class FitSteps {
   /// about.
   Force force(const Mesh& mesh, const Similarity& placement, double share);
 
-  /// Of the template under its nearest similarity [strain_share].
+  /// Says how far the shape strains the template under its nearest similarity [strain_share].
   double strain(const Adapting& shape) const;
 
   /// Where a way ends off the target by such an `off_mm2`, another that ends farther off than this, as root mean

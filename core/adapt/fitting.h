@@ -50,7 +50,7 @@ class Fitting {
   /// Several ways onto the boundary, and what is made of them [WholeWays].
   Result<void> adapt_to_whole();
 
-  /// Of the ways onto the boundary about the mesh, squared, by vertex.
+  /// Says how far the ways onto the boundary spread about the mesh, squared, by vertex.
   VertexScalars spread_mm2() const;
 
   /// `done`: of the part of the work that is under way.

@@ -48,7 +48,7 @@ class PartialWays {
  private:
   Result<void> add(Result<Adapted> way);
   Points matched() const;
-  /// Of the template, by what is not missing of a mesh.
+  /// Says where the template lies, by what is not missing of a mesh.
   Similarity placement_of_rest(const Points& mesh, const std::vector<std::int32_t>& missing) const;
 
   const Template& template_;

@@ -15,7 +15,7 @@ namespace homolog {
 struct PropagateOptions {
   double reach_mm = 6;          ///< how far the boundary may move from one frame to the next
   std::map<int, Points> known;  ///< meshes of further frames that are right (n×3, LPS mm): they stay as they are
-  /// Of the label that the meshes come from: what they lack. Where they lack some, every frame is in doubt.
+  /// What the meshes lack of the label that they come from. Where they lack some, every frame is in doubt.
   double missing_share = 0;
   Progress* progress = nullptr;
 };

@@ -20,7 +20,7 @@ struct FileStatus {
 
   bool is_same_file(const FileStatus& other) const { return disk == other.disk && number == other.number; }
 };
-/// Of the file that has a name, a link followed; nothing where there is none.
+/// Returns the status of the file that has a name, a link followed; nothing where there is none.
 std::optional<FileStatus> status_of(const std::filesystem::path& path);
 
 /// What is said where a file is wanted and something else has the name. `kind`: what that is.

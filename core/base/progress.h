@@ -9,8 +9,8 @@ namespace homolog {
 class Progress {
  public:
   Progress() = default;
-  /// Of a part of a larger work, whose progress outlives this one: `share` of the whole, or of that part of it which is
-  /// under way. The whole can cancel it too.
+  /// Follows a part of a larger work, whose own progress outlives this one. The part is `share` of the whole, or of
+  /// that part of it which is under way. The whole can cancel it too.
   Progress(Progress& whole, double share) : whole_(&whole), share_(static_cast<float>(share)) {}
 
   /// `fraction` of the work (or of its part) done, 0…1.

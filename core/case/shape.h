@@ -31,8 +31,8 @@ struct Shape {
   std::shared_ptr<const Points> carried;          ///< P as it came from other frames of a cine; null: it did not
   std::string doubt;                              ///< why what was carried here has to be looked at; empty: it need not
   std::shared_ptr<const VertexScalars> doubt_mm;  ///< of the last fit [FitResult::doubt_mm]; null: there is none
-  /// Of the last fit, where it was one to an organ that lacks parts: 1 where the scan lacks the vertex's place, else 0
-  /// [FitResult::outliers]; null: it was none.
+  /// 1 where the scan lacks the vertex's place, else 0 [FitResult::outliers]. The last fit says it, where that was one
+  /// to an organ that lacks parts; null: it was none.
   std::shared_ptr<const VertexScalars> outlier;
 };
 

@@ -6,7 +6,8 @@
 
 namespace homolog {
 
-/// How far tetrahedra are from their shape at rest. Of each, with F the matrix that takes its rest to it and J = det F:
+/// How far tetrahedra are from their shape at rest. Each has this energy, with F the matrix that takes its rest to it
+/// and J = det F:
 ///
 ///   (|F|² / (3 χ(J)^⅔))² + ½ λ (J² + 1) / χ(J),   χ(J) = (J + √(J² + ε²)) / 2.
 ///

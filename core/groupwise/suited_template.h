@@ -28,8 +28,8 @@ struct Suitability {
   bool better_than(const Suitability& other) const;
 };
 
-/// Of a template made from subject `own`: fitted to up to `most_others` others, from the smallest to the largest.
-/// Errors: cancelled.
+/// Says how well a template suits that was made from subject `own`: it is fitted to up to `most_others` others, from
+/// the smallest to the largest. Errors: cancelled.
 Result<Suitability> suitability(const Template& the_template, std::size_t own, const std::vector<Boundary>& subjects,
                                 std::size_t most_others, Progress* progress = nullptr);
 

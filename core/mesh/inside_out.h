@@ -8,7 +8,7 @@
 namespace homolog {
 
 /// "its faces look inward, …" with the remedy, where a mesh is inside out, or a part of it that lies in no other part;
-/// none where it is not. Of an open surface that is so flat that it has no inside, none.
+/// none where it is not. An open surface that is so flat that it has no inside gives none.
 std::optional<std::string> inside_out(const Mesh& mesh);
 
 }  // namespace homolog

@@ -30,8 +30,8 @@ bool has_label(T voxel, int label) {
 }
 
 /// The 0.5 isosurface of the voxels that equal `label` (1 inside, 0 outside, 0 beyond the grid), LPS mm, by marching
-/// cubes: closed, manifold, outward oriented, whatever the handedness of the grid. Of a soft mask the 0.5 isosurface of
-/// its values. Errors: the label does not occur.
+/// cubes: closed, manifold, outward oriented, whatever the handedness of the grid. A soft mask gives the 0.5 isosurface
+/// of its values. Errors: the label does not occur.
 Result<Mesh> mask_surface(const Volume& mask, int label, int frame = 0);
 
 /// The surface where trilinear `values` (one a voxel of `grid`, i fastest) pass zero, negative inside, positive beyond

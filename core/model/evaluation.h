@@ -26,9 +26,9 @@ struct Evaluation {
   std::vector<std::pair<std::string, Measures>> at_every;  ///< at m = 1…M−2
   std::vector<std::pair<std::string, Measures>> at_modes, shapeworks;
 
-  /// Of at_every or at_modes; null where it was not measured.
+  /// Finds a measure in at_every or at_modes; null where it was not measured.
   const Measures* find(const std::string& name) const;
-  /// Of shapeworks: "compactness", "generalization" or "specificity"; null where it was not measured.
+  /// Finds one in shapeworks: "compactness", "generalization" or "specificity"; null where it was not measured.
   const Measures* find_shapeworks(const std::string& name) const;
 };
 

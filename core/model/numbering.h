@@ -14,8 +14,8 @@ struct OtherNumbering {
   Eigen::Index example = 0;          ///< a shape that is numbered as most are; where no two are alike, the first
 };
 
-/// Looks for them by what lies beside what. Of shapes in correspondence a vertex has the same neighbours in all: at
-/// about the same distances, as shares of the size. In another order the places of those vertices are far apart.
+/// Looks for them by what lies beside what. A vertex has the same neighbours in all shapes that are in correspondence:
+/// at about the same distances, as shares of the size. In another order the places of those vertices are far apart.
 /// Neighbours are those of the one-ring, or of points alone the six nearest. Named are shapes in which a quarter of the
 /// neighbourhoods are torn or gathered several times, so neither a model's variety nor a few swapped vertices are.
 /// Empty where there are too few points to tell. Turning or mirroring a shape changes nothing. `topology`: null for

@@ -34,7 +34,8 @@ struct PrincipalComponents {
   Eigen::MatrixXd basis(Eigen::Index count) const;
 };
 
-/// Takes the shapes over. Beside them only the smaller of M×M and 3n×3n numbers is needed. Of no shapes it has no axes.
+/// Takes the shapes over. Beside them only the smaller of M×M and 3n×3n numbers is needed. Without shapes there are no
+/// axes.
 PrincipalComponents principal_components(ShapeMatrix shapes);
 /// The leading `count` components, by Lanczos' method with restarts. Where `count` is no small part of all, or the
 /// shapes are few, it gives all: they are known as soon.

@@ -35,7 +35,7 @@ struct SuspiciousVertex {
 };
 /// Vertices that lie elsewhere than the other shapes predict. A shape is rebuilt by `modes` modes of a model of the
 /// others. A vertex is listed where its deviation is beyond the outer fence twice: among all shapes at this vertex, and
-/// among all vertices of this shape. Of neighbours only the worst is listed (where a topology is given). The largest
+/// among all vertices of this shape. Only the worst of neighbours is listed (where a topology is given). The largest
 /// deviation comes first.
 std::vector<SuspiciousVertex> suspicious_vertices(const PrincipalComponents& components,
                                                   const std::shared_ptr<const Topology>& topology, Eigen::Index modes);
@@ -46,7 +46,7 @@ struct SuspiciousTriangle {
   double usual = 1;    ///< median of the same over all shapes
 };
 /// Triangles whose stretch is beyond the outer fence of all shapes' stretches of that triangle and of all triangles' in
-/// that shape. Of triangles side by side only the worst is listed. The largest stretch first.
+/// that shape. Only the worst of triangles side by side is listed. The largest stretch comes first.
 std::vector<SuspiciousTriangle> suspicious_triangles(const PrincipalComponents& components, const Topology& topology);
 
 }  // namespace homolog

@@ -15,7 +15,7 @@ struct WarpLengths {
 };
 /// For an organ with a bounding box of this diagonal: shares of it, which for a kidney are 35, 6 and 0.7 mm.
 WarpLengths warp_lengths(double diagonal_mm);
-/// Of cases begun when bump and noise were mm: 6 and 0.7 whatever the size.
+/// Cases that were begun when bump and noise were mm have 6 and 0.7 mm, whatever the size.
 WarpLengths older_warp_lengths(double diagonal_mm);
 
 /// How an organ differs from its template under a similarity, as a Gaussian process: the covariance of each coordinate

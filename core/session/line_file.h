@@ -18,7 +18,7 @@ class LineFile {
  public:
   /// Errors: absent, unreadable, no file of a disk (a folder, a pipe).
   static Result<std::shared_ptr<const LineFile>> open(const std::filesystem::path& path);
-  /// Of a file that is open already.
+  /// Takes a file that is open already.
   LineFile(std::filesystem::path path, OpenFile file) : path_(std::move(path)), file_(std::move(file)) {}
 
   const std::filesystem::path& path() const { return path_; }

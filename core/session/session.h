@@ -160,7 +160,7 @@ class EditSession {
   std::uint64_t steps_made_ = 0;
   KeptWithCase kept_;
   std::vector<LinePlace> kept_lines_;  ///< lines that were counted only, and say what is kept
-  /// Of the structures that were moved last, by their ids, the latest first: each has a factorisation of its own.
+  /// The structures that were moved last, by their ids, the latest first. Each has a factorisation of its own.
   std::list<std::pair<std::string, Deformer>> deformers_;
   CaseLines lines_;
   CaseTemplates templates_;

@@ -5,9 +5,9 @@
 
 #include "core/solve/dense_front.h"
 
-/// A factorised front as it is read when solving, in one run of numbers. Its pivots come in blocks of up to eight. Of
-/// each block there is first the inverse of its triangle at L's diagonal, row by row, then L's rows below, row by row:
-/// those of the later pivots and those below all pivots. An entry of L is one number; nothing is filled up.
+/// A factorised front as it is read when solving, in one run of numbers. Its pivots come in blocks of up to eight. Each
+/// block has first the inverse of its triangle at L's diagonal, row by row, then L's rows below, row by row: those of
+/// the later pivots and those below all pivots. An entry of L is one number; nothing is filled up.
 namespace homolog {
 
 /// Pivots are solved for in blocks of at most so many, whose x, y and z stay in registers.

@@ -31,15 +31,15 @@ struct TermTest {
   double z = 0;  ///< how many deviations log F lies above the mean log F of the permutations; NaN without spread
   double p = 1;  ///< (b + 1) ÷ (m + 1), where b of m permutations gave an F as large, or a t as far to the side
   Sided sided = Sided::two;
-  /// Of one response, where the term has a direction: how much more of it the second group has, or one standard
-  /// deviation more of a number brings, the other terms held. Else NaN.
+  /// How much more of the response the second group has, or one standard deviation more of a number brings, the other
+  /// terms held. NaN where there are several responses, or the term has no direction.
   double change = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Two groups of a term.
 struct PairTest {
   std::string term, a, b;
-  /// Between their means, the other terms held: root of the sum over all coordinates. Of one response b less a.
+  /// Between their means, the other terms held: root of the sum over all coordinates. With one response it is b less a.
   double distance = 0;
   double p = 1;  ///< of the distance² ÷ the residual sum of squares: of two groups that of the term
   double q = 1;  ///< over the pairs of the term [Benjamini & Hochberg 1995]

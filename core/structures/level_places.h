@@ -14,8 +14,8 @@ namespace homolog {
 /// The structures of a set whose names say a level in the same way, as all vertebrae.
 struct LevelChain {
   std::map<int, std::size_t> by_level;  ///< to their places in the set
-  /// Of those that a map has and whose fit tells where they are: what must be added to the level that the name says, so
-  /// that all agree with the most of them. 0 for nearly all.
+  /// What must be added to the level that the name says, so that all agree with the most of them. It has those that a
+  /// map has and whose fit tells where they are; 0 for nearly all.
   std::map<std::size_t, int> apart;
   std::vector<std::size_t> from_above;  ///< the same, in the order in which they lie
 
@@ -32,8 +32,8 @@ struct LevelChain {
 std::vector<LevelChain> level_chains(const SetOfTemplates& set, const FittedSet& fitted,
                                      const std::vector<char>& placed);
 
-/// Of a chain whose `apart` is all `by` more, in how many levels its ends err: levels below the last one within the map
-/// that nobody labelled, a sixth lumbar vertebra, or one above the first cervical one.
+/// Says in how many levels the ends of a chain err whose `apart` is all `by` more: levels below the last one within the
+/// map that nobody labelled, a sixth lumbar vertebra, or one above the first cervical one.
 int errors_at_ends(const SetInMap& subject, const FittedSet& fitted, const LevelChain& chain, int by);
 
 /// How much likelier a chain lies, beside the placed structures that do not belong to it, if it is a level above

@@ -61,7 +61,7 @@ class Mending {
   void name_new();
   /// The volume that has a structure, and its first voxel of the frame.
   std::pair<Volume*, std::size_t> voxels_of(std::size_t k);
-  /// Of a sign, what is left where other changes have mended some of its voxels.
+  /// Says what is left of a sign where other changes have mended some of its voxels.
   double share_left(std::size_t k, double share, const std::vector<VoxelChange>& changes);
   /// Changes the voxels that still have the label that they had.
   void change(std::size_t k, const std::vector<VoxelChange>& changes);

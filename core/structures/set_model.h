@@ -17,7 +17,7 @@ struct SetModel {
   ShapeMatrix shapes;  ///< the model's training shapes, as far as its modes hold them, 3n×M
   std::vector<StructurePart> parts;
   std::vector<std::optional<std::size_t>> place;  ///< of each part: its structure in the set; none: the set has no such
-  /// Of each structure of the set: the shapes that the model allows it; null where the model has no such.
+  /// The shapes that the model allows each structure of the set; null where the model has no such.
   std::vector<std::shared_ptr<const AllowedShapes>> allowed;
 };
 

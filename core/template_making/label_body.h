@@ -45,7 +45,7 @@ struct LabelExtent {
 LabelExtent label_extent(const Volume& mask, int label, int frame);
 
 /// The size of an organ: the root of its surface area. Lengths that act on shapes are shares of it, so that a skull of
-/// 20 mm and a femur of 480 mm are worked on alike. Of kidneys it is about 160 mm.
+/// 20 mm and a femur of 480 mm are worked on alike. A kidney's is about 160 mm.
 double organ_size_mm(const LabelExtent& extent);
 
 /// The same of every label of a frame, and under every_label of all together.
@@ -77,10 +77,11 @@ std::size_t voxels_off(const LabelBody& region, const Mesh& mesh);
 /// The boundary of a region's voxels, or of a soft mask its surface, LPS mm. Errors: nothing is inside.
 Result<Mesh> boundary_of(const LabelBody& region);
 
-/// The signed distance to the boundary of a region's voxels. Of a soft mask: to its surface between the voxels.
+/// The signed distance to the boundary of a region's voxels. For a soft mask it is that to its surface between the
+/// voxels.
 LevelSet signed_distance(const LabelBody& region);
 
-/// Of fewer nobody can tell a shape: two in each direction.
+/// Nobody can tell a shape of fewer: two in each direction.
 inline constexpr std::size_t fewest_voxels_of_shape = 8;
 
 /// Parts of a label, where one was taken.

@@ -46,8 +46,8 @@ struct MaskTemplate {
   std::vector<double> islands_ml;  ///< parts left out, the largest first
   int cavities = 0;                ///< filled
   double cavities_ml = 0;
-  /// Of the label's largest part: what lies outside of the mesh and farther than two voxels from it, thin parts that
-  /// the mesh does not have.
+  /// What of the label's largest part lies outside of the mesh and farther than two voxels from it: thin parts that the
+  /// mesh does not have.
   double missed_ml = 0, missed_share = 0;
   double resampled_mm = 0;                ///< voxel size that was worked on
   double closing_mm = 0, opening_mm = 0;  ///< radii that were used

@@ -19,7 +19,7 @@ struct NrrdAxes {
   std::optional<unsigned> frames;
 };
 
-/// Axes with a direction in space, or else the first three that are none of values. Of the others one may hold frames:
+/// Axes with a direction in space, or else the first three that are none of values. One of the others may hold frames:
 /// of time, a list, or of a kind that is not said. Errors: vectors, colours, five dimensions.
 Result<NrrdAxes> find_axes(const Nrrd& nrrd, const std::filesystem::path& path);
 

@@ -28,8 +28,8 @@ struct NrrdHeader {
 };
 
 /// Reads a file's header up to the empty line that ends it [NRRD format, "data file", the three ways of naming files].
-/// Of a format one `%d` is taken, with a width of at most two digits, padded with blanks or zeros (`slice%03d.raw`).
-/// Fails on every other '%', on a range that is none or of more than a million files, and where no header is found.
+/// A format may hold one `%d`, with a width of at most two digits, padded with blanks or zeros (`slice%03d.raw`). Fails
+/// on every other '%', on a range that is none or of more than a million files, and where no header is found.
 Result<NrrdHeader> read_nrrd_header(const std::filesystem::path& path);
 
 }  // namespace homolog

@@ -26,7 +26,7 @@ struct Segmentation {
 
   /// Null where nothing is said of it.
   const Segment* find(int value, std::size_t layer) const;
-  /// Of whatever layer, the first.
+  /// Returns the first of that value, of whatever layer.
   const Segment* find(int value) const;
   /// Puts one in its place; false where there is one of that layer and value, and beyond 16,384, which no atlas has.
   bool add(Segment segment);
@@ -52,10 +52,10 @@ enum class NameLikeness {
 };
 NameLikeness name_likeness(const std::string& a, const std::string& b);
 
-/// What `--label` and the columns of tables hold: a value above 0, a name, or several of both, separated by commas. Of
-/// a name those count that are likest [NameLikeness]. A value of which nothing is said is a segment without a name.
-/// Errors: a name that the map lacks (the nearest ones are named) or gives to several; a value that stands in several
-/// layers.
+/// What `--label` and the columns of tables hold: a value above 0, a name, or several of both, separated by commas. For
+/// a name those segments count that are likest [NameLikeness]. A value of which nothing is said is a segment without a
+/// name. Errors: a name that the map lacks (the nearest ones are named) or gives to several; a value that stands in
+/// several layers.
 Result<std::vector<Segment>> asked_segments(const std::string& asked, const Segmentation& known);
 
 /// Whether text is made of numbers, so that it is no name, and not of values above 0 with commas between them.

@@ -69,8 +69,8 @@ struct VolumeRead {
   Volume volume;
   std::vector<std::string> warnings;
   Segmentation segmentation;  ///< names and colours of labels, where the file gives some; of layers all labels
-  /// Of a segmentation whose segments overlap or share labels (3D Slicer): the layers behind `volume`, which is the
-  /// first. Each lies on the same grid, except those of a folder of masks. read_labels.h chooses among them.
+  /// The layers behind `volume`, which is the first, of a segmentation whose segments overlap or share labels (3D
+  /// Slicer). Each lies on the same grid, except those of a folder of masks. read_labels.h chooses among them.
   std::vector<Volume> other_layers;
   ReferencedImages referenced{};               ///< of a DICOM segmentation
   std::optional<ResampledSlices> resampled{};  ///< where `VolumeReadOptions::resample` had something to do

@@ -33,7 +33,7 @@ struct Legend {
   bool has_confirmed = false;      ///< some of the mesh is white, because it is confirmed
   bool has_outliers = false;       ///< some of the mesh is grey, because the scan lacks its place
 };
-/// Of the mesh where the scan lacks it: much of this grey, and some of the colouring.
+/// Where the scan lacks the mesh, that has much of this grey and some of the colouring.
 inline constexpr Rgb outlier_grey{0.42f, 0.43f, 0.46f};
 Legend colouring_legend(const ShapeView& shown, Colouring colouring);
 

@@ -55,7 +55,7 @@ class SceneBuilder {
     std::shared_ptr<const VertexScalars> response, stiffness, confirmed, outlier, confidence, z;
     std::shared_ptr<const Regions> regions;
     bool stopped = false;
-    /// Of the shape; null where the colouring does not follow it [kind_of].
+    /// These are taken of the shape; null where the colouring does not follow it [kind_of].
     std::shared_ptr<const Points> points, placed, reference;
     std::shared_ptr<const VertexScalars> decided, doubt_mm;
     bool operator==(const ColouredBy&) const = default;

@@ -47,7 +47,7 @@ inline constexpr const char* wireframe = "\xef\x83\x8e";    // table f0ce
 inline constexpr const char* crosshair = "\xef\x81\x9b";    // crosshairs f05b
 inline constexpr const char* letters = "\xef\x80\xb1";      // font f031
 
-// Of the Models mode.
+// The Models mode has these.
 inline constexpr const char* plus = "\xef\x81\xa7";       // plus f067
 inline constexpr const char* trash = "\xef\x80\x94";      // trash-o f014
 inline constexpr const char* next = "\xef\x81\x91";       // step-forward f051

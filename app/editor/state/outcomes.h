@@ -58,7 +58,7 @@ struct TemplateMaking {
   FacedNames faced;    ///< of a part: what it faces, as fits to other maps find it
   std::vector<Stage> stages;
   bool done = false;
-  // Of a finished one.
+  // A finished one has these.
   std::optional<Mesh> mesh;
   std::vector<std::int32_t> cut;     ///< its vertices on the flat faces where the label map ends
   std::optional<double> closing_mm;  ///< chosen by trying, or as asked for

@@ -66,7 +66,7 @@ std::vector<const Structure*> listed_structures(const StructureLooks& looks, con
 void choose_rows(StructureLooks& looks, const Document& document, const std::string& id, bool ctrl, bool shift);
 /// The rows that an eye or a lock works on: all that are chosen where the row is one of several, else it alone.
 std::vector<std::string> rows_with(const StructureLooks& looks, const std::string& id);
-/// Of a new structure, which may get the id of one that is gone: it is seen, open and not chosen.
+/// A new structure may get the id of one that is gone: it is seen, open and not chosen.
 void begin_looks(StructureLooks& looks, const std::string& id);
 
 }  // namespace homolog

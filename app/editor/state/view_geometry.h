@@ -51,7 +51,7 @@ double slice_step_mm(const VolumeGeometry& geometry, const Vec3& direction);
 enum class LookFrom { anterior, posterior, left, right, superior, inferior };
 inline constexpr std::array<const char*, 6> side_names{"anterior", "posterior", "left",
                                                        "right",    "superior",  "inferior"};
-/// Of the key, with Shift, and of the button.
+/// Keys, with Shift, and buttons have these letters.
 inline constexpr std::array<char, 6> side_letters{'A', 'P', 'L', 'R', 'S', 'I'};
 Camera3D camera_from(LookFrom from, const Box& box_mm);
 /// Turns the camera about its target to that side; its distance stays.

@@ -34,7 +34,7 @@ struct KeyRow {
   bool in_drag = true;  ///< else it does nothing while the mouse drags: the drag would go on with something else
 };
 
-/// Of the case's views, or of the Models mode.
+/// Returns the keys of the case's views, or of the Models mode.
 const std::vector<KeyRow>& key_rows(bool in_models);
 
 }  // namespace homolog

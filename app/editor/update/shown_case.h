@@ -119,8 +119,8 @@ class ShownCase {
   mutable ShownMesh mesh_;  ///< what is remembered of `displayed_`
 };
 
-/// What became of the case's file, and why edits came to nothing, in a few sentences. Of many at once the first says
-/// what is wrong with the disk, the last how it stands now.
+/// What became of the case's file, and why edits came to nothing, in a few sentences. Where there are many at once, the
+/// first says what is wrong with the disk, the last how it stands now.
 std::vector<std::string> told(const Refusals& refused);
 
 /// Puts the case's file among the recent ones, where it is one of its own.

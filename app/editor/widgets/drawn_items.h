@@ -38,7 +38,7 @@ class DrawnItems {
   DrawnItems(const DrawnItems&) = delete;
   DrawnItems& operator=(const DrawnItems&) = delete;
 
-  /// Of the latest frame, in the order in which they were drawn.
+  /// Returns the items of the latest frame, in the order in which they were drawn.
   const std::vector<DrawnItem>& items() const { return items_; }
   /// Forgets them; call it before each frame.
   void clear() { items_.clear(); }

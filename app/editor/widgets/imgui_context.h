@@ -28,7 +28,7 @@ struct ControlsMemory {
   std::string searched;               ///< what was typed into the list or menu that is open
   KeyFocus keys;
 };
-/// Of the current context.
+/// Returns the memory of the current context.
 ControlsMemory& controls_memory();
 
 /// Begins a frame of controls; after ImGui's has begun.

@@ -34,7 +34,7 @@ class KeyFocus {
   void step(int steps) { steps_ = steps; }
   /// From a field that is typed into to the next control; the typing there is done.
   void leave_field(Way way);
-  /// Of a menu or a dialog the keys reach what they reach at first.
+  /// In a menu or a dialog the keys reach again what they reach at first.
   void start_again() { at_.erase(layer()); }
   /// The keys are the program's own again.
   void leave();
@@ -101,7 +101,7 @@ class KeyFocus {
   int steps_ = 0;
 };
 
-/// Of the current ImGui context.
+/// Returns the focus of the current ImGui context.
 KeyFocus& key_focus();
 
 /// What is drawn while this lives is one group for the keys, whatever its windows.

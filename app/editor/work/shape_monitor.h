@@ -18,7 +18,7 @@ namespace homolog {
 template <class Figures>
 class ShapeMonitor {
  public:
-  /// Of a structure of a document, by its id; it has a mesh there.
+  /// Measures a structure of a document, by its id; it has a mesh there.
   using Measure = std::function<Figures(const Document&, const std::string& of)>;
   /// `wake` is called from the thread after every new result; `subject` begins the sentence of an error.
   ShapeMonitor(std::function<void()> wake, std::string subject, Measure measure)
@@ -60,7 +60,7 @@ class ShapeMonitor {
     if (!next_ || worker_.busy()) return std::nullopt;
     return std::max(0.0, std::chrono::duration<double>(rested_ - Clock::now()).count());
   }
-  /// Of the latest mesh that is measured; nothing before the first.
+  /// Returns the figures of the latest mesh that is measured; nothing before the first.
   const std::optional<Figures>& latest() const { return latest_; }
   /// Why the mesh posted last could not be measured; empty where it was.
   const std::string& error() const { return error_; }

@@ -88,7 +88,7 @@ class Worker {
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - job.asked;
     return RunningJob{job.subject, job.progress.fraction(), passed.count(), job.verb};
   }
-  /// Of what runs; 0 where nothing does.
+  /// Says how much is done of what runs; 0 where nothing runs.
   double fraction() const {
     const std::lock_guard lock(mutex_);
     return jobs_.empty() ? 0 : jobs_.front()->progress.fraction();

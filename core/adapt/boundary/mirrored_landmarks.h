@@ -17,10 +17,10 @@ struct MirroredLandmark {
   Vec3 there;          ///< on the organ, LPS mm: where the mirror image of the organ's landmark lies
 };
 
-/// Of an organ that is nearly symmetric, by its template and by its boundary [mirror_symmetry.h]: the other side's
-/// landmarks. Left out where a landmark lies near, as those do that lie in the plane of symmetry. None of any other
-/// organ. `landmarks`: the organ's, by name; `trust`: of those that the template has too, in its order, 0 to 1: one
-/// that is hardly believed counts for nothing. `placement`: of the template.
+/// Returns the other side's landmarks of an organ that is nearly symmetric, by its template and by its boundary
+/// [mirror_symmetry.h]. One is left out where a landmark lies near, as those do that lie in the plane of symmetry. Any
+/// other organ has none. `landmarks`: the organ's, by name; `trust`: of those that the template has too, in its order,
+/// 0 to 1: one that is hardly believed counts for nothing. `placement`: of the template.
 std::vector<MirroredLandmark> mirrored_landmarks(const Template& the_template, const Boundary& boundary,
                                                  const std::map<std::string, Vec3>& landmarks,
                                                  const VertexScalars& trust, const Similarity& placement);

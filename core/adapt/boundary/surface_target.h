@@ -37,7 +37,7 @@ class SurfaceTarget : public Target {
 
   /// Counterparts that lie farther apart than this do not count, up to the next pull.
   void set_reach_mm(double reach_mm) { reach_mm_ = reach_mm; }
-  /// Of the diagonal of an organ that may lack parts: how near counterparts lie in the end.
+  /// How near counterparts lie in the end, as a share of the diagonal of an organ that may lack parts.
   static constexpr double closest_reach = 0.015;
 
   /// The vertices without a counterpart, in rising order. A vertex goes with most of its neighbours, so that single

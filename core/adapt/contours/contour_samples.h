@@ -42,9 +42,9 @@ struct ContourSamples {
   double diagonal_mm() const;
 };
 
-/// Cuts curves into about `count` pieces in all, no fewer than eight a curve. Of several closed curves in a plane, one
-/// within another is the rim of a hole, whether all are combined by exclusive or or not; so is the inner one of a
-/// keyhole, whose channel is left out, also where that is a slit of up to 0.1 mm.
+/// Cuts curves into about `count` pieces in all, no fewer than eight a curve. Where there are several closed curves in
+/// a plane, one within another is the rim of a hole, whether all are combined by exclusive or or not; so is the inner
+/// one of a keyhole, whose channel is left out, also where that is a slit of up to 0.1 mm.
 /// A curve that lies outside is taken for a loose stroke, whose area is half as large again as the organ's: such
 /// strokes of vertebral bodies had 1.3 to 1.8 times their area.
 ContourSamples sampled_contours(const std::vector<DrawnContour>& drawn, std::size_t count);

@@ -30,7 +30,7 @@ class SmoothDisplacement {
 
   Eigen::Index nodes() const { return nodes_.rows(); }
   Basis basis(const Points& places) const;
-  /// Of k places, k×3, mm.
+  /// Says how far k places are displaced, k×3, mm.
   Points at(const Points& places, const Coefficients& by) const;
   /// `normals` (k×3, unit) at the places of `basis` when these are displaced.
   Points turned_normals(const Basis& basis, const Points& normals, const Coefficients& by) const;

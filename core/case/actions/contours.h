@@ -15,7 +15,7 @@ namespace homolog {
 struct SetContours {
   std::string id;
   std::optional<std::string> name{};
-  /// Of new ones, or the one in the place of `curve`; null for those that are there. LPS mm.
+  /// The curves of new contours, or the one that takes the place of `curve`; null for those that are there. LPS mm.
   SharedValue<std::vector<Contour>> curves{};
   std::optional<int> curve{};      ///< which curve of those that are there `curves` replaces, from 0
   std::optional<double> off_mm{};  ///< [ContourSet::off_mm]

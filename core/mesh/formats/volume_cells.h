@@ -47,8 +47,8 @@ Error unsuited_elements(const std::string& kind);
 /// Keeps one of the tetrahedra with the same four corners, the first: Gmsh lists an element once for each of its
 /// groups. A warning says how many there were.
 void drop_repeated(std::vector<std::int32_t>& tetrahedra, std::vector<std::string>& warnings);
-/// The triangles of a file; where it holds tetrahedra, their outside. Of those the points within are left out, which a
-/// warning says.
+/// The triangles of a file; where it holds tetrahedra, their outside. The points within tetrahedra are left out, which
+/// a warning says.
 Result<MeshFile> surface_of(VolumeCells cells);
 
 /// The faces of tetrahedra that belong to one of them alone, seen from outside, as indices of points. `corners`: four a

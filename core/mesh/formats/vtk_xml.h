@@ -35,7 +35,7 @@ class VtkXml {
   Result<std::vector<To>> array(pugi::xml_node node);
   /// Appends the points of a piece.
   Result<void> add_points(pugi::xml_node piece, std::vector<double>& coordinates);
-  /// Keeps the arrays of one value a vertex. Of several pieces an array counts where each of them has it.
+  /// Keeps the arrays of one value a vertex. Where there are several pieces, an array counts that each of them has.
   void add_vertex_arrays(pugi::xml_node piece, std::int64_t first_vertex);
   /// Those that have a value for each of `vertices` vertices.
   std::map<std::string, VertexScalars> vertex_values(Eigen::Index vertices) const;

@@ -29,7 +29,7 @@ struct ShapeMeasurements {
   std::vector<MeasuredLines> lines;  ///< empty where there is no number
   bool operator==(const ShapeMeasurements&) const = default;
 };
-/// Of the structure of an id, which has a mesh at the document's frame.
+/// Measures the structure of an id, which has a mesh at the document's frame.
 ShapeMeasurements shape_measurements(const std::shared_ptr<const Recipe>& recipe, const Document& document,
                                      const std::string& structure);
 

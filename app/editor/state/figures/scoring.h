@@ -39,8 +39,8 @@ struct ScoredShape {
   std::shared_ptr<const VertexScalars> z;   ///< of its vertices; null: the model has no such structure
   bool operator==(const ScoredShape&) const = default;
 };
-/// Scores the structure of an id, which has a mesh at the document's frame, as the verb `score` does. Of a joint model
-/// all structures count that it has, by their names. `flipped`: left for right, as the study takes the case.
+/// Scores the structure of an id, which has a mesh at the document's frame, as the verb `score` does. With a joint
+/// model all structures count that it has, by their names. `flipped`: left for right, as the study takes the case.
 ScoredShape scored_shape(const std::shared_ptr<const ShapeModel>& model, const Document& document,
                          const std::string& structure, bool flipped = false);
 

@@ -57,8 +57,8 @@ FileBrowser browse(FileKind kind, const std::filesystem::path& folder, std::stri
 /// Goes to another folder and reads it.
 void enter_folder(FileBrowser& browser, const std::filesystem::path& folder);
 void refresh(FileBrowser& browser);
-/// Takes a name as it is typed: filters the list when opening. Of a path the folder is listed, where there is such a
-/// one.
+/// Takes a name as it is typed: filters the list when opening. Where a path is typed, its folder is listed, if there is
+/// such a one.
 void type_name(FileBrowser& browser, const std::string& name);
 /// Makes the folder whose name was typed in the one that is shown, and goes there; says in `error` where that fails.
 void make_folder(FileBrowser& browser);

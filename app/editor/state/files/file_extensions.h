@@ -7,10 +7,10 @@ namespace homolog {
 
 // Last parts of file names, with dot.
 
-/// Of meshes with faces.
+/// Files of meshes with faces end so.
 const std::vector<std::string>& mesh_extensions();
 const std::vector<std::string>& volume_extensions();
-/// Of files that hold a shape of a model, without cases.
+/// Files that hold a shape of a model end so, without cases.
 const std::vector<std::string>& shape_extensions();
 
 }  // namespace homolog

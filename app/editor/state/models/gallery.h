@@ -21,7 +21,8 @@ struct CaptionRoom {
     return {rect.x, rect.y + above, rect.width, std::max(rect.height - above - below, 1.0f)};
   }
 };
-/// Of a picture's cell, at the scale of its letters [caption_scale]: above for its name, below for a scale bar.
+/// Returns the room in a picture's cell, at the scale of its letters [caption_scale]: above for its name, below for a
+/// scale bar.
 CaptionRoom caption_room(float scale);
 /// Below the model's shape, for the legend of its colours.
 CaptionRoom legend_room(const ModelsState& state, float scale);
@@ -39,7 +40,7 @@ struct GalleryGrid {
   bool operator==(const GalleryGrid&) const = default;
 };
 GalleryGrid gallery_grid(std::size_t shapes, const RectPx& area);
-/// Of the page that is shown. Cells lie the same on all pages.
+/// Returns the grid of the page that is shown. Cells lie the same on all pages.
 GalleryGrid page_grid(const ModelsState& state, const RectPx& area);
 
 /// The linked camera in the cell of a shape: around the shapes' common centre, or around the pinned vertex.

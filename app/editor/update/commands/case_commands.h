@@ -65,7 +65,7 @@ struct RefineAlongSurface {
   static constexpr Logged logged = Logged::when_done;
   void run(Editing& editing) const;
 };
-/// Of a fit or a refinement.
+/// Gives up a fit or a refinement.
 struct CancelFit {
   static constexpr const char* key = "cancel fit";
   static constexpr bool cancels = true;
@@ -85,7 +85,7 @@ struct CompleteByModel {
   static constexpr const char* key = "complete by model";
   void run(Editing& editing) const;
 };
-/// Of whatever fits go on: CancelFit, CancelSetFit and CancelPropagation in one, for the keys.
+/// Gives up whatever fits go on: CancelFit, CancelSetFit and CancelPropagation in one, for the keys.
 struct CancelFits {
   static constexpr const char* key = "cancel fits";
   static constexpr bool cancels = true;

@@ -62,7 +62,7 @@ struct CancelOpening {
   static constexpr Logged logged = Logged::never;
   void run(Editing& editing) const;
 };
-/// Of files that are read for the case.
+/// Gives up the reading of files for the case.
 struct CancelReading {
   static constexpr const char* key = "cancel reading";
   static constexpr bool cancels = true;

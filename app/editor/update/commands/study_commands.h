@@ -32,7 +32,7 @@ struct OpenPhantomStudy {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
-/// Of a study that is read, or of a case that is made for it.
+/// Gives up a study that is read, or a case that is made for it.
 struct CancelStudyFile {
   static constexpr const char* key = "cancel study file";
   static constexpr bool cancels = true;

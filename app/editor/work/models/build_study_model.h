@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-/// Of the variance of a study's shapes, that the modes of its model hold.
+/// How much of the variance of a study's shapes the modes of its model hold.
 inline constexpr double share_of_variance = 0.95;
 
 struct StudyModelRequest {

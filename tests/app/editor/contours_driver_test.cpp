@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "app/editor/update/controls.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/case_file.h"

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <span>
 
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_of_fit.h"
@@ -15,9 +16,9 @@
 #include "app/verbs/snap_arguments.h"
 #include "app/verbs/study_make.h"
 #include "app/verbs/verb.h"
-#include "core/adapt/choose_closing.h"
 #include "core/adapt/judge_fit.h"
-#include "core/adapt/likeliest_part.h"
+#include "core/adapt/label_fit.h"
+#include "core/assist/assist.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/base/paths.h"
@@ -63,50 +64,48 @@ Result<Similarity> read_placement(const fs::path& path) {
   return placement;
 }
 
-/// Whether every part of a label is the target.
-bool takes_all_parts(const FitJob& options, const Template& the_template) {
-  return options.partial || options.parts == "all" || (options.parts.empty() && parts_for(*the_template.topology).all);
+/// How a label map is fitted to.
+LabelFitOptions how_to_fit(const FitJob& options, const FitShared& shared) {
+  LabelFitOptions how{.closing_mm = options.closing_mm, .kept_closing_mm = shared.kept_closing_mm};
+  if (!options.parts.empty()) how.all_parts = options.parts == "all";
+  return how;
 }
 
 using FitClock = std::chrono::steady_clock;
 
-/// One case's target, and the mask it comes from where there is one.
+/// One case's target: a boundary, which is made of the mask where there is one.
 struct FitTarget {
   FitClock::time_point started = FitClock::now();  ///< once the file was read
   Boundary boundary;
   std::optional<MaskRead> mask;
+
+  MapLabel label() const { return {mask->volume, mask->label, mask->frame, mask->segmentation}; }
 };
 
-/// `closing_mm`: where --closing-mm says none.
+/// Reads a surface, or a label map, of which the boundary is still to be made.
 Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared, const fs::path& path,
-                                  std::optional<double> closing_mm, Progress& progress) {
-  const Eigen::Index vertices = shared.the_template->points.rows();
-  if (options.to_meshes()) {
-    const auto file = read_mesh_to_mend(path);
-    if (!file) return fail(file.error());
-    const auto started = FitClock::now();
-    auto boundary = surface_boundary(*file, vertices, &progress, options.partial,
-                                     long_rims({shared.the_template->topology, shared.the_template->points}).size());
-    if (!boundary) return fail(path.string(), boundary.error().what);
-    boundary->warnings.insert(boundary->warnings.begin(), file->warnings.begin(), file->warnings.end());
-    return FitTarget{started, std::move(*boundary), std::nullopt};
+                                  Progress& progress) {
+  if (!options.to_meshes()) {
+    auto mask = read_mask(path, options.label, {options.frame, {}, options.level}, progress);
+    if (!mask) return fail(mask.error());
+    return FitTarget{FitClock::now(), {}, std::move(*mask)};
   }
-  auto mask = read_mask(path, options.label, {options.frame, {}, options.level}, progress);
-  if (!mask) return fail(mask.error());
+  const auto file = read_mesh_to_mend(path);
+  if (!file) return fail(file.error());
   const auto started = FitClock::now();
-  LabelParts parts = parts_for(*shared.the_template, mask->segmentation, mask->warnings);
-  parts.all = takes_all_parts(options, *shared.the_template);
-  const auto part = [&](std::size_t rank) {
-    parts.rank = rank;
-    return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm ? options.closing_mm : closing_mm,
-                          vertices, parts);
-  };
-  auto boundary = part(0);
-  if (boundary && !parts.all) boundary = likeliest_part(*shared.the_template, std::move(*boundary), part, shared.fit);
-  if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
-  boundary->warnings = mask->named(std::move(boundary->warnings));
-  boundary->warnings.insert(boundary->warnings.begin(), mask->warnings.begin(), mask->warnings.end());
-  return FitTarget{started, std::move(*boundary), std::move(*mask)};
+  auto boundary = surface_boundary(*file, shared.the_template->points.rows(), &progress, options.partial,
+                                   long_rims({shared.the_template->topology, shared.the_template->points}).size());
+  if (!boundary) return fail(path.string(), boundary.error().what);
+  boundary->warnings.insert(boundary->warnings.begin(), file->warnings.begin(), file->warnings.end());
+  return FitTarget{started, std::move(*boundary), std::nullopt};
+}
+
+/// The first `count` of these sentences are about the mask's labels: they name them, and what reading it said comes
+/// before them.
+void name_labels(const MaskRead& mask, std::ptrdiff_t count, std::vector<std::string>& sentences) {
+  for (std::string& sentence : std::span(sentences).first(static_cast<std::size_t>(count)))
+    sentence = mask.named(std::move(sentence));
+  sentences.insert(sentences.begin(), mask.warnings.begin(), mask.warnings.end());
 }
 
 /// What the model alone came to, and how far the mesh lies beyond it.
@@ -128,7 +127,8 @@ Report report_of_fit(const FitTarget& target, const Template& the_template, cons
   report.values["beyond_share"] = judgement.beyond_share;
   if (target.mask) {
     const MaskRead& mask = *target.mask;
-    report.values["dice_raw"] = dice_with_mask(fit.mesh, mask.volume, mask.label, mask.frame);
+    const bool is_part = the_template.faced && judgement.rim;  // of the label's surface, which encloses nothing
+    report.values["dice_raw"] = is_part ? Json() : Json(dice_with_mask(fit.mesh, mask.volume, mask.label, mask.frame));
     mask.report(report.values);
     report.values["parts_left_out"] = {{"count", target.boundary.parts_left_out},
                                        {"share", target.boundary.share_left_out}};
@@ -166,51 +166,66 @@ FittedCase case_of(const FitJob& options, const FitShared& shared, const fs::pat
   fitted.doubt_mm = fit.doubt_mm;
   if (options.partial) fitted.outlier = outlier_marks(fit);
   if (judgement.doubtful) fitted.doubt = reason_of_doubt(judgement.warnings);
-  FitFigures figures;
-  figures.mean_mm = options.partial ? judgement.target.mean_mm : judgement.inside_scan.assd_mm;
-  figures.p95_mm = options.partial ? judgement.target.p95_mm : judgement.inside_scan.hd95_mm;
-  if (!options.partial && !judgement.rim) figures.dice = judgement.inside_scan.dice;
-  if (options.partial)
-    figures.missing_share = static_cast<double>(fit.outliers.size()) / static_cast<double>(fit.mesh.points.rows());
-  for (const std::string& warning : judgement.warnings) figures.warnings.push_back(as_sentence(warning));
-  fitted.figures = std::move(figures);
+  fitted.figures = figures_of_fit(judgement, fit, options.partial);
   return fitted;
 }
 
-/// Of a fit to a label map: the closing radius for the report. Where nobody asked for one and the fit is doubtful,
-/// wider ones are tried, and a fit that is sound takes the first one's place.
-Json close_better(const FitJob& options, const FitShared& shared, const FitOptions& fitting, FitTarget& target,
-                  FitResult& fit, FitJudgement& judgement) {
-  if (!target.mask) return Json::object();
-  const MaskRead& mask = *target.mask;
-  const double usual_mm = usual_closing_mm(mask.volume, mask.label, mask.frame);
-  const double first_mm = options.closing_mm.value_or(shared.kept_closing_mm.value_or(usual_mm));
-  if (options.closing_mm) return {{"closing_mm", first_mm}, {"closing_chosen", false}, {"closing_why", "as asked for"}};
-  OtherClosing first{first_mm, std::move(target.boundary), std::move(fit), std::move(judgement)};
-  const LabelParts parts{takes_all_parts(options, *shared.the_template)};
-  MoreClosing more = try_more_closing(*shared.the_template, mask.volume, mask.label, mask.frame, parts, fitting, first);
-  const std::string why = why_closing(more, shared.kept_closing_mm.has_value());
-  if (!more.better && !more.tried.empty()) first.judgement.warnings.push_back(tried_in_vain(more));
-  OtherClosing& taken = more.better ? *more.better : first;
-  if (more.better) {  // the label map's own warnings stand before those of the boundary, which were named by its labels
-    auto& said = taken.judgement.warnings;
-    said.erase(said.begin(), said.begin() + std::ssize(taken.boundary.warnings));
-    said.insert(said.begin(), first.boundary.warnings.begin(), first.boundary.warnings.end());
-    taken.boundary.warnings = first.boundary.warnings;
-  }
-  target.boundary = std::move(taken.boundary);
-  fit = std::move(taken.fit);
-  judgement = std::move(taken.judgement);
+/// The closing radius for the report.
+Json described_closing(const LabelFit& fitted, const LabelFitOptions& how) {
+  Json closing{{"closing_mm", fitted.closing_mm},
+               {"closing_chosen", !how.closing_mm.has_value()},
+               {"closing_why", why_closing(fitted, how)}};
+  if (how.closing_mm) return closing;
   Json tried = Json::array();
-  for (const TriedClosing& one : more.tried)
+  for (const TriedClosing& one : fitted.tried)
     tried.push_back({{"closing_mm", one.closing_mm}, {"dice_raw", one.dice_raw}, {"doubtful", one.doubtful}});
-  return {{"closing_mm", taken.closing_mm}, {"closing_chosen", true}, {"closing_why", why}, {"closing_tried", tried}};
+  closing["closing_tried"] = tried;
+  return closing;
 }
 
-/// The closing radius that a kept fit ended with, else the one that is kept with the template.
-std::optional<double> closing_of(const FitShared& shared, const AmongCases& among) {
-  if (among.again == nullptr || !among.again->closing.contains("closing_mm")) return shared.kept_closing_mm;
-  return among.again->closing["closing_mm"].get<double>();
+/// Fits to what was read of a case, and judges that.
+Result<FittedTarget> fitted_to(const FitJob& options, const FitShared& shared, const FitOptions& fitting,
+                               FitTarget& target) {
+  const Template& the_template = *shared.the_template;
+  FittedTarget fitted;
+  if (target.mask) {
+    const LabelFitOptions how = how_to_fit(options, shared);
+    auto found = fit_to_label(the_template, target.label(), how, fitting);
+    if (!found) return fail("", target.mask->named(found.error().what));
+    fitted.closing = described_closing(*found, how);
+    const auto of_labels = std::ssize(found->boundary.warnings);
+    fitted.judgement = std::move(found->judgement);
+    name_labels(*target.mask, of_labels, fitted.judgement.warnings);
+    target.boundary = std::move(found->boundary);
+    fitted.fit = std::move(found->fit);
+  } else {
+    auto fit = fit_to_boundary(the_template, target.boundary, fitting);
+    if (!fit) return fail(fit.error());
+    fitted.judgement = judge_fit(the_template, target.boundary, fitting, *fit);
+    fitted.fit = std::move(*fit);
+    fitted.closing = Json::object();
+  }
+  fitted.seconds = std::chrono::duration<double>(FitClock::now() - target.started).count();
+  return fitted;
+}
+
+/// A fit that was kept, whose doubt takes in the other cases.
+Result<FittedTarget> fitted_again(const FitJob& options, const FitShared& shared, const FitOptions& fitting,
+                                  const AmongCases& among, FitTarget& target) {
+  const Template& the_template = *shared.the_template;
+  FittedTarget fitted = *among.again;
+  if (target.mask) {
+    const double closing_mm = fitted.closing["closing_mm"].get<double>();
+    auto boundary = boundary_to_fit(the_template, target.label(), how_to_fit(options, shared), closing_mm, fitting);
+    if (!boundary) return fail("", target.mask->named(boundary.error().what));
+    target.boundary = std::move(*boundary);
+    name_labels(*target.mask, std::ssize(target.boundary.warnings), target.boundary.warnings);
+  }
+  const auto spread = spread_by_others_mm2(the_template, among.others, target.boundary, fitting, fitted.fit);
+  if (!spread) return fail(spread.error());
+  fitted.fit.doubt_mm = doubt_among_others_mm(fitted.fit.doubt_mm, *spread);
+  fitted.judgement = judge_fit(the_template, target.boundary, fitting, fitted.fit);
+  return fitted;
 }
 
 }  // namespace
@@ -283,31 +298,22 @@ MeshFile fitted_file(const Template& the_template, const FitResult& fit, bool pa
 
 Result<Report> fit_case(const FitJob& options, const FitShared& shared, const fs::path& path, const fs::path& out,
                         Progress& progress, const AmongCases& among) {
-  auto target = read_fit_target(options, shared, path, closing_of(shared, among), progress);
+  auto target = read_fit_target(options, shared, path, progress);
   if (!target) return fail(target.error());
   auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, path);
   if (!landmarks) return fail(landmarks.error());
   FitOptions fitting = shared.fit;
   fitting.landmarks = std::move(landmarks->places);
   fitting.progress = &progress;
-  FittedTarget fitted;
+  auto done = among.again == nullptr ? fitted_to(options, shared, fitting, *target)
+                                     : fitted_again(options, shared, fitting, among, *target);
+  if (!done) return fail(path.string(), done.error().what);
+  FittedTarget fitted = std::move(*done);
   if (among.again == nullptr) {
     fitted.warnings = std::move(landmarks->warnings);
-    auto fit = fit_to_boundary(*shared.the_template, target->boundary, fitting);
-    if (!fit) return fail(path.string(), fit.error().what);
-    fitted.fit = std::move(*fit);
-    fitted.judgement = judge_fit(*shared.the_template, target->boundary, fitting, fitted.fit);
-    fitted.closing = close_better(options, shared, fitting, *target, fitted.fit, fitted.judgement);
-    fitted.seconds = std::chrono::duration<double>(FitClock::now() - target->started).count();
     if (among.off_share != nullptr && !options.partial)
       *among.off_share =
           off_target_mm(fitted.fit.mesh, target->boundary) / bounds_of(fitted.fit.mesh.points).diagonal().norm();
-  } else {
-    fitted = *among.again;
-    const auto spread = spread_by_others_mm2(*shared.the_template, among.others, target->boundary, fitting, fitted.fit);
-    if (!spread) return fail(path.string(), spread.error().what);
-    fitted.fit.doubt_mm = doubt_among_others_mm(fitted.fit.doubt_mm, *spread);
-    fitted.judgement = judge_fit(*shared.the_template, target->boundary, fitting, fitted.fit);
   }
   MeshFile file = fitted_file(*shared.the_template, fitted.fit, options.partial);
   const bool of_cine = target->mask && target->mask->volume.frames > 1;

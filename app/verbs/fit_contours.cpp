@@ -7,6 +7,7 @@
 #include "app/verbs/read_image.h"
 #include "core/adapt/contours/contour_fit.h"
 #include "core/adapt/image/fit_to_image.h"
+#include "core/adapt/label_fit.h"
 #include "core/base/listed.h"
 #include "core/base/text.h"
 #include "core/case/action_json.h"
@@ -63,16 +64,17 @@ Result<void> snap_between(const FitJob& options, const Volume& image, const Temp
 
 /// The fit to what is there: contours alone, with a label map, or with an image.
 Result<FitResult> fit_to_all(const FitJob& options, const FitShared& shared, const FitOptions& fitting,
-                             const DrawnOrgan& organ, MaskRead* mask, const VolumeRead* image, Report& report,
+                             const DrawnOrgan& organ, const MaskRead* mask, const VolumeRead* image, Report& report,
                              Progress& progress) {
   const Template& the_template = *shared.the_template;
   if (mask != nullptr) {
-    const auto boundary =
-        label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm, the_template.points.rows(),
-                       parts_for(the_template, mask->segmentation, mask->warnings));
+    const MapLabel target{mask->volume, mask->label, mask->frame, mask->segmentation};
+    const LabelFitOptions how{.closing_mm = options.closing_mm, .kept_closing_mm = shared.kept_closing_mm};
+    const auto boundary = boundary_to_fit(the_template, target, how, first_closing_mm(target, how), fitting);
     if (!boundary) return fail(options.masks.front().string(), mask->named(boundary.error().what));
     auto fit = fit_to_contours_and_boundary(the_template, organ.contours, *boundary, fitting);
     if (!fit) return fail(options.masks.front().string(), fit.error().what);
+    fit->warnings = mask->named(std::move(fit->warnings));
     report.warnings = mask->warnings;
     return fit;
   }

@@ -8,10 +8,8 @@
 #include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/verbs.h"
-#include "core/adapt/choose_closing.h"
-#include "core/adapt/fit.h"
 #include "core/adapt/image/fit_to_image.h"
-#include "core/adapt/judge_fit.h"
+#include "core/adapt/label_fit.h"
 #include "core/catalogue/catalogue.h"
 #include "core/model/model_prior.h"
 #include "core/model/numbering.h"
@@ -50,21 +48,16 @@ Result<NewShape> shape_of_map(const NewShapes& asked, const MapScoring& with, co
     return fail(mask.error());
   }
   warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
-  const auto boundary =
-      label_boundary(mask->volume, mask->label, mask->frame, usual_closing_mm(mask->volume, mask->label, mask->frame),
-                     mean->points.rows(), parts_for(*mean, mask->segmentation, warnings));
-  if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
   FitOptions options;
   options.allowed = with.allowed;
   options.progress = &progress;
-  auto fit = fit_to_boundary(*mean, *boundary, options);
-  if (!fit) return fail(path.string(), fit.error().what);
-  const FitJudgement judgement = judge_fit(*mean, *boundary, options, *fit);
+  const auto fitted = fit_to_label(*mean, {mask->volume, mask->label, mask->frame, mask->segmentation}, {}, options);
+  if (!fitted) return fail(path.string(), mask->named(fitted.error().what));
   NewShape shape{path.string(), {}, {}};
-  shape.mesh.points = fit->mesh.points;
-  shape.mesh.triangles = fit->mesh.topology;
-  shape.mesh.doubt_mm = fit->doubt_mm;
-  if (judgement.doubtful) shape.doubt = "the fit is doubtful; look at it with fit";
+  shape.mesh.points = fitted->fit.mesh.points;
+  shape.mesh.triangles = fitted->fit.mesh.topology;
+  shape.mesh.doubt_mm = fitted->fit.doubt_mm;
+  if (fitted->judgement.doubtful) shape.doubt = "the fit is doubtful; look at it with fit";
   return shape;
 }
 

@@ -154,20 +154,18 @@ MoreClosing try_more_closing(const Template& the_template, const Volume& mask, i
   return more;
 }
 
-std::string why_closing(const MoreClosing& more, bool kept) {
-  if (more.better)
-    return "with " + mm_words(more.tried.front().closing_mm) + " the fit was doubtful, with this it is not";
-  if (!more.tried.empty()) return "wider radii were tried and are no better";
+std::string why_closing(const std::vector<TriedClosing>& tried, bool widened, bool kept) {
+  if (widened) return "with " + mm_words(tried.front().closing_mm) + " the fit was doubtful, with this it is not";
+  if (!tried.empty()) return "wider radii were tried and are no better";
   return kept ? "kept with the template" : "usual for the label's size";
 }
 
-std::string tried_in_vain(const MoreClosing& more) {
+std::string tried_in_vain(const std::vector<TriedClosing>& tried) {
   std::string text = "closing by";
-  for (std::size_t k = 1; k < more.tried.size(); ++k)
-    text += (k > 1 ? " and " : " ") + mm_words(more.tried[k].closing_mm);
+  for (std::size_t k = 1; k < tried.size(); ++k) text += (k > 1 ? " and " : " ") + mm_words(tried[k].closing_mm);
   char dice[64];
   double best = 0;
-  for (std::size_t k = 1; k < more.tried.size(); ++k) best = std::max(best, more.tried[k].dice_raw);
+  for (std::size_t k = 1; k < tried.size(); ++k) best = std::max(best, tried[k].dice_raw);
   std::snprintf(dice, sizeof dice, " was tried and helps no more (raw Dice %.3f)", best);
   return text + dice;
 }

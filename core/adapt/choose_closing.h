@@ -61,8 +61,9 @@ struct MoreClosing {
 MoreClosing try_more_closing(const Template& the_template, const Volume& mask, int label, int frame,
                              const LabelParts& parts, const FitOptions& options, const OtherClosing& first);
 
-/// What the report and the warning say: why this radius; and of a fit that stays doubtful what was tried.
-std::string why_closing(const MoreClosing& more, bool kept);
-std::string tried_in_vain(const MoreClosing& more);
+/// What the report and the warning say: why this radius, which is a wider one than the first of those that were tried,
+/// or was kept with the template; and what was tried for a fit that stays doubtful.
+std::string why_closing(const std::vector<TriedClosing>& tried, bool widened, bool kept);
+std::string tried_in_vain(const std::vector<TriedClosing>& tried);
 
 }  // namespace homolog

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "core/adapt/boundary/boundary.h"
-#include "core/mesh/rims.h"
 #include "core/template_making/template_file.h"
 
 namespace homolog {
@@ -14,15 +13,12 @@ Result<MeshTemplate> make_faced_template(const Volume& mask, const FacedLabels& 
   if (!boundary) return fail(boundary.error());
   auto part = faced_part(boundary->surface, mask, options.label, options.frame, faced);
   if (!part) return fail(part.error());
-  MeshFile surface;
-  surface.points = std::move(part->points);
-  surface.triangles = part->topology;
-  MeshTemplateOptions making;
-  making.vertices = options.vertices;
-  making.genus.kind = GenusRule::Kind::keep;
-  making.longest_rim_share = least_rim_share;
-  auto made = make_mesh_template(surface, making, progress);
-  if (made) made->warnings.insert(made->warnings.begin(), boundary->warnings.begin(), boundary->warnings.end());
+  MeshTemplate made;
+  made.mesh = spread_over(*part, options.vertices, progress);
+  if (progress != nullptr && progress->cancelled()) return fail("", "the making of the template was cancelled");
+  made.to_mesh = surface_distance(made.mesh, *part);
+  made.from_mesh = surface_distance(*part, made.mesh);
+  made.warnings = std::move(boundary->warnings);
   return made;
 }
 

@@ -18,8 +18,8 @@ struct FacedTemplateOptions {
 };
 
 /// A template of the part of a label's surface that faces other labels, open at its rim: the label's closed boundary is
-/// cut there, and the vertices are spread over it. Its distances are to that part. Openings shorter than
-/// least_rim_share of the diagonal are closed flat. Errors: those of label_boundary, faced_part and make_mesh_template.
+/// cut there, and the vertices are spread over it. Its distances are to that part. Errors: those of
+/// label_boundary and faced_part; cancelled.
 Result<MeshTemplate> make_faced_template(const Volume& mask, const FacedLabels& faced,
                                          const FacedTemplateOptions& options, Progress* progress = nullptr);
 

@@ -133,17 +133,31 @@ Result<ShapeView> shape_to(const std::string& what, const Document& document, co
   return fail("", "There is no mesh to " + what + "; load a template first.");
 }
 
+SetPoints edit_of_fit(const ShapeView& shown, const FitResult& fit, bool partial) {
+  SetPoints edit = points_edit(shown, fit.mesh.points, by_fit, fit.placement);
+  edit.doubt_mm = doubt_on_grid(fit.doubt_mm);
+  if (partial) edit.outlier = std::make_shared<const VertexScalars>(outlier_marks(fit));
+  return edit;
+}
+
+FitFigures figures_of_fit(const FitJudgement& judgement, const FitResult& fit, bool partial) {
+  FitFigures figures;
+  figures.mean_mm = partial ? judgement.target.mean_mm : judgement.inside_scan.assd_mm;
+  figures.p95_mm = partial ? judgement.target.p95_mm : judgement.inside_scan.hd95_mm;
+  if (!partial && !judgement.rim) figures.dice = judgement.inside_scan.dice;
+  if (partial)
+    figures.missing_share = static_cast<double>(fit.outliers.size()) / static_cast<double>(fit.mesh.points.rows());
+  for (const std::string& warning : judgement.warnings) figures.warnings.push_back(as_sentence(warning));
+  return figures;
+}
+
 Result<FitEdit> fit_shape(const ShapeView& shown, const Boundary& boundary, bool as_placed, FitOptions options) {
   if (as_placed) options.placement = shown.shape.placement;
   options.landmarks = shown.shape.landmarks;
   auto fit = fit_to_boundary(shown.the_template(), boundary, options);
   if (!fit) return fail(fit.error());
-  FitEdit edit;
-  edit.action = points_edit(shown, fit->mesh.points, by_fit, fit->placement);
-  edit.action.doubt_mm = doubt_on_grid(fit->doubt_mm);
-  if (options.partial) edit.action.outlier = std::make_shared<const VertexScalars>(outlier_marks(*fit));
-  edit.result = std::move(*fit);
-  return edit;
+  SetPoints action = edit_of_fit(shown, *fit, options.partial);
+  return FitEdit{std::move(action), std::move(*fit)};
 }
 
 std::vector<DrawnContour> drawn_contours(const ShapeView& shown) {

@@ -6,8 +6,10 @@
 
 #include "core/adapt/contours/contour_samples.h"
 #include "core/adapt/fit.h"
+#include "core/adapt/judge_fit.h"
 #include "core/adapt/snap.h"
 #include "core/case/action.h"
+#include "core/case/actions/history_marks.h"
 
 namespace homolog {
 
@@ -21,6 +23,12 @@ struct FitEdit {
   SetPoints action;
   FitResult result;
 };
+
+/// What a fit gives the shown mesh, as the edit of a case; `partial`: with the outliers marked.
+SetPoints edit_of_fit(const ShapeView& shown, const FitResult& fit, bool partial);
+
+/// What a case keeps of a fit and a person reads of it; `mesh` stays empty.
+FitFigures figures_of_fit(const FitJudgement& judgement, const FitResult& fit, bool partial);
 
 /// Fits the template [fit.h] with the landmarks that are placed in the case: from where it lies in the case
 /// (`as_placed`), else its place is found. `options`: all else. Errors: no mesh, and those of fit_to_boundary().

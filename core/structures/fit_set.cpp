@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/adapt/choose_closing.h"
+#include "core/adapt/label_fit.h"
 #include "core/base/parallel.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
@@ -21,33 +21,11 @@ namespace {
 
 constexpr double much_off_place = 0.25;  ///< of the size: then its neighbours have a say in where it starts
 
-/// One structure's fit, and the boundary that it went to.
-struct Try {
-  Boundary boundary;
-  FitResult fit;
-  FitJudgement judgement;
-  double closing_mm = 0;
-  bool tried_wider = false;  ///< closings
-};
-
 /// `chosen_mm`: a closing that was chosen; none: the usual one, and wider ones where they may help.
-Result<Try> try_fit(const Template& the_template, const StructureInMap& there, const FitOptions& options,
-                    const std::optional<double>& chosen_mm = std::nullopt) {
-  const Volume& mask = *there.mask;
-  const int value = there.segment.value;
-  const double closing_mm = chosen_mm.value_or(usual_closing_mm(mask, value, 0));
-  const LabelParts parts = options.partial ? LabelParts{true} : parts_for(*the_template.topology);
-  auto boundary = label_boundary(mask, value, 0, closing_mm, the_template.points.rows(), parts);
-  if (!boundary) return fail(boundary.error());
-  auto fit = fit_to_boundary(the_template, *boundary, options);
-  if (!fit) return fail(fit.error());
-  FitJudgement judgement = judge_fit(the_template, *boundary, options, *fit);
-  OtherClosing first{closing_mm, std::move(*boundary), std::move(*fit), std::move(judgement)};
-  MoreClosing more;
-  if (!chosen_mm) more = try_more_closing(the_template, mask, value, 0, parts, options, first);
-  if (more.better) first = std::move(*more.better);
-  return Try{std::move(first.boundary), std::move(first.fit), std::move(first.judgement), first.closing_mm,
-             !more.tried.empty()};
+Result<LabelFit> try_fit(const Template& the_template, const StructureInMap& there, const FitOptions& options,
+                         const std::optional<double>& chosen_mm = std::nullopt) {
+  return fit_to_label(the_template, {*there.mask, there.segment.value}, {.closing_mm = chosen_mm, .largest_part = true},
+                      options);
 }
 
 /// How far two placements of a template lie apart, by its size.
@@ -57,7 +35,7 @@ double apart(const Template& the_template, const Similarity& a, const Similarity
   return std::sqrt(difference.rowwise().squaredNorm().mean()) / bounds_of(there).diagonal().norm();
 }
 
-void take(Try&& found, FittedStructure& into, std::optional<Boundary>& boundary) {
+void take(LabelFit&& found, FittedStructure& into, std::optional<Boundary>& boundary) {
   boundary = std::move(found.boundary);
   into.fit = std::move(found.fit);
   into.judgement = std::move(found.judgement);
@@ -199,7 +177,7 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
   fit_some(there, 0.7, [&](std::size_t k, const FitOptions& fitting) {
     tell(k, SetFitStep::runs);
     auto found = try_fit(*set.templates[k], subject.structures[k], fitting);
-    if (found) tried_wider[k] = found->tried_wider ? 1 : 0;
+    if (found) tried_wider[k] = found->tried.empty() ? 0 : 1;
     if (found)
       take(std::move(*found), result.structures[k], boundaries[k]);
     else

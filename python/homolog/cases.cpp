@@ -1,7 +1,7 @@
 #include "app/verbs/fit_contours.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
-#include "core/adapt/boundary/boundary.h"
+#include "core/adapt/label_fit.h"
 #include "core/assist/assist.h"
 #include "core/assist/cine.h"
 #include "core/case/action_json.h"
@@ -9,6 +9,7 @@
 #include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
 #include "core/structures/set_in_case.h"
+#include "core/template_making/label_body.h"
 #include "core/volume/referenced_images.h"
 #include "python/homolog/binding.h"
 #include "python/homolog/held_case.h"
@@ -218,6 +219,18 @@ std::shared_ptr<HeldVolume> labels_from(const py::object& value) {
   return read.cast<std::shared_ptr<HeldVolume>>();
 }
 
+/// Whether a voxel of a label lies in a grid.
+bool lies_in(const MapLabel& target, const VolumeGeometry& grid) {
+  const auto& [first, last, area_mm2, voxels] = label_extent(target.map, target.label, target.frame);
+  for (int k = first[2]; k <= last[2]; ++k)
+    for (int j = first[1]; j <= last[1]; ++j)
+      for (int i = first[0]; i <= last[0]; ++i)
+        if (rounded_label(target.map.at(i, j, k, target.frame)) == target.label &&
+            grid.holds(target.map.geometry.to_mm(Vec3(i, j, k))))
+          return true;
+  return voxels == 0;  // said by the fit
+}
+
 py::dict fit_into(HeldCase& self, const py::object& given, const py::object& asked, const std::string& of,
                   const std::optional<double>& closing_mm, const std::optional<int>& frame, bool as_placed,
                   const py::object& progress) {
@@ -233,25 +246,26 @@ py::dict fit_into(HeldCase& self, const py::object& given, const py::object& ask
             check_scan(name, labels->read->volume.frame_of_reference, labels->read->referenced, image_name, *image)))
       warn({*other});
   }
-  auto edit = computed<FitEdit>(self, progress, [&](Progress& own) -> Result<FitEdit> {
+  const auto fitted = computed<LabelFit>(self, progress, [&](Progress& own) -> Result<LabelFit> {
     auto mask = chosen_mask(*labels->read, name, label, {frame, {}, {}});
     if (!mask) return fail(mask.error());
-    std::vector<std::string> warnings;
-    auto boundary = label_boundary(mask->volume, mask->label, mask->frame, closing_mm, view.shape.points->rows(),
-                                   parts_for(view.the_template(), mask->segmentation, warnings));
-    if (!boundary) return fail(name, boundary.error().what);
-    boundary->warnings.insert(boundary->warnings.begin(), warnings.begin(), warnings.end());
-    const Points& places = boundary->surface.points;
-    const auto in_image = [&](Eigen::Index p) { return image->geometry.holds(Vec3(places.row(p))); };
-    bool meets = image == nullptr;
-    for (Eigen::Index p = 0; p < places.rows() && !meets; ++p) meets = in_image(p);
-    if (!meets) return fail(name, "lies outside of " + image_name + "; give the scan that it was drawn on");
+    const MapLabel target{mask->volume, mask->label, mask->frame, mask->segmentation};
+    if (image != nullptr && !lies_in(target, image->geometry))
+      return fail(name, "lies outside of " + image_name + "; give the scan that it was drawn on");
+    const Template& the_template = view.the_template();
     FitOptions options;
     options.progress = &own;
-    return fit_shape(view, *boundary, as_placed, options);
+    options.landmarks = view.shape.landmarks;
+    if (as_placed) options.placement = view.shape.placement;
+    auto found =
+        fit_to_label(the_template, target,
+                     {.closing_mm = closing_mm, .kept_closing_mm = closing_kept_with(the_template.source)}, options);
+    if (!found) return fail(name, mask->named(found.error().what));
+    found->judgement.warnings = mask->named(std::move(found->judgement.warnings));
+    return found;
   });
-  warn(edit.result.warnings);
-  return apply(self, {std::move(edit.action), of});
+  warn(fitted.judgement.warnings);
+  return apply(self, {edit_of_fit(view, fitted.fit, false), of});
 }
 
 /// One file, or several.

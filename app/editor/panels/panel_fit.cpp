@@ -130,25 +130,25 @@ void draw_free_all(const UiContext& ui, Outbox& out) {
 }
 
 void draw_last_fit(const Theme& theme, const Fitted& fitted) {
-  const bool partial = fitted.missing_share.has_value();
-  figure(theme, "Distance to the label", format("%.2f mm", fitted.mean_mm),
+  const bool partial = fitted.figures.missing_share.has_value();
+  figure(theme, "Distance to the label", format("%.2f mm", fitted.figures.mean_mm),
          partial ? "Mean distance from the label to the mesh. Flat cuts through the organ do not count"
                  : "Mean distance between mesh and label, both ways");
-  figure(theme, "95 % of it within", format("%.2f mm", fitted.p95_mm),
+  figure(theme, "95 % of it within", format("%.2f mm", fitted.figures.p95_mm),
          "The 95th percentile of that distance: only 5 % of the surface is farther away");
   if (partial)
-    figure(theme, "Missing in the label", format("%.0f %%", 100 * *fitted.missing_share),
+    figure(theme, "Missing in the label", format("%.0f %%", 100 * *fitted.figures.missing_share),
            "Share of the mesh that lies where the label lacks the organ. The mesh is grey there");
   else
-    figure(theme, "Dice", fitted.dice ? format("%.3f", *fitted.dice) : "\xe2\x80\x93",
-           fitted.dice
+    figure(theme, "Dice", fitted.figures.dice ? format("%.3f", *fitted.figures.dice) : "\xe2\x80\x93",
+           fitted.figures.dice
                ? "Overlap with the closed label. 1 means that both are the same"
                : "A mesh with a rim encloses nothing that could overlap. Its warnings say how far the rims lie apart",
-           fitted.dice.value_or(1) < 0.9 ? palette::amber : palette::text);
+           fitted.figures.dice.value_or(1) < 0.9 ? palette::amber : palette::text);
   std::string said;
-  for (const auto* sentences : {&fitted.warnings, &fitted.remarks})
+  for (const auto* sentences : {&fitted.figures.warnings, &fitted.figures.remarks})
     for (const std::string& sentence : *sentences) said += (said.empty() ? "" : " ") + sentence;
-  two_lines(theme, said, fitted.warnings.empty() ? palette::dim : palette::amber);
+  two_lines(theme, said, fitted.figures.warnings.empty() ? palette::dim : palette::amber);
 }
 
 /// How far the fit is, or how good the last one was; always of the same height, so that nothing below moves.
@@ -199,7 +199,7 @@ void draw_refinement(const UiContext& ui, Outbox& out) {
     running = {"Refining", ui.work.fitter.fraction(), "The mesh goes back to how it was (Escape)"};
   const auto& last = ui.state.found.last_refinement;
   const bool known = last && ui.has_shape() && *last->edit.points == *ui.committed_shape().points;
-  if (work_area(ui.theme, known ? last->remarks.back() : "", running)) out.send(CancelFit{});
+  if (work_area(ui.theme, known ? last->figures.remarks.back() : "", running)) out.send(CancelFit{});
 }
 
 }  // namespace homolog

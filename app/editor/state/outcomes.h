@@ -8,6 +8,7 @@
 #include "app/editor/state/settings.h"
 #include "core/adapt/contours/contour_fit.h"
 #include "core/adapt/judge_fit.h"
+#include "core/case/actions/history_marks.h"
 #include "core/case/actions/points.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
@@ -19,11 +20,8 @@ namespace homolog {
 /// A finished fit or refinement: the edit, and what it is judged by.
 struct Fitted {
   SetPoints edit;
-  double mean_mm = 0, p95_mm = 0;  ///< distance between mesh and label; of a partial fit, from the label
-  std::optional<double> dice;      ///< of a fit with the closed label; none of a partial one, or one with a rim
-  std::vector<std::string> warnings, remarks;  ///< each a sentence
-  bool doubtful = false;                       ///< a fit that a person has to look at
-  std::optional<double> missing_share;         ///< of a partial fit: what the label lacks of the mesh
+  FitFigures figures;     ///< of a refinement the remarks alone
+  bool doubtful = false;  ///< a fit that a person has to look at
 };
 
 /// What a snap found.

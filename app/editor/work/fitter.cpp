@@ -8,9 +8,7 @@
 
 #include "app/editor/state/label_map_layer.h"
 #include "app/editor/work/models/model_help.h"
-#include "core/adapt/choose_closing.h"
-#include "core/adapt/judge_fit.h"
-#include "core/adapt/likeliest_part.h"
+#include "core/adapt/label_fit.h"
 #include "core/assist/assist.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_quality.h"
@@ -46,6 +44,33 @@ Result<std::shared_ptr<const AllowedShapes>> allowed_shapes(const Template& the_
   return std::make_shared<const AllowedShapes>(std::move(*allowed));
 }
 
+/// What a person may want to know of a fit beside its figures.
+std::vector<std::string> remarks_on(const LabelFit& fitted, bool partial) {
+  std::vector<std::string> remarks;
+  const auto add = [&](const char* format, double first, double second) {
+    char remark[200];
+    std::snprintf(remark, sizeof remark, format, first, second);
+    remarks.emplace_back(remark);
+  };
+  if (fitted.widened)
+    add("Clefts were closed by %.2f mm, since the fit was doubtful with %.2f mm.", fitted.closing_mm,
+        fitted.tried.front().closing_mm);
+  const FitResult& fit = fitted.fit;
+  if (fit.allowed.size() > 0)
+    add("The model alone comes within %.2f mm of the label. The mesh lies %.2f mm beyond it on average.",
+        mean_surface_distance_mm({fit.mesh.topology, fit.allowed}, fitted.boundary.surface),
+        (fit.mesh.points - fit.allowed).rowwise().norm().mean());
+  if (fitted.judgement.beyond_share > 0 && !partial) {
+    char remark[160];
+    std::snprintf(
+        remark, sizeof remark,
+        "%.0f %% of the mesh lies beyond the scan, where it follows the template. The figures are of the rest.",
+        100 * fitted.judgement.beyond_share);
+    remarks.emplace_back(remark);
+  }
+  return remarks;
+}
+
 Result<Fitted> refined(const Document& document, const std::string& of, Progress& progress) {
   const auto shown = shape_to("refine", document, of);
   if (!shown) return fail(shown.error());
@@ -68,8 +93,8 @@ Result<Fitted> refined(const Document& document, const std::string& of, Progress
                 "was %.1f\xc2\xb0 and is %.1f\xc2\xb0. The surface moved at most %.2f mm.",
                 moved_mm.mean(), moved_mm.maxCoeff(), smallest_deg(*shown->shape.points),
                 smallest_deg(*done.edit.points), off.max_mm);
-  done.remarks = std::move(refinement->warnings);
-  done.remarks.emplace_back(remark);
+  done.figures.remarks = std::move(refinement->warnings);
+  done.figures.remarks.emplace_back(remark);
   return done;
 }
 
@@ -105,97 +130,22 @@ Result<Fitted> fit_to_labels(const ShapeView& shown, const NamedLabels& labels, 
   if (!allowed) return fail(allowed.error());
   options.allowed = *allowed;
   options.partial = settings.partial;
-  const int frame = frame_of_map(*labels.volume, shown.frame);
-  const int label = settings.all_labels ? every_label : settings.label;
-  const double closing_mm = settings.closing_mm.value_or(
-      closing_kept_with(the_template.source).value_or(usual_closing_mm(*labels.volume, label, frame)));
-  std::vector<std::string> warnings;
-  LabelParts parts = parts_for(the_template, labels.known, warnings);
-  parts.all = parts.all || settings.partial;
-  const auto part = [&](std::size_t rank) {
-    parts.rank = rank;
-    return label_boundary(*labels.volume, label, frame, closing_mm, the_template.points.rows(), parts);
-  };
-  auto boundary = part(0);
-  if (boundary && !parts.all) boundary = likeliest_part(the_template, std::move(*boundary), part, options);
-  if (!boundary) return fail(labels.name, boundary.error().what);
-  boundary->warnings.insert(boundary->warnings.begin(), warnings.begin(), warnings.end());
-  auto fit = fit_shape(shown, *boundary, settings.as_placed, options);
-  if (!fit) return fail(labels.name, fit.error().what);
-  FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
+  options.landmarks = shown.shape.landmarks;
+  if (settings.as_placed) options.placement = shown.shape.placement;
+  const LabelFitOptions how{.closing_mm = settings.closing_mm,
+                            .kept_closing_mm = closing_kept_with(the_template.source)};
+  const auto fitted = fit_to_label(the_template,
+                                   {*labels.volume, settings.all_labels ? every_label : settings.label,
+                                    frame_of_map(*labels.volume, shown.frame), labels.known},
+                                   how, options);
+  if (!fitted) return fail(labels.name, fitted.error().what);
   Fitted done;
-  if (!settings.closing_mm && !settings.partial && judgement.doubtful) {
-    auto more = try_more_closing(the_template, *labels.volume, label, frame, parts, options,
-                                 {closing_mm, *boundary, fit->result, judgement});
-    if (more.better) {
-      auto again = fit_shape(shown, more.better->boundary, settings.as_placed, options);
-      if (!again) return fail(labels.name, again.error().what);
-      *boundary = std::move(more.better->boundary);
-      fit = std::move(again);
-      judgement = judge_fit(the_template, *boundary, options, fit->result);
-      char closed[160];
-      std::snprintf(closed, sizeof closed, "Clefts were closed by %.2f mm, since the fit was doubtful with %.2f mm.",
-                    more.better->closing_mm, closing_mm);
-      done.remarks.emplace_back(closed);
-    } else if (!more.tried.empty()) {
-      judgement.warnings.push_back(tried_in_vain(more));
-    }
-  }
-  done.mean_mm = judgement.inside_scan.assd_mm;
-  done.p95_mm = judgement.inside_scan.hd95_mm;
-  if (!settings.partial && !judgement.rim) done.dice = judgement.inside_scan.dice;
-  done.doubtful = judgement.doubtful;
-  for (const std::string& warning : judgement.warnings) done.warnings.push_back(as_sentence(warning));
-  if (fit->result.allowed.size() > 0) {
-    const double model_mm = mean_surface_distance_mm({the_template.topology, fit->result.allowed}, boundary->surface);
-    const double beyond_mm = (fit->result.mesh.points - fit->result.allowed).rowwise().norm().mean();
-    char remark[160];
-    std::snprintf(remark, sizeof remark,
-                  "The model alone comes within %.2f mm of the label. The mesh lies %.2f mm beyond it on average.",
-                  model_mm, beyond_mm);
-    done.remarks.emplace_back(remark);
-  }
-  if (judgement.beyond_share > 0 && !settings.partial) {
-    char remark[160];
-    std::snprintf(
-        remark, sizeof remark,
-        "%.0f %% of the mesh lies beyond the scan, where it follows the template. The figures are of the rest.",
-        100 * judgement.beyond_share);
-    done.remarks.emplace_back(remark);
-  }
-  if (settings.partial) {
-    done.missing_share =
-        static_cast<double>(fit->result.outliers.size()) / static_cast<double>(the_template.points.rows());
-    done.mean_mm = judgement.target.mean_mm;
-    done.p95_mm = judgement.target.p95_mm;
-  }
-  done.edit = std::move(fit->action);
+  done.edit = edit_of_fit(shown, fitted->fit, settings.partial);
+  done.figures = figures_of_fit(fitted->judgement, fitted->fit, settings.partial);
+  done.figures.mesh = mesh_hash(*done.edit.points);
+  done.doubtful = fitted->judgement.doubtful;
+  for (std::string& remark : remarks_on(*fitted, settings.partial)) done.figures.remarks.push_back(std::move(remark));
   return done;
-}
-
-FitFigures figures_of(const Fitted& fitted) {
-  FitFigures figures;
-  figures.mesh = mesh_hash(*fitted.edit.points);
-  figures.mean_mm = fitted.mean_mm;
-  figures.p95_mm = fitted.p95_mm;
-  figures.dice = fitted.dice;
-  figures.missing_share = fitted.missing_share;
-  figures.warnings = fitted.warnings;
-  figures.remarks = fitted.remarks;
-  return figures;
-}
-
-Fitted fitted_of(const FitFigures& figures, std::shared_ptr<const Points> made) {
-  Fitted fitted;
-  fitted.edit.by = by_fit;
-  fitted.edit.points = std::move(made);
-  fitted.mean_mm = figures.mean_mm;
-  fitted.p95_mm = figures.p95_mm;
-  fitted.dice = figures.dice;
-  fitted.missing_share = figures.missing_share;
-  fitted.warnings = figures.warnings;
-  fitted.remarks = figures.remarks;
-  return fitted;
 }
 
 void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings,

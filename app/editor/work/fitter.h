@@ -40,11 +40,6 @@ struct ModelOfFit {
 Result<Fitted> fit_to_labels(const ShapeView& shown, const NamedLabels& labels, const FitSettings& settings,
                              const ModelOfFit& model, FitOptions options);
 
-/// What a case keeps of a fit, and what is said of it when the case is opened again. `made`: the mesh that the fit
-/// made.
-FitFigures figures_of(const Fitted& fitted);
-Fitted fitted_of(const FitFigures& figures, std::shared_ptr<const Points> made);
-
 /// Fits the shown frame's template to a label, or to the surface that the mesh has already (see refine), on a thread of
 /// its own. Called from the window's thread only.
 class Fitter {

@@ -279,8 +279,9 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   auto fitted = fit_to_labels(*view, labels->map, settings, {}, fit);
   if (!fitted) return fail(fitted.error());
   // What is wrong with the fit is said last.
-  const std::string reason = fitted->warnings.empty() ? "The fit is doubtful." : fitted->warnings.back();
-  const Note figures{"fit", {}, {}, figures_of(*fitted)};
+  const std::string reason =
+      fitted->figures.warnings.empty() ? "The fit is doubtful." : fitted->figures.warnings.back();
+  const Note figures{"fit", {}, {}, fitted->figures};
   if (auto applied = session.apply(std::move(fitted->edit), false, one.structure); !applied)
     return fail(applied.error());
   if (auto noted = session.apply(figures, false, one.structure); !noted) return fail(noted.error());

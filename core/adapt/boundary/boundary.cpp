@@ -151,8 +151,9 @@ LabelParts parts_for(const Template& the_template, const Segmentation& known, st
     parts.faced = std::move(*faced);
     parts.rims = long_rims({the_template.topology, the_template.points}).size();
   } else {
-    warnings.push_back("the template ends at its neighbours, and the map " + faced.error().what +
-                       ". Its whole surface was taken");
+    const std::string& what = faced.error().what;
+    warnings.push_back("the template ends at its neighbours, and the map " + what.substr(0, what.find(';')) +
+                       "; the label's whole surface was taken");
   }
   return parts;
 }

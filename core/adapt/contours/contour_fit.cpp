@@ -185,6 +185,7 @@ Result<FitResult> fit_to_contours_and_boundary(const Template& the_template, con
                                                const Boundary& boundary, const FitOptions& options) {
   auto fit = fit_to_boundary(the_template, boundary, options);
   if (!fit) return fit;
+  fit->warnings.insert(fit->warnings.begin(), boundary.warnings.begin(), boundary.warnings.end());
   return ContourFitting(the_template, contours, options).with(boundary, std::move(*fit));
 }
 

@@ -75,9 +75,9 @@ TEST_CASE("a fit shows its steps and gives the shape of the label") {
   const auto done = fitter.take();
   REQUIRE(done);
   const Fitted& fitted = test::must(*done);
-  CHECK(fitted.dice.value() > 0.97);
-  CHECK(fitted.remarks.empty());
-  CHECK(fitted.warnings.empty());
+  CHECK(fitted.figures.dice.value() > 0.97);
+  CHECK(fitted.figures.remarks.empty());
+  CHECK(fitted.figures.warnings.empty());
   const VertexScalars radii = (fitted.edit.points->rowwise() - Vec3::Constant(60).transpose()).rowwise().norm();
   CHECK(radii.minCoeff() > 23);
   CHECK(radii.maxCoeff() < 25);

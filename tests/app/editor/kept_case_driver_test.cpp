@@ -180,7 +180,7 @@ TEST_CASE("a case opens again with its label map and with what its fit came to")
   driver.wait_until("the fit is done", [&] { return driver.state().found.last_fit.has_value(); });
   driver.settle();
   CHECK(driver.shows("Distance to the label"));
-  const double mean_mm = driver.state().found.last_fit->mean_mm, dice = driver.state().found.last_fit->dice.value();
+  const double mean_mm = driver.state().found.last_fit->figures.mean_mm, dice = driver.state().found.last_fit->figures.dice.value();
   CHECK(read_whole_file(organ.file).value().substr(0, 400).find("\"labels\":\"../map.nii.gz\"") != std::string::npos);
   const std::size_t undo_steps = driver.app().snapshot().undo_names.size();
 
@@ -197,8 +197,8 @@ TEST_CASE("a case opens again with its label map and with what its fit came to")
   CHECK(driver.control("Place/Fit to the label").enabled);
   CHECK(driver.shows("Distance to the label"));
   REQUIRE(driver.state().found.last_fit);
-  CHECK(driver.state().found.last_fit->mean_mm == mean_mm);
-  CHECK(driver.state().found.last_fit->dice.value() == dice);
+  CHECK(driver.state().found.last_fit->figures.mean_mm == mean_mm);
+  CHECK(driver.state().found.last_fit->figures.dice.value() == dice);
   CHECK(driver.app().snapshot().undo_names.size() == undo_steps);
 
   // Without the file the case opens all the same.

@@ -178,9 +178,9 @@ TEST_CASE("a fit to an organ that the scan cuts marks what is missing in grey") 
   driver.settle();
   CHECK_FALSE(driver.shows("Dice"));
   const Fitted& fitted = *driver.state().found.last_fit;
-  CHECK(*fitted.missing_share > 0.1);
-  CHECK(fitted.mean_mm < 0.5);  // the flat cut does not count
-  CHECK(fitted.p95_mm < 1.6);
+  CHECK(*fitted.figures.missing_share > 0.1);
+  CHECK(fitted.figures.mean_mm < 0.5);  // the flat cut does not count
+  CHECK(fitted.figures.p95_mm < 1.6);
   CHECK(driver.shows("the scan lacks this part"));
 
   const Shape shape = driver.document().view()->shape;

@@ -191,7 +191,7 @@ TEST_CASE("a fit begins with the shape of the study's model or of a file's and s
     driver.wait_until("the fit is done", [&] { return driver.state().found.last_fit.has_value(); });
     driver.settle();
     CHECK(driver.shows("The model alone comes within"));
-    CHECK(driver.state().found.last_fit->mean_mm < 0.6);
+    CHECK(driver.state().found.last_fit->figures.mean_mm < 0.6);
     driver.press('Z', {false, true, false});
     driver.settle();
     driver.state().found.last_fit.reset();

@@ -21,7 +21,7 @@ void take_fit(Editing& editing, Fitted fitted) {
   EditorState& state = editing.state;
   if (editing.refuses_edits()) return editing.shown.session().preview(std::nullopt);  // it was locked meanwhile
   if (fitted.edit.by == by_refinement) {
-    for (const std::string& remark : fitted.remarks) add_notice(state, remark, false);
+    for (const std::string& remark : fitted.figures.remarks) add_notice(state, remark, false);
     state.found.last_refinement = fitted;
     editing.log.is_done(RefineAlongSurface{});
   } else {
@@ -30,7 +30,7 @@ void take_fit(Editing& editing, Fitted fitted) {
     if (editing.work.started_fit) editing.log.is_done(*editing.work.started_fit);
   }
   const bool is_fit = fitted.edit.by == by_fit;
-  Note figures{"fit", {}, {}, figures_of(fitted)};
+  Note figures{"fit", {}, {}, fitted.figures};
   editing.apply(std::move(fitted.edit));
   if (is_fit) editing.apply(std::move(figures), true);
 }

@@ -6,7 +6,7 @@
 
 #include "app/editor/state/label_map_layer.h"
 #include "app/editor/work/snaps.h"
-#include "core/adapt/choose_closing.h"
+#include "core/adapt/label_fit.h"
 #include "core/base/guarded.h"
 #include "core/mesh/isosurface.h"
 
@@ -19,13 +19,11 @@ Result<std::shared_ptr<const Boundary>> boundary_of(const ShapeView& shown, cons
   const Template& the_template = shown.the_template();
   const int frame = frame_of_map(*job.labels, shown.frame);
   const int label = job.fit.all_labels ? every_label : job.fit.label;
-  const double closing_mm = job.fit.closing_mm.value_or(
-      closing_kept_with(the_template.source).value_or(usual_closing_mm(*job.labels, label, frame)));
-  std::vector<std::string> warnings;
-  auto boundary = label_boundary(*job.labels, label, frame, closing_mm, the_template.points.rows(),
-                                 parts_for(the_template, job.known, warnings));
+  const LabelFitOptions how{.closing_mm = job.fit.closing_mm,
+                            .kept_closing_mm = closing_kept_with(the_template.source)};
+  const MapLabel target{*job.labels, label, frame, job.known};
+  auto boundary = boundary_to_fit(the_template, target, how, first_closing_mm(target, how), {});
   if (!boundary) return fail("The label map", boundary.error().what);
-  boundary->warnings.insert(boundary->warnings.begin(), warnings.begin(), warnings.end());
   return std::make_shared<const Boundary>(std::move(*boundary));
 }
 

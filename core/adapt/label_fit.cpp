@@ -1,0 +1,78 @@
+#include "core/adapt/label_fit.h"
+
+#include <utility>
+
+#include "core/adapt/likeliest_part.h"
+
+namespace homolog {
+
+namespace {
+
+LabelParts parts_of(const Template& the_template, const MapLabel& target, const LabelFitOptions& options, bool partial,
+                    std::vector<std::string>& warnings) {
+  LabelParts parts = parts_for(the_template, target.known, warnings);
+  parts.all = partial || options.all_parts.value_or(parts.all);
+  return parts;
+}
+
+}  // namespace
+
+double first_closing_mm(const MapLabel& target, const LabelFitOptions& options) {
+  if (options.closing_mm) return *options.closing_mm;
+  return options.kept_closing_mm ? *options.kept_closing_mm : usual_closing_mm(target.map, target.label, target.frame);
+}
+
+Result<Boundary> boundary_to_fit(const Template& the_template, const MapLabel& target, const LabelFitOptions& options,
+                                 double closing_mm, const FitOptions& fitting) {
+  std::vector<std::string> warnings;
+  LabelParts parts = parts_of(the_template, target, options, fitting.partial, warnings);
+  const auto part = [&](std::size_t rank) {
+    parts.rank = rank;
+    return label_boundary(target.map, target.label, target.frame, closing_mm, the_template.points.rows(), parts);
+  };
+  auto boundary = part(0);
+  if (boundary && !parts.all && !options.largest_part)
+    boundary = likeliest_part(the_template, std::move(*boundary), part, fitting);
+  if (boundary) boundary->warnings.insert(boundary->warnings.begin(), warnings.begin(), warnings.end());
+  return boundary;
+}
+
+Result<LabelFit> fit_to_label(const Template& the_template, const MapLabel& target, const LabelFitOptions& options,
+                              const FitOptions& fitting) {
+  OtherClosing taken;
+  taken.closing_mm = first_closing_mm(target, options);
+  auto boundary = boundary_to_fit(the_template, target, options, taken.closing_mm, fitting);
+  if (!boundary) return fail(boundary.error());
+  taken.boundary = std::move(*boundary);
+  auto fit = fit_to_boundary(the_template, taken.boundary, fitting);
+  if (!fit) return fail(fit.error());
+  taken.fit = std::move(*fit);
+  taken.judgement = judge_fit(the_template, taken.boundary, fitting, taken.fit);
+  MoreClosing more;
+  if (!options.closing_mm) {
+    std::vector<std::string> said;
+    const LabelParts parts = parts_of(the_template, target, options, fitting.partial, said);
+    more = try_more_closing(the_template, target.map, target.label, target.frame, parts, fitting, taken);
+  }
+  const bool widened = more.better.has_value();
+  if (widened) {
+    // What is said of the first boundary, as of parts that were left out, holds for the wider one too.
+    auto& said = more.better->judgement.warnings;
+    said.erase(said.begin(), said.begin() + std::ssize(more.better->boundary.warnings));
+    said.insert(said.begin(), taken.boundary.warnings.begin(), taken.boundary.warnings.end());
+    more.better->boundary.warnings = std::move(taken.boundary.warnings);
+    taken = std::move(*more.better);
+  } else if (!more.tried.empty()) {
+    taken.judgement.warnings.push_back(tried_in_vain(more.tried));
+  }
+  return LabelFit{
+      std::move(taken.boundary), std::move(taken.fit), std::move(taken.judgement), taken.closing_mm, widened,
+      std::move(more.tried)};
+}
+
+std::string why_closing(const LabelFit& fitted, const LabelFitOptions& options) {
+  if (options.closing_mm) return "as asked for";
+  return why_closing(fitted.tried, fitted.widened, options.kept_closing_mm.has_value());
+}
+
+}  // namespace homolog

@@ -51,6 +51,15 @@ def test_a_fit_and_a_snap_are_edits(kidney):
     assert homolog.compare(case.mesh(), other=truth)["dice"] == start
 
 
+def test_a_fit_says_what_the_command_line_says_of_it(kidney):
+    case = homolog.Case.create("built-in:kidney", kidney["image"])
+    voxels = kidney["labels"].array.copy()
+    middle = voxels.nonzero()[0].mean().astype(int)
+    cut = homolog.LabelMap(voxels[:middle], affine=kidney["labels"].affine)
+    with pytest.warns(homolog.HomologWarning, match="cut off by the border of the label map"):
+        case.fit(cut)
+
+
 def test_a_label_map_is_taken_as_a_file_too(folder):
     case = homolog.Case.create("built-in:kidney", "phantom:kidney:1")
     case.fit(folder / "kidney-1-labels.nii.gz")

@@ -1,6 +1,8 @@
 // The command-line contract of docs/commands.md: broken surfaces, unions of labels, landmarks in and out.
+#include <cmath>
 #include <fstream>
 #include <limits>
+#include <numbers>
 
 #include "core/mesh/clip.h"
 #include "core/mesh/mesh_repair.h"
@@ -314,6 +316,79 @@ TEST_CASE("a sheet's thickness over its bone is measured along the sheet's norma
   CHECK(values["thickness"].get<double>() == doctest::Approx(2.5).epsilon(0.01));
   const double height_mm = 22.5 + 22.5 / 3;
   CHECK(values["covered"].get<double>() == doctest::Approx(2 * 3.14159 * 22.5 * height_mm).epsilon(0.01));
+}
+
+namespace {
+
+/// A ventricle (4) of these half axes, its atrium (2) above `base_mm`, and its wall (9) below.
+void write_heart(const fs::path& path, const Vec3& half_axes_mm, double base_mm, bool named = true) {
+  Volume heart;
+  heart.geometry.dims = {48, 48, 56};
+  heart.geometry.spacing_mm = Vec3::Constant(1.5);
+  heart.geometry.origin_mm = Vec3(-35.25, -35.25, -41.25);
+  std::vector<std::uint8_t> voxels(heart.geometry.voxels());
+  for (int k = 0; k < 56; ++k)
+    for (int j = 0; j < 48; ++j)
+      for (int i = 0; i < 48; ++i) {
+        const Vec3 p = heart.geometry.to_mm(Vec3(i, j, k));
+        const double within = p.cwiseQuotient(half_axes_mm).norm(),
+                     around = p.cwiseQuotient(half_axes_mm + Vec3::Constant(6)).norm();
+        voxels[heart.geometry.index(i, j, k)] = static_cast<std::uint8_t>(within < 1        ? 4
+                                                                          : around > 1      ? 0
+                                                                          : p.z() > base_mm ? 2
+                                                                                            : 9);
+      }
+  heart.data = std::move(voxels);
+  REQUIRE(write_volume(heart, path));
+  const std::string stem = path.string().substr(0, path.string().find(".nii"));
+  if (named) REQUIRE(write_whole_file(stem + ".json", R"({"ventricle":4,"atrium":2,"wall":9})"));
+}
+
+}  // namespace
+
+TEST_CASE("a template that ends at its neighbours in a label map is fitted to maps, and finds the same rim") {
+  const TemporaryFolder folder;
+  write_heart(folder.path / "a.nii.gz", {20, 18, 28}, 12);
+  write_heart(folder.path / "b.nii.gz", {23, 19, 31}, 16);
+  write_heart(folder.path / "plain.nii.gz", {23, 19, 31}, 16, false);
+  const Ran made = run(folder, "template a.nii.gz --label ventricle --open-at atrium --vertices 600 -o T.ply --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  CHECK(made.errors.empty());
+  REQUIRE(made.json()["rims"].size() == 1);
+  CHECK(made.json()["vertices"] == 600);
+  CHECK(made.json()["distance_to_mask_mm"]["mean"] < 0.2);
+  // The rim is an ellipse at 12 of 28 mm.
+  const double at_base = std::sqrt(1 - 12.0 * 12 / (28 * 28)), rim_mm = std::numbers::pi * at_base * (20 + 18);
+  CHECK(made.json()["rims"][0]["length_mm"].get<double>() == doctest::Approx(rim_mm).epsilon(0.04));
+  const Ran fitted = run(folder, "fit T.ply --mask b.nii.gz --label ventricle -o M.ply --json");
+  REQUIRE_MESSAGE(fitted.status == 0, fitted.errors);
+  CHECK(fitted.errors.empty());
+  CHECK(fitted.json()["doubtful"] == false);
+  CHECK(fitted.json()["rim_mm"]["mean"] < 0.5);
+  CHECK(fitted.json()["assd_mm"] < 0.5);
+  CHECK(fitted.json()["dice"].is_null());
+  CHECK(fitted.json()["dice_raw"].is_null());
+  const MeshFile mesh = read_mesh_file(folder.path / "M.ply").value();
+  const auto topology = Topology::make(mesh.points.rows(), mesh.triangles).value();
+  double height_mm = 0;
+  for (const std::int32_t i : topology->rims().at(0))
+    height_mm += mesh.points(i, 2) / static_cast<double>(topology->rims().at(0).size());
+  CHECK(height_mm == doctest::Approx(16).epsilon(0.06));
+
+  // The mesh of the fit is a template that ends there too. Numbers do where a map has no names.
+  CHECK(run(folder, "fit M.ply --mask a.nii.gz --label 4 -o N.ply --json").json()["rim_mm"]["mean"] < 0.5);
+  CHECK(run(folder, "template plain.nii.gz --label 4 --open-at 2 --vertices 600 -o U.ply").status == 0);
+  CHECK(run(folder, "fit U.ply --mask a.nii.gz --label 4 -o N.ply --json").json()["rim_mm"]["mean"] < 0.5);
+  const Ran atrium = run(folder, "template a.nii.gz --label ventricle --facing atrium,wall --vertices 600 -o U.ply");
+  check_refused(atrium, "a.nii.gz: label 4 faces the labels that are named and no others; name some of them");
+  const Ran whole = run(folder, "fit T.ply --mask plain.nii.gz --label 4 -o N.ply --json");
+  CHECK(whole.errors.find("the template ends at its neighbours, and the map ") != std::string::npos);
+  CHECK(whole.json()["doubtful"] == true);
+  check_refused(run(folder, "template a.nii.gz --label 4 --open-at aorta -o U.ply"), "has no label named \"aorta\"");
+  CHECK(run(folder, "template a.nii.gz --label 4 --open-at 2 --facing 9 -o U.ply").status == 2);
+  CHECK(run(folder, "template a.nii.gz --label 4 --open-at 2 --opening-mm 1 -o U.ply").status == 2);
+  CHECK(run(folder, "template --consensus a.nii.gz b.nii.gz --label 4 --open-at 2 -o U.ply").status == 2);
+  check_refused(run(folder, "template M.ply --open-at 2 -o U.ply"), "--facing and --open-at have no effect");
 }
 
 }  // namespace homolog

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "core/structures/template_set.h"
-#include "core/volume/write_segmentation.h"
+#include "core/volume/labels/write_segmentation.h"
 #include "tests/stones.h"
 #include "tests/temporary_folder.h"
 

@@ -8,8 +8,8 @@
 #include "core/base/listed.h"
 #include "core/experiment/corrupt_labels.h"
 #include "core/phantom/noise.h"
-#include "core/volume/read_labels.h"
-#include "core/volume/write_segmentation.h"
+#include "core/volume/labels/read_labels.h"
+#include "core/volume/labels/write_segmentation.h"
 
 // The verb `corrupt` of the laboratory: label maps with one thing wrong each, and a list of what it is.
 

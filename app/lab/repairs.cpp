@@ -12,7 +12,7 @@
 #include "core/base/json.h"
 #include "core/base/statistics.h"
 #include "core/structures/repair.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/read_labels.h"
 
 // The verb `repairs` of the laboratory: how much of what `corrupt` planted `repair` finds and mends.
 

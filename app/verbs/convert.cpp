@@ -18,13 +18,13 @@
 #include "core/session/case_file.h"
 #include "core/structures/case_segments.h"
 #include "core/volume/contour_labels.h"
-#include "core/volume/label_likeness.h"
-#include "core/volume/map_on_grid.h"
+#include "core/volume/dicom/write_dicom_segmentation.h"
+#include "core/volume/labels/label_likeness.h"
+#include "core/volume/labels/map_on_grid.h"
+#include "core/volume/labels/soft_mask.h"
+#include "core/volume/labels/write_segmentation.h"
 #include "core/volume/referenced_images.h"
-#include "core/volume/soft_mask.h"
 #include "core/volume/volume_io.h"
-#include "core/volume/write_dicom_segmentation.h"
-#include "core/volume/write_segmentation.h"
 
 // Verbs that write what they read in another form: convert, mirror, label-map.
 

@@ -17,7 +17,7 @@
 #include "core/model/statismo.h"
 #include "core/session/case_file.h"
 #include "core/volume/contours.h"
-#include "core/volume/label_likeness.h"
+#include "core/volume/labels/label_likeness.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

@@ -16,8 +16,8 @@
 #include "core/structures/fit_set.h"
 #include "core/structures/right_names.h"
 #include "core/structures/set_map.h"
-#include "core/volume/label_boxes.h"
-#include "core/volume/write_segmentation.h"
+#include "core/volume/labels/label_boxes.h"
+#include "core/volume/labels/write_segmentation.h"
 
 // `fit` with a template set: all structures of a scan at once.
 

@@ -5,9 +5,9 @@
 #include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "core/mesh/mesh_io.h"
-#include "core/volume/dicom_series.h"
+#include "core/volume/dicom/dicom_series.h"
 #include "core/volume/formats/formats.h"
-#include "core/volume/label_likeness.h"
+#include "core/volume/labels/label_likeness.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

@@ -9,9 +9,9 @@
 #include "core/base/text.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"
-#include "core/volume/dicom_set.h"
-#include "core/volume/read_labels.h"
-#include "core/volume/soft_mask.h"
+#include "core/volume/dicom/dicom_set.h"
+#include "core/volume/labels/read_labels.h"
+#include "core/volume/labels/soft_mask.h"
 
 namespace homolog {
 

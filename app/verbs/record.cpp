@@ -23,7 +23,7 @@
 #include "core/session/case_file.h"
 #include "core/structures/built_in_set.h"
 #include "core/structures/template_set.h"
-#include "core/volume/label_tables.h"
+#include "core/volume/labels/label_tables.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

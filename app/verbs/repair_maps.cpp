@@ -18,9 +18,9 @@
 #include "core/session/case_file.h"
 #include "core/structures/repair.h"
 #include "core/volume/formats/formats.h"
+#include "core/volume/labels/write_segmentation.h"
 #include "core/volume/readers.h"
 #include "core/volume/referenced_images.h"
-#include "core/volume/write_segmentation.h"
 
 // The verb `repair`: what is wrong with the structures of label maps, and maps that are mended.
 

@@ -21,7 +21,7 @@
 #include "core/model/training_set.h"
 #include "core/session/case_file.h"
 #include "core/template/template.h"
-#include "core/volume/label_likeness.h"
+#include "core/volume/labels/label_likeness.h"
 
 namespace homolog {
 

@@ -15,7 +15,7 @@
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
 #include "core/structures/set_in_case.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/read_labels.h"
 
 namespace homolog {
 

@@ -14,7 +14,7 @@
 #include "core/base/text.h"
 #include "core/structures/fit_set.h"
 #include "core/structures/neighbours_say.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/read_labels.h"
 
 // The making of template sets, of one map or of several.
 

@@ -10,7 +10,7 @@
 #include "core/phantom/noise.h"
 #include "core/structures/level_names.h"
 #include "core/structures/template_set.h"
-#include "core/volume/label_boxes.h"
+#include "core/volume/labels/label_boxes.h"
 
 namespace homolog {
 

@@ -9,7 +9,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/mesh/voxelise.h"
-#include "core/volume/label_likeness.h"
+#include "core/volume/labels/label_likeness.h"
 
 namespace homolog {
 namespace {

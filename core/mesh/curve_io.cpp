@@ -9,7 +9,7 @@
 #include "core/mesh/formats/vtp_lines.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/slicer_curves.h"
-#include "core/volume/dicom_set.h"
+#include "core/volume/dicom/dicom_set.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

@@ -2,8 +2,8 @@
 
 #include "core/base/files.h"
 #include "core/mesh/landmark_io.h"
+#include "core/volume/labels/write_segmentation.h"
 #include "core/volume/volume_io.h"
-#include "core/volume/write_segmentation.h"
 
 namespace homolog {
 namespace fs = std::filesystem;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/mesh/mesh_io.h"
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 #include "core/volume/volume.h"
 
 namespace homolog {

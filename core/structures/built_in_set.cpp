@@ -2,7 +2,7 @@
 
 #include "core/catalogue/catalogue.h"
 #include "core/phantom/phantom_scene.h"
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 
 namespace homolog {
 

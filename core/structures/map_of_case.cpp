@@ -14,7 +14,7 @@
 #include "core/mesh/voxelise.h"
 #include "core/structures/case_segments.h"
 #include "core/structures/structures_in_map.h"
-#include "core/volume/label_boxes.h"
+#include "core/volume/labels/label_boxes.h"
 
 namespace homolog {
 

@@ -6,7 +6,7 @@
 
 #include "core/base/index.h"
 #include "core/mesh/voxelise.h"
-#include "core/volume/label_boxes.h"
+#include "core/volume/labels/label_boxes.h"
 
 namespace homolog {
 

@@ -16,7 +16,7 @@
 #include "core/mesh/voxelise.h"
 #include "core/structures/neighbours_say.h"
 #include "core/template_making/voxel_components.h"
-#include "core/volume/label_boxes.h"
+#include "core/volume/labels/label_boxes.h"
 
 namespace homolog {
 

@@ -8,7 +8,7 @@
 #include "core/catalogue/catalogue.h"
 #include "core/structures/built_in_set.h"
 #include "core/structures/voxel_body.h"
-#include "core/volume/label_boxes.h"
+#include "core/volume/labels/label_boxes.h"
 
 namespace homolog {
 

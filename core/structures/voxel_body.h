@@ -11,7 +11,7 @@
 #include "core/base/index.h"
 #include "core/template_making/distance_map.h"
 #include "core/template_making/voxel_components.h"
-#include "core/volume/label_boxes.h"
+#include "core/volume/labels/label_boxes.h"
 
 namespace homolog {
 

@@ -9,9 +9,9 @@
 
 #include "core/base/memory.h"
 #include "core/base/text.h"
-#include "core/volume/dicom_stack.h"
+#include "core/volume/dicom/dicom_stack.h"
+#include "core/volume/dicom/resample_slices.h"
 #include "core/volume/referenced_images.h"
-#include "core/volume/resample_slices.h"
 #include "core/volume/stored_voxels.h"
 
 namespace homolog {

@@ -6,7 +6,7 @@
 #include "core/base/files.h"
 #include "core/base/listed.h"
 #include "core/volume/formats/formats.h"
-#include "core/volume/label_tables.h"
+#include "core/volume/labels/label_tables.h"
 #include "core/volume/readers.h"
 
 namespace homolog {

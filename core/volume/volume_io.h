@@ -6,7 +6,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 #include "core/volume/volume.h"
 
 namespace homolog {

@@ -3,11 +3,11 @@
 #include <cstring>
 #include <new>
 
-#include "core/volume/read_labels.h"
+#include "core/volume/dicom/write_dicom_segmentation.h"
+#include "core/volume/labels/read_labels.h"
+#include "core/volume/labels/write_segmentation.h"
 #include "core/volume/readers.h"
 #include "core/volume/stored_voxels.h"
-#include "core/volume/write_dicom_segmentation.h"
-#include "core/volume/write_segmentation.h"
 #include "python/homolog/binding.h"
 
 namespace homolog::python {

@@ -14,7 +14,7 @@
 #include "core/model/statismo.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"
-#include "core/volume/label_tables.h"
+#include "core/volume/labels/label_tables.h"
 #include "tests/readers.h"
 
 // Feeds made-up files to one reader, by libFuzzer. The reader is chosen by the program's own name: fuzz_nii reads

@@ -9,7 +9,7 @@
 #include "app/editor/state/files/file_browser.h"
 #include "app/editor/state/open_request.h"
 #include "app/editor/state/view_geometry.h"
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

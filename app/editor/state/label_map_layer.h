@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/mesh/colours.h"
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 #include "core/volume/volume.h"
 
 namespace homolog {

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "core/base/text.h"
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 
 namespace homolog {
 

@@ -13,7 +13,7 @@
 #include "core/adapt/fit.h"
 #include "core/case/action.h"
 #include "core/measure/compare.h"
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 
 namespace homolog {
 

@@ -6,7 +6,7 @@
 #include "core/structures/map_of_case.h"
 #include "core/structures/right_names.h"
 #include "core/structures/variants.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/read_labels.h"
 
 namespace homolog {
 

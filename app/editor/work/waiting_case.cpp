@@ -6,7 +6,7 @@
 
 #include "core/base/listed.h"
 #include "core/mesh/isosurface.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/read_labels.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

@@ -8,7 +8,7 @@
 #include "core/base/progress.h"
 #include "core/model/study.h"
 #include "core/session/session.h"
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 
 namespace homolog {
 

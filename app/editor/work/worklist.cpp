@@ -17,8 +17,8 @@
 #include "core/mesh/isosurface.h"
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
-#include "core/volume/label_likeness.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/label_likeness.h"
+#include "core/volume/labels/read_labels.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

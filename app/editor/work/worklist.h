@@ -13,7 +13,7 @@
 #include "app/editor/work/worker.h"
 #include "core/model/study.h"
 #include "core/template/template.h"
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 
 namespace homolog {
 

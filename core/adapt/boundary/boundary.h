@@ -11,7 +11,7 @@
 #include "core/mesh/topology.h"
 #include "core/template/template.h"
 #include "core/template_making/faced_part.h"
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 #include "core/volume/volume.h"
 
 namespace homolog {

@@ -6,16 +6,16 @@
 
 #include "core/base/listed.h"
 #include "core/base/memory.h"
-#include "core/volume/dicom_arrangement.h"
-#include "core/volume/dicom_copies.h"
-#include "core/volume/dicom_header.h"
-#include "core/volume/dicom_pixels.h"
-#include "core/volume/dicom_segmented_series.h"
-#include "core/volume/dicom_segments.h"
-#include "core/volume/dicom_series.h"
+#include "core/volume/dicom/dicom_arrangement.h"
+#include "core/volume/dicom/dicom_copies.h"
+#include "core/volume/dicom/dicom_header.h"
+#include "core/volume/dicom/dicom_pixels.h"
+#include "core/volume/dicom/dicom_segmented_series.h"
+#include "core/volume/dicom/dicom_segments.h"
+#include "core/volume/dicom/dicom_series.h"
+#include "core/volume/dicom/resample_slices.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
-#include "core/volume/resample_slices.h"
 
 // DICOM: planes from one file or a folder, put in their place.
 namespace homolog {

@@ -8,8 +8,8 @@
 #include "core/base/file_stem.h"
 #include "core/base/memory.h"
 #include "core/volume/formats/formats.h"
-#include "core/volume/label_boxes.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/label_boxes.h"
+#include "core/volume/labels/read_labels.h"
 #include "core/volume/readers.h"
 
 // A folder of single masks, as TotalSegmentator writes it: a file for each structure, which has the structure's name.

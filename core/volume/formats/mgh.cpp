@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/volume/formats/formats.h"
-#include "core/volume/named_labels.h"
+#include "core/volume/labels/named_labels.h"
 #include "core/volume/readers.h"
 
 // FreeSurfer's MGH [FreeSurfer wiki, MghFormat]: a header of 284 bytes with the most significant byte first, then the

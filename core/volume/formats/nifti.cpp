@@ -11,7 +11,7 @@
 
 #include "core/base/files.h"
 #include "core/volume/formats/formats.h"
-#include "core/volume/label_tables.h"
+#include "core/volume/labels/label_tables.h"
 #include "core/volume/length_units.h"
 #include "core/volume/readers.h"
 #include "core/volume/write_voxels.h"

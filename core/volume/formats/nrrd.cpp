@@ -10,11 +10,11 @@
 #include "core/base/file_record.h"
 #include "core/base/files.h"
 #include "core/volume/formats/formats.h"
+#include "core/volume/labels/read_labels.h"
+#include "core/volume/labels/slicer_segments.h"
 #include "core/volume/nrrd_grid.h"
 #include "core/volume/nrrd_header.h"
-#include "core/volume/read_labels.h"
 #include "core/volume/readers.h"
-#include "core/volume/slicer_segments.h"
 #include "core/volume/text_voxels.h"
 #include "core/volume/write_voxels.h"
 

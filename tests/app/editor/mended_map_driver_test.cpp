@@ -4,7 +4,7 @@
 
 #include "core/mesh/voxelise.h"
 #include "core/structures/defects.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/read_labels.h"
 #include "tests/driver.h"
 #include "tests/must.h"
 #include "tests/stones_on_disk.h"

@@ -2,7 +2,7 @@
 
 #include "core/mesh/mesh_io.h"
 #include "core/structures/keep_apart.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/read_labels.h"
 
 #include "tests/desk.h"
 #include "tests/driver.h"

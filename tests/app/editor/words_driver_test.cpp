@@ -12,7 +12,7 @@
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
-#include "core/volume/label_likeness.h"
+#include "core/volume/labels/label_likeness.h"
 #include "core/volume/volume_io.h"
 #include "tests/beating_ball.h"
 #include "tests/driver.h"

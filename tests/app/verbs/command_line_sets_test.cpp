@@ -4,7 +4,7 @@
 #include "core/session/case_file.h"
 #include "core/structures/set_map.h"
 #include "core/structures/template_set.h"
-#include "core/volume/write_segmentation.h"
+#include "core/volume/labels/write_segmentation.h"
 #include "tests/ball_folder.h"
 #include "tests/half_balls.h"
 #include "tests/must.h"

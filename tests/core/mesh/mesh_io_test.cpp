@@ -15,7 +15,7 @@
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/mirror.h"
 #include "core/volume/formats/formats.h"
-#include "core/volume/write_segmentation.h"
+#include "core/volume/labels/write_segmentation.h"
 #include "tests/docs_page.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"

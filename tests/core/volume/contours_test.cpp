@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/volume/contour_labels.h"
-#include "core/volume/dicom_text.h"
+#include "core/volume/dicom/dicom_text.h"
 #include "core/volume/volume_io.h"
 #include "tests/core/volume/structure_set_file.h"
 #include "tests/must.h"

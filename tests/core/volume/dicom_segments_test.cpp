@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/volume/map_on_grid.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/map_on_grid.h"
+#include "core/volume/labels/read_labels.h"
 #include "core/volume/volume_io.h"
 #include "tests/core/volume/dicom_slices.h"
 #include "tests/refusal.h"

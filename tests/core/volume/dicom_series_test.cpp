@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "core/volume/dicom_clocks.h"
+#include "core/volume/dicom/dicom_clocks.h"
 #include "core/volume/volume_io.h"
 #include "tests/core/volume/dicom_slices.h"
 #include "tests/refusal.h"

@@ -9,10 +9,10 @@
 #include <numeric>
 
 #include "core/base/picture_module.h"
-#include "core/volume/codestream.h"
-#include "core/volume/dicom_header.h"
-#include "core/volume/dicom_rle.h"
-#include "core/volume/dicom_set.h"
+#include "core/volume/dicom/codestream.h"
+#include "core/volume/dicom/dicom_header.h"
+#include "core/volume/dicom/dicom_rle.h"
+#include "core/volume/dicom/dicom_set.h"
 #include "core/volume/volume_io.h"
 #include "tests/core/volume/dicom_slices.h"
 #include "tests/peak_memory.h"

@@ -1,4 +1,4 @@
-#include "core/volume/label_boxes.h"
+#include "core/volume/labels/label_boxes.h"
 
 #include <doctest/doctest.h>
 

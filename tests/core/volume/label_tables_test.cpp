@@ -1,4 +1,4 @@
-#include "core/volume/label_tables.h"
+#include "core/volume/labels/label_tables.h"
 
 #include <doctest/doctest.h>
 
@@ -9,8 +9,8 @@
 
 #include "core/base/colour.h"
 #include "core/base/files.h"
+#include "core/volume/labels/write_segmentation.h"
 #include "core/volume/volume_io.h"
-#include "core/volume/write_segmentation.h"
 #include "tests/must.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/read_labels.h"
 #include "core/volume/volume_io.h"
 #include "tests/real_data.h"
 #include "tests/refusal.h"

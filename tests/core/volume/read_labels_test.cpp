@@ -1,4 +1,4 @@
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/read_labels.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "core/volume/soft_mask.h"
+#include "core/volume/labels/soft_mask.h"
 
 #include <doctest/doctest.h>
 

@@ -6,10 +6,10 @@
 #include <limits>
 #include <set>
 
-#include "core/volume/map_on_grid.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/map_on_grid.h"
+#include "core/volume/labels/read_labels.h"
+#include "core/volume/labels/write_segmentation.h"
 #include "core/volume/volume_io.h"
-#include "core/volume/write_segmentation.h"
 #include "tests/must.h"
 #include "tests/real_data.h"
 #include "tests/refusal.h"

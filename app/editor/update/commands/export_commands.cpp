@@ -20,9 +20,9 @@
 #include "core/structures/map_of_case.h"
 #include "core/structures/template_set.h"
 #include "core/template_making/template_file.h"
-#include "core/volume/read_labels.h"
-#include "core/volume/write_dicom_segmentation.h"
-#include "core/volume/write_segmentation.h"
+#include "core/volume/dicom/write_dicom_segmentation.h"
+#include "core/volume/labels/read_labels.h"
+#include "core/volume/labels/write_segmentation.h"
 
 namespace homolog {
 

@@ -8,7 +8,7 @@
 #include "core/assist/assist.h"
 #include "core/base/progress.h"
 #include "core/session/session_thread.h"
-#include "core/volume/segmentation.h"
+#include "core/volume/labels/segmentation.h"
 
 namespace homolog {
 

@@ -19,8 +19,8 @@
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/slicer_curves.h"
 #include "core/template_making/label_body.h"
-#include "core/volume/label_likeness.h"
-#include "core/volume/read_labels.h"
+#include "core/volume/labels/label_likeness.h"
+#include "core/volume/labels/read_labels.h"
 #include "core/volume/referenced_images.h"
 
 namespace homolog {

@@ -1,0 +1,269 @@
+#include "core/volume/dicom/dicom_lattice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/volume/dicom/dicom_stack.h"
+#include "core/volume/readers.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Places along the normal that differ by less are those of one slice.
+constexpr double same_place_mm = 1e-2;
+
+/// The different places, ascending, without the first of them: distances from it.
+std::vector<double> heights_of(const PlacedFrames& frames, const Vec3& normal) {
+  std::vector<double> all;
+  for (const Vec3& position : frames.positions_mm) all.push_back(position.dot(normal));
+  std::sort(all.begin(), all.end());
+  std::vector<double> heights;
+  for (const double height : all)
+    if (heights.empty() || height - all.front() - heights.back() > same_place_mm)
+      heights.push_back(height - all.front());
+  return heights;
+}
+
+/// How far two places may differ along a direction since their coordinates were rounded to tenths: 0 where some are
+/// not.
+double rounded_by_mm(const PlacedFrames& frames, const Vec3& direction) {
+  constexpr double exactly_tenths = 1e-5;
+  for (const Vec3& position : frames.positions_mm)
+    if ((10 * position - (10 * position).array().rint().matrix()).cwiseAbs().maxCoeff() > exactly_tenths) return 0;
+  return 0.1 * direction.cwiseAbs().sum();
+}
+
+/// Whether all heights are different multiples of a step within a tolerance.
+bool are_multiples(const std::vector<double>& heights, double step, double tolerance_mm) {
+  double last = -1;
+  for (const double height : heights) {
+    const double slice = std::rint(height / step);
+    if (std::abs(height - slice * step) > tolerance_mm || slice == last) return false;
+    last = slice;
+  }
+  return true;
+}
+
+/// A step near `wanted` of which all heights are multiples within a tolerance; 0 where there is none.
+double even_step(const std::vector<double>& heights, double wanted, double tolerance_mm) {
+  const double count = std::rint(heights.back() / wanted);
+  if (count < 1) return 0;
+  const double step = heights.back() / count;
+  return are_multiples(heights, step, tolerance_mm) ? step : 0;
+}
+
+/// Files round places to a tenth of a millimetre at worst, which is more across oblique slices (`rounded_mm`).
+double given_tolerance(double step_mm, double rounded_mm) {
+  return std::min(0.25 * step_mm, std::max({0.06, 0.02 * step_mm, rounded_mm}));
+}
+
+double smallest_gap(const std::vector<double>& heights) {
+  double smallest = heights.back();
+  for (std::size_t k = 1; k < heights.size(); ++k) smallest = std::min(smallest, heights[k] - heights[k - 1]);
+  return smallest;
+}
+
+/// Whether most frames follow one another by the smallest gap, as those of a structure do that no slice leaves out.
+bool mostly_next_to_another(const std::vector<double>& heights, double rounded_mm) {
+  constexpr std::ptrdiff_t least = 3;
+  const double smallest = smallest_gap(heights), tolerance = given_tolerance(smallest, rounded_mm);
+  std::ptrdiff_t next = 0;
+  for (std::size_t k = 1; k < heights.size(); ++k) next += heights[k] - heights[k - 1] < smallest + tolerance ? 1 : 0;
+  return next >= least && 2 * next > static_cast<std::ptrdiff_t>(heights.size()) - 1;
+}
+
+/// The largest step of which all heights are multiples; 0 where there is none.
+double common_step(const std::vector<double>& heights, double rounded_mm) {
+  constexpr int most_parts = 8;
+  constexpr double least_mm = 0.1;
+  const double smallest = smallest_gap(heights);
+  for (int parts = 1; parts <= most_parts && smallest / parts >= least_mm; ++parts) {
+    const double wanted = smallest / parts;
+    // A step that no gap shows must fit closely: by chance some small one nearly always does.
+    const double tolerance = parts == 1 ? given_tolerance(wanted, rounded_mm) : std::min(same_place_mm, 0.01 * wanted);
+    if (const double step = even_step(heights, wanted, tolerance); step > 0) return step;
+  }
+  return 0;
+}
+
+/// The distance between slices. Errors: there is none.
+Result<double> step_between(const fs::path& path, const PlacedFrames& frames, const std::vector<double>& heights,
+                            double rounded_mm, std::vector<std::string>& warnings) {
+  const auto& spacing = frames.spacing_mm;
+  if (heights.size() == 1) {
+    if (!spacing && !frames.thickness_mm)
+      warnings.push_back(path.string() + ": gives no slice thickness; 1 mm is assumed");
+    return spacing.value_or(frames.thickness_mm.value_or(1));
+  }
+  const auto fits = [&](const std::optional<double>& given) {
+    const double tolerance = given ? given_tolerance(*given, rounded_mm) : 0;
+    const double step = given ? even_step(heights, *given, tolerance) : 0;
+    if (step > 0 && std::abs(step - *given) <= 0.02 * *given) return step;
+    // Over few slices what places are rounded by is a large part of a step.
+    return given && are_multiples(heights, *given, tolerance) ? *given : 0;
+  };
+  if (const double step = fits(spacing); step > 0) return step;
+  // Thickness is not distance: slices overlap, or leave gaps.
+  const bool next = mostly_next_to_another(heights, rounded_mm);
+  const double thickness = next ? 0 : fits(frames.thickness_mm);
+  const double step = thickness > 0 ? thickness : common_step(heights, rounded_mm);
+  if (step == 0)
+    return fail(path.string(),
+                "has frames whose distances are no multiples of one another, so that they lie on no even slices; "
+                "export it on the slices of its series, or resample it evenly");
+  if (spacing)
+    warnings.push_back(path.string() + ": says that its slices lie " + mm_text(*spacing) +
+                       " apart, but its frames lie multiples of " + mm_text(step) + " apart, which was taken");
+  else if (thickness > 0 && smallest_gap(heights) > 1.5 * step)
+    warnings.push_back(path.string() + ": does not say how far its slices lie apart; their thickness, " +
+                       mm_text(step) + ", was taken, though no two frames lie so near");
+  else if (thickness == 0 && !next)
+    warnings.push_back(path.string() + ": does not say how far its slices lie apart; " + mm_text(step) +
+                       ", of which the distances of its frames are multiples, was assumed");
+  else if (thickness == 0 && frames.thickness_mm && *frames.thickness_mm < 0.98 * step)
+    warnings.push_back(path.string() + ": does not say how far its slices lie apart; " + mm_text(step) +
+                       ", as far as its frames do, was taken, though its slices are " + mm_text(*frames.thickness_mm) +
+                       " thick");
+  return step;
+}
+
+/// Errors: a frame lies beside the normal through the first by more than a tenth of a pixel or what places are rounded
+/// by.
+Result<void> check_beside(const fs::path& path, const PlacedFrames& frames, const Vec3& normal) {
+  const double pixel = std::min(frames.pixel_mm.first, frames.pixel_mm.second);
+  const Vec3& first = frames.positions_mm.front();
+  double worst = 0;
+  for (const Vec3& position : frames.positions_mm) {
+    const Vec3 way = position - first;
+    worst = std::max(worst, (way - way.dot(normal) * normal).norm());
+  }
+  const double rounded =
+      std::hypot(rounded_by_mm(frames, frames.axes.first), rounded_by_mm(frames, frames.axes.second));
+  if (worst <= std::max({0.1 * pixel, std::min(0.15, 0.25 * pixel), std::min(rounded, 0.5 * pixel)})) return {};
+  return fail(path.string(), "has frames that are shifted sideways against one another, by up to " + mm_text(worst) +
+                                 "; read it with the series that it was drawn on (--like), or export it on slices that "
+                                 "lie straight behind one another");
+}
+
+/// Images by their UIDs; null where several have one.
+std::map<std::string, const SourceImage*> by_uid(const std::vector<SourceImage>& images) {
+  std::map<std::string, const SourceImage*> found;
+  for (const SourceImage& image : images) {
+    const auto [at, is_new] = found.try_emplace(image.uid, &image);
+    if (!is_new) at->second = nullptr;
+  }
+  return found;
+}
+
+}  // namespace
+
+Result<FrameLattice> lattice_of(const fs::path& path, const PlacedFrames& frames, std::vector<std::string>& warnings) {
+  const Vec3 normal = frames.axes.first.cross(frames.axes.second).normalized();
+  if (auto straight = check_beside(path, frames, normal); !straight) return fail(straight.error());
+  const auto heights = heights_of(frames, normal);
+  const auto step = step_between(path, frames, heights, rounded_by_mm(frames, normal), warnings);
+  if (!step) return fail(step.error());
+  const auto lowest = *std::min_element(frames.positions_mm.begin(), frames.positions_mm.end(),
+                                        [&](const Vec3& a, const Vec3& b) { return a.dot(normal) < b.dot(normal); });
+  const double slices = std::rint(heights.back() / *step) + 1;
+  constexpr double most_slices = 4096;
+  if (!(slices <= most_slices))
+    return fail(path.string(),
+                "spreads its frames over more than 4,096 slices; its places are damaged, export it again");
+  Mat3 steps;
+  steps << frames.pixel_mm.first * frames.axes.first, frames.pixel_mm.second * frames.axes.second, *step * normal;
+  const auto geometry =
+      make_geometry(path, {frames.columns, frames.rows, static_cast<std::int64_t>(slices)}, steps, lowest);
+  if (!geometry) return fail(geometry.error());
+  FrameLattice lattice{*geometry, {}};
+  for (const Vec3& position : frames.positions_mm)
+    lattice.slices.push_back(static_cast<int>(std::rint((position - lowest).dot(normal) / *step)));
+  return lattice;
+}
+
+Vec3 near_voxels(const Vec3& spacing_mm) {
+  constexpr double rounded_mm = 0.2, share = 0.01, most_share = 0.25;
+  return (rounded_mm * spacing_mm.cwiseInverse()).cwiseMax(share).cwiseMin(most_share);
+}
+
+std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeometry& grid) {
+  if (grid.dims[0] != frames.columns || grid.dims[1] != frames.rows) return {};
+  FrameLattice lattice{grid, {}};
+  const auto [columns, rows] = frames.pixel_mm;
+  // How far the last voxel of a frame goes beside that of the grid, in voxels.
+  const Vec3 last_step =
+      columns * (frames.columns - 1) * frames.axes.first + rows * (frames.rows - 1) * frames.axes.second;
+  const Vec3 normal = grid.direction.col(2), close = near_voxels(grid.spacing_mm);
+  std::map<int, double> heights;
+  for (const Vec3& position : frames.positions_mm) {
+    const Vec3 first = grid.to_voxel(position), last = grid.to_voxel(position + last_step);
+    const double slice = std::rint(first.z());
+    const Vec3 last_wanted(frames.columns - 1, frames.rows - 1, slice);
+    if (((first - Vec3(0, 0, slice)).cwiseAbs() - close).maxCoeff() > 0 ||
+        ((last - last_wanted).cwiseAbs() - close).maxCoeff() > 0)
+      return {};
+    if (slice < 0 || slice >= grid.dims[2]) return {};
+    lattice.slices.push_back(static_cast<int>(slice));
+    // Two places in one slice are no places of its series.
+    const double height = position.dot(normal);
+    const auto known = heights.try_emplace(lattice.slices.back(), height).first;
+    if (std::abs(known->second - height) > std::max(same_place_mm, 0.02 * grid.spacing_mm.z())) return {};
+  }
+  return lattice;
+}
+
+std::optional<FrameLattice> on_images(const PlacedFrames& frames, const ImageGrid& series) {
+  const VolumeGeometry& grid = series.geometry;
+  if (grid.dims[0] != frames.columns || grid.dims[1] != frames.rows) return {};
+  const auto images = by_uid(series.images);
+  const auto [columns, rows] = frames.pixel_mm;
+  const Vec3 close = near_voxels(grid.spacing_mm), origin = grid.to_voxel(grid.origin_mm);
+  const Vec3 last_step =
+      columns * (frames.columns - 1) * frames.axes.first + rows * (frames.rows - 1) * frames.axes.second;
+  const Vec3 last_wanted(frames.columns - 1, frames.rows - 1, 0);
+  if ((grid.to_voxel(grid.origin_mm + last_step) - origin - last_wanted).cwiseAbs().cwiseQuotient(close).maxCoeff() > 1)
+    return {};
+  FrameLattice lattice{grid, {}, true};
+  for (std::size_t f = 0; f < frames.positions_mm.size(); ++f) {
+    const auto image = images.find(frames.images[f]);
+    if (image == images.end() || image->second == nullptr || !image->second->position_mm) return {};
+    const Vec3 off = grid.to_voxel(frames.positions_mm[f]) - grid.to_voxel(*image->second->position_mm);
+    if (off.cwiseAbs().cwiseQuotient(close).maxCoeff() > 1) return {};
+    lattice.slices.push_back(image->second->slice);
+  }
+  return lattice;
+}
+
+std::vector<std::string> doubts_about_places(const fs::path& path, const PlacedFrames& frames,
+                                             const FrameLattice& lattice, const std::vector<SourceImage>& series) {
+  constexpr double noticed_mm = 0.1;
+  std::vector<std::string> doubts;
+  const auto images = by_uid(series);
+  double worst = 0;
+  for (std::size_t f = 0; f < frames.positions_mm.size(); ++f) {
+    const int slice = lattice.slices[f];
+    worst = std::max(worst, (frames.positions_mm[f] - lattice.geometry.to_mm(Vec3(0, 0, slice))).norm());
+    const auto image = images.find(frames.images[f]);
+    if (image == images.end() || image->second == nullptr || image->second->slice == slice || !doubts.empty()) continue;
+    doubts.push_back(path.string() + ": its frame " + std::to_string(f + 1) + " lies on slice " +
+                     std::to_string(slice + 1) + " of its series and refers to the image of slice " +
+                     std::to_string(image->second->slice + 1) + "; its place was taken");
+  }
+  const Vec3 normal = frames.axes.first.cross(frames.axes.second);
+  const double rounded = Vec3(rounded_by_mm(frames, frames.axes.first), rounded_by_mm(frames, frames.axes.second),
+                              rounded_by_mm(frames, normal))
+                             .norm();
+  if (worst > std::max(noticed_mm, rounded))
+    doubts.push_back(path.string() +
+                     (lattice.by_images
+                          ? ": its frames were put on the slices of the images that they refer to, which "
+                            "lie up to " +
+                                mm_text(worst) + " off even ones"
+                          : ": its frames lie up to " + mm_text(worst) + " off the even slices that they were put on"));
+  return doubts;
+}
+
+}  // namespace homolog

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/volume/dicom/dicom_header.h"
+#include "core/volume/dicom/dicom_lattice.h"
+#include "core/volume/labels/segmentation.h"
+
+namespace homolog {
+
+/// What a DICOM segmentation says of its segments and frames, before its pixels are read.
+struct SegmentFrames {
+  enum class Kind { binary, fractional, label_map };
+  Kind kind = Kind::binary;
+  double full = 255;              ///< of fractional ones: the stored value that stands for 1
+  int background = 0;             ///< of label maps: the value of what is in no segment
+  std::vector<Segment> segments;  ///< as described, by number, in `value`
+  std::vector<int> numbers;       ///< the segment of each frame; of a label map 0
+  PlacedFrames placed;
+  std::vector<std::string> warnings{};  ///< names that cannot be read
+};
+
+/// Reads it. Errors: those of read_dicom_segmentation that are not about pixels.
+Result<SegmentFrames> segment_frames(const DicomSet& set, const DicomHeader& header);
+
+}  // namespace homolog

@@ -7,7 +7,7 @@
 #include "app/lab/experiment.h"
 #include "app/lab/tables.h"
 #include "app/verbs/case_landmarks.h"
-#include "app/verbs/set_cases.h"
+#include "app/verbs/set/set_cases.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/base/statistics.h"

@@ -2,7 +2,7 @@
 
 #include "app/lab/experiment.h"
 #include "app/verbs/read_image.h"
-#include "app/verbs/subjects.h"
+#include "app/verbs/template/subjects.h"
 #include "core/groupwise/cohort_template.h"
 #include "core/mesh/mesh_io.h"
 

@@ -11,7 +11,7 @@
 #include "app/lab/experiment.h"
 #include "app/lab/median.h"
 #include "app/verbs/case_pool.h"
-#include "app/verbs/subjects.h"
+#include "app/verbs/template/subjects.h"
 #include "core/adapt/fit.h"
 #include "core/base/files.h"
 #include "core/measure/compare.h"

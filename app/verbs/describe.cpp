@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "app/verbs/mending_report.h"
+#include "app/verbs/model/training.h"
 #include "app/verbs/read_image.h"
-#include "app/verbs/training.h"
 #include "core/base/colour.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/curve_io.h"

@@ -20,7 +20,7 @@
 #include "app/verbs/plain_report.h"
 #include "app/verbs/progress_line.h"
 #include "app/verbs/record.h"
-#include "app/verbs/report_content.h"
+#include "app/verbs/report/report_content.h"
 #include "app/version.h"
 #include "core/base/guarded.h"
 #include "core/base/limits.h"

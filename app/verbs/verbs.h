@@ -7,7 +7,7 @@
 namespace homolog {
 
 /// Adds a verb with its name, its help and its options. Once the command line is parsed, `asked` holds the work of the
-/// verb that was given. Each is written in a source of this folder, which CMake finds by itself.
+/// verb that was given. Each is written in a source of this folder or of one within it, which CMake finds by itself.
 using AddVerb = void(CLI::App& app, CommandLine& asked);
 
 AddVerb add_demo, add_info, add_replay, add_compare, add_label_map, add_model, add_evaluate, add_mirror, add_phantom,

@@ -1,6 +1,6 @@
-#include "app/verbs/fit_contours.h"
+#include "app/verbs/fit/fit_contours.h"
+#include "app/verbs/fit/snap_arguments.h"
 #include "app/verbs/read_image.h"
-#include "app/verbs/snap_arguments.h"
 #include "core/adapt/label_fit.h"
 #include "core/assist/assist.h"
 #include "core/assist/cine.h"

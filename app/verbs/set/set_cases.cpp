@@ -1,0 +1,182 @@
+#include "app/verbs/set/set_cases.h"
+
+#include <algorithm>
+#include <set>
+
+#include "app/verbs/case_landmarks.h"
+#include "app/verbs/case_of_fit.h"
+#include "app/verbs/case_pool.h"
+#include "app/verbs/input_folders.h"
+#include "app/verbs/record.h"
+#include "core/base/file_stem.h"
+#include "core/base/files.h"
+#include "core/base/paths.h"
+#include "core/model/shape_folder.h"
+#include "core/session/case_file.h"
+#include "core/session/case_keeping.h"
+#include "core/structures/set_in_case.h"
+#include "core/volume/labels/read_labels.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+Result<SubjectMap> read_subject(const fs::path& path, const std::optional<int>& frame, Progress& progress) {
+  VolumeReadOptions reading;
+  reading.progress = &progress;
+  auto read = read_labels(path, reading);
+  if (!read) return fail(read.error());
+  const int frames = read->volume.frames;
+  if (frame && *frame >= frames)
+    return fail(path.string(),
+                "has no frame " + std::to_string(*frame) + "; its last one is " + std::to_string(frames - 1));
+  if (!frame && frames > 1)
+    read->warnings.push_back(path.string() + ": has " + std::to_string(frames) +
+                             " frames, of which the first is taken; choose another by --frame");
+  return SubjectMap{std::move(*read), frame.value_or(0)};
+}
+
+Result<void> check_structures(const SetInMap& subject, const fs::path& path) {
+  const auto is_known = [](const StructureInMap& one) { return one.is_there() || !one.why_left_out.empty(); };
+  if (std::ranges::any_of(subject.structures, is_known)) return {};
+  if (subject.without_template.empty())
+    return fail(path.string(), "holds no label; give a label map in which there is one");
+  return fail(path.string(), "holds no structure of the set; its labels: " + some_of(subject.without_template) +
+                                 "; give the map names, or the set other values");
+}
+
+Json json_of_variants(const std::vector<Variant>& variants, const TemplateSet& set) {
+  Json rows = Json::array();
+  for (const Variant& variant : variants) {
+    for (const Segment& segment : variant.more) rows.push_back({{"name", segment.name}, {"value", segment.value}});
+    for (const std::size_t k : variant.absent) rows.push_back({{"name", set.structures[k].name}, {"value", nullptr}});
+  }
+  return rows;
+}
+
+std::vector<fs::path> maps_of(const std::vector<fs::path>& paths, const TemplateSet& set) {
+  std::vector<fs::path> maps;
+  for (const fs::path& path : paths) {
+    std::error_code error;
+    const auto files = fs::is_directory(path, error) ? volumes_in(path) : std::vector<fs::path>();
+    const bool is_one =
+        std::ranges::any_of(files, [&](const fs::path& file) { return set.find(file_stem(file)) != nullptr; });
+    if (files.empty() || is_one)
+      maps.push_back(path);
+    else
+      maps.insert(maps.end(), files.begin(), files.end());
+  }
+  return maps;
+}
+
+std::string some_of(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 6;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(most, names.size()); ++k) text += (k > 0 ? ", " : "") + names[k];
+  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
+}
+
+namespace {
+
+/// Why somebody has to look at the fits of a subject, as a sentence; empty where nobody has to.
+std::string doubt_of(const SetOfTemplates& set, const FittedSet& fitted) {
+  std::vector<std::string> doubtful;
+  for (std::size_t k = 0; k < fitted.structures.size(); ++k)
+    if (fitted.structures[k].fit && fitted.structures[k].judgement.doubtful)
+      doubtful.push_back(set.set.structures[k].name);
+  if (doubtful.empty()) return {};
+  return "Look at " + some_of(doubtful) + ": " + (doubtful.size() == 1 ? "its fit is" : "their fits are") +
+         " doubtful.";
+}
+
+/// A new case of the map with what was fitted. `first`: of the set, the structure that the case begins with.
+Result<EditSession> case_of_set(const SetOfTemplates& set, std::size_t first, const fs::path& image,
+                                const SubjectMap& map, const fs::path& file, const std::string& record) {
+  const std::shared_ptr<const Volume> grid = grid_of(map.read.volume);
+  Document document = new_document(absolute_path(image).string(), grid, set.templates[first]);
+  document.hold_landmarks();
+  auto session = create_case(std::move(document), file, {}, record_of_output(record, file.filename().string()));
+  if (session && map.frame > 0)
+    if (auto shown = session->apply(SetFrame{map.frame}); !shown) return fail(shown.error());
+  return session;
+}
+
+}  // namespace
+
+Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const fs::path& path, const SubjectMap& map,
+                                    const SetInMap& subject, const FittedSet& fitted, const fs::path& folder,
+                                    const std::string& record, std::vector<std::string>& warnings) {
+  StudyCase one;
+  one.name = case_name_of(path);
+  one.file = absolute_path(folder / (one.name + case_extension));
+  one.from_scan = true;
+  one.state = CaseState::in_work;
+  one.labels = absolute_path(path);
+  one.doubt = doubt_of(set, fitted);
+  std::error_code ignored;
+  if (fs::exists(one.file, ignored) && was_worked_on(one.file)) {
+    warnings.push_back(one.file.string() + ": was worked on, so it stays as it is; move it away to begin anew");
+    return one;
+  }
+  if (map.read.volume.frames > 1) one.frame = map.frame;
+  const auto first = std::ranges::find_if(fitted.structures,
+                                          [](const FittedStructure& structure) { return structure.fit.has_value(); });
+  if (first == fitted.structures.end()) return fail(path.string(), "has no structure that could be fitted");
+  auto session =
+      case_of_set(set, static_cast<std::size_t>(first - fitted.structures.begin()), path, map, one.file, record);
+  if (!session) return fail(session.error());
+  std::vector<EditStep> steps = steps_of_fitted_set(session->document(), set, subject, fitted);
+  const auto fit =
+      std::make_shared<const KeptMapFit>(map_fit_of(set.set, subject, fitted, steps, session->document().frame));
+  for (EditStep& step : steps)
+    if (auto done = session->apply(std::move(step)); !done) return fail(path.string(), done.error().what);
+  // The case says itself that nobody worked on it since [goes_on_after_fit].
+  if (auto noted = session->apply(Note{"fit", {}, {}, {}, {}, fit}); !noted) return fail(noted.error());
+  if (auto named = name_labels(*session, one.labels); !named) return fail(named.error());
+  return one;
+}
+
+fs::path study_in(const fs::path& folder) {
+  const fs::path whole = absolute_path(folder / "x").parent_path();
+  return folder / (whole.filename().string() + ".study.json");
+}
+
+Result<Report> run_set_cases(const SetOfTemplates& set, const std::vector<fs::path>& paths, const fs::path& out,
+                             const char* done, const std::function<Result<Report>(const fs::path&, Progress&)>& work,
+                             Progress& progress) {
+  std::set<std::string> names;
+  for (const fs::path& path : paths)
+    if (!names.insert(case_name_of(path)).second)
+      return fail(path.string(),
+                  "has the name of another case, so that both would be written to one place; rename one");
+  const auto folder = ResultFolder::make(out);
+  if (!folder) return fail(folder.error());
+  Report report;
+  report.warnings = set.warnings;
+  Json cases = Json::array();
+  std::vector<std::string> failed;
+  for (const fs::path& path : paths) {
+    const std::string name = case_name_of(path);
+    set_case_in_work(name);
+    Progress own(progress, 1 / static_cast<double>(paths.size()));
+    auto one = work(path, own);
+    own.part(0, 1);
+    own.report(1);
+    if (progress.cancelled())
+      return fail("", cases.empty() ? "the run was cancelled before a case was finished"
+                                    : "the run was cancelled; the cases finished so far are kept");
+    if (!one) {
+      failed.push_back(one.error().sentence());
+      report.warnings.push_back(failed.back());
+      cases.push_back({{"name", name}, {"case", path.string()}, {"error", failed.back()}});
+      continue;
+    }
+    report.warnings.insert(report.warnings.end(), one->warnings.begin(), one->warnings.end());
+    cases.push_back(std::move(one->values));
+  }
+  if (failed.size() == paths.size()) return fail(out.string(), "no case came to an end; the first: " + failed.front());
+  report.values = {{done, paths.size() - failed.size()}, {"failed", failed.size()}, {"cases", std::move(cases)}};
+  return report;
+}
+
+}  // namespace homolog

@@ -1,0 +1,369 @@
+#include "app/verbs/statistics/test_cases.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "core/base/file_stem.h"
+#include "core/base/nearest_names.h"
+#include "core/base/text_table.h"
+#include "core/model/joint_set.h"
+#include "core/model/model_files.h"
+#include "core/model/self_mirror.h"
+#include "core/model/shape_files.h"
+#include "core/model/structure_files.h"
+#include "core/model/study.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What is known of a study's case: the columns of the table that `study make` was given, and others that its file has.
+std::map<std::string, std::string> known_of(const StudyCase& one) {
+  std::map<std::string, std::string> known;
+  const auto take = [&](const auto& fields) {
+    for (const auto& [key, value] : fields.items())
+      if (!value.is_structured() && !value.is_null())
+        known.emplace(key, value.is_string() ? value.template get<std::string>() : value.dump());
+  };
+  if (const auto covariates = one.other.find("covariates"); covariates != one.other.end() && covariates->is_object())
+    take(*covariates);
+  take(one.other);
+  return known;
+}
+
+/// What a study knows of its cases: their group and the columns that its table had. Of no study nothing.
+CovariateTable covariates_of(const std::map<std::string, StudyCase>& cases, const std::string& source) {
+  CovariateTable table{source, {}, {}, {}};
+  if (cases.empty()) return table;
+  table.columns = {"group"};
+  const auto all_known_of = [](const StudyCase& one) {
+    auto known = known_of(one);
+    known.emplace("case", one.name);  // pairs the frames of a cine
+    return known;
+  };
+  for (const auto& [study_key, one] : cases)
+    for (const auto& [key, value] : all_known_of(one))
+      if (!table.column(key)) table.columns.push_back(key);
+  for (const auto& [study_key, one] : cases) {
+    table.cases.push_back(one.name);
+    std::vector<std::string> row{one.group};
+    auto known = all_known_of(one);
+    for (std::size_t k = 1; k < table.columns.size(); ++k) row.push_back(known[table.columns[k]]);
+    table.cells.push_back(std::move(row));
+  }
+  return table;
+}
+
+/// The columns that the formula and the pairs need, each once.
+Result<std::vector<std::size_t>> needed_columns(const TestCasesAsked& asked, const CovariateTable& table) {
+  std::vector<Variable> variables{asked.formula.response};
+  for (const FormulaTerm& term : asked.formula.terms) variables.insert(variables.end(), term.begin(), term.end());
+  if (!asked.paired.empty()) variables.push_back({Variable::By::factor, asked.paired});
+  std::set<std::size_t> columns;
+  for (const Variable& one : variables) {
+    const auto column = table.column(one.name);
+    if (column && one.name != "shape") columns.insert(*column);
+    if (column || one.name == "shape" || one.name == "size") continue;
+    if (asked.object_symmetry && (one.name == mirrored_column || one.name == whose_column)) continue;
+    if (table.columns.empty())
+      return fail("--covariates", "is needed for " + one.name + ": the shapes are of no study that knows it");
+    std::vector<std::string> words = table.columns;
+    words.insert(words.end(), {"shape", "size"});
+    if (asked.object_symmetry) words.emplace_back(mirrored_column);
+    return fail(one.name, "is no column of " + table.source + "; there are " + listed(words, " and ") +
+                              ". Did you mean " + listed(nearest_names(one.name, words, 1), " or ") + "?");
+  }
+  return std::vector<std::size_t>(columns.begin(), columns.end());
+}
+
+/// Finds the row of a shape.
+class RowFinder {
+ public:
+  RowFinder(const CovariateTable& table, const std::map<std::string, StudyCase>& studies) : studies_(studies) {
+    for (const auto& [key, one] : studies) groups_[one.name] = one.group;
+    for (std::size_t row = 0; row < table.cases.size(); ++row) rows_[table.cases[row]] = row;
+    for (std::size_t row = 0; row < table.cases.size(); ++row) rows_.emplace(file_stem(table.cases[row]), row);
+  }
+  /// `study_keys`: of the study's cases that the shape is of.
+  std::optional<std::size_t> find(const std::vector<std::string>& study_keys, const std::string& name) const {
+    for (const std::string& key : study_keys)
+      if (const auto of_study = studies_.find(key); of_study != studies_.end())
+        if (const auto row = rows_.find(of_study->second.name); row != rows_.end()) return row->second;
+    const auto row = rows_.find(name);
+    return row == rows_.end() ? std::nullopt : std::optional(row->second);
+  }
+  bool is_of_study(const std::vector<std::string>& study_keys) const {
+    return std::ranges::any_of(study_keys, [&](const std::string& key) { return studies_.contains(key); });
+  }
+  /// Whether a row is of a study's case that is of another group.
+  bool is_of_other_group(const std::string& row, const std::string& group) const {
+    const auto found = groups_.find(row);
+    return !group.empty() && found != groups_.end() && found->second != group;
+  }
+
+ private:
+  const std::map<std::string, StudyCase>& studies_;
+  std::map<std::string, std::size_t> rows_;
+  std::map<std::string, std::string> groups_;  ///< of the studies' cases
+};
+
+struct Partner {
+  Eigen::Index shape;
+  std::size_t row;
+};
+
+std::string first_words(const std::vector<std::string>& names) {
+  const std::vector<std::string> first(names.begin(), names.begin() + std::min<std::ptrdiff_t>(3, std::ssize(names)));
+  return listed(first, ", ") + (names.size() > 3 ? ", …" : "");
+}
+
+/// The shapes of one structure, or of several whose places count among each other too.
+Result<TrainingSetRead> read_shapes_asked(const TrainingVerb& shapes, Progress& progress) {
+  if (shapes.structures.empty()) return read_training_set(shapes.files, shapes.reading, &progress);
+  const auto cases = structure_files(shapes.files, shapes.structures, ShapeWorksFrame::local, 1);
+  if (!cases) return fail(cases.error());
+  auto joint = read_joint_set(
+      *cases, shapes.structures,
+      {.without_doubtful = shapes.reading.without_doubtful, .vertex_doubts = shapes.reading.vertex_doubts}, &progress);
+  if (!joint) return fail(joint.error());
+  return std::move(joint->read);
+}
+
+/// Takes the direction from one shape to the other out of aligned shapes: what they differ along it is nobody's.
+Result<void> take_direction_out(const std::vector<fs::path>& two, const TrainingVerb& asked, ShapeMatrix& shapes) {
+  const Eigen::VectorXd mean = shapes.rowwise().mean();
+  ShapeMatrix ends(shapes.rows(), 2);
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const fs::path& file = two[static_cast<std::size_t>(k)];
+    const auto read = read_shape(ShapeSource{file, {}});
+    if (!read) return fail(read.error());
+    if ((*read)->points.size() != shapes.rows())
+      return fail(file.string(), "has " + std::to_string((*read)->points.rows()) + " vertices where the shapes have " +
+                                     std::to_string(shapes.rows() / 3) + "; give two shapes of the same template");
+    Points points = (*read)->points;
+    if (asked.alignment() != Alignment::none && looks_mirrored(points_of(mean), points)) {
+      if (!asked.reading.flip_mirrored)
+        return fail(file.string(),
+                    "is a mirror image of the shapes (left and right exchanged), whose direction is another; use "
+                    "--flip-mirrored");
+      points.col(0) *= -1;
+    }
+    const Points aligned = aligned_to(points, points_of(mean), asked.alignment());
+    ends.col(k) = Eigen::Map<const Eigen::VectorXd>(aligned.data(), aligned.size());
+  }
+  const Eigen::VectorXd along = ends.col(1) - ends.col(0);
+  if (!(along.norm() > 1e-6 * mean.norm()))
+    return fail(two.back().string(), "is the same shape as " + two.front().string() + ", which gives no direction");
+  const Eigen::VectorXd direction = along.normalized();
+  const Eigen::RowVectorXd amounts = direction.transpose() * (shapes.colwise() - mean);
+  shapes -= direction * amounts;
+  return {};
+}
+
+/// Shapes with their rows; what has no partner goes into `left_out`. `names`: of the shapes.
+Result<std::vector<Partner>> partners(const TrainingSetRead& read, const std::vector<std::string>& names,
+                                      const RowFinder& finder, const TrainingOptions& asked, TestCases& cases) {
+  const TrainingSet& set = read.set;
+  std::vector<Partner> found;
+  std::map<std::size_t, std::string> taken;
+  std::set<std::size_t> known_to_lack;  // rows of shapes that were left out
+  std::vector<std::string> of_left_out;
+  for (const DoubtfulShape& one : cases.left_out) of_left_out.push_back(one.name);
+  of_left_out = shape_names(of_left_out);
+  for (std::size_t k = 0; k < of_left_out.size(); ++k)
+    if (const auto row = finder.find(cases.left_out[k].study_keys, of_left_out[k])) known_to_lack.insert(*row);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto row = finder.find(read.study_keys[k], names[k]);
+    if (!row) {
+      cases.left_out.push_back({names[k], "has no row in " + cases.table.source});
+      continue;
+    }
+    const auto [other, is_new] = taken.emplace(*row, set.names[k]);
+    const bool are_frames = asked.all_frames && finder.is_of_study(read.study_keys[k]);
+    if (!is_new && !are_frames)
+      return fail(set.names[k], "has the name of " + other->second + ", so one row of the table would count twice");
+    found.push_back({static_cast<Eigen::Index>(k), *row});
+  }
+  if (found.empty())
+    return fail(cases.table.source, "names none of the shapes; it has " + first_words(cases.table.cases) +
+                                        " where the shapes are " + first_words(names));
+  for (std::size_t row = 0; row < cases.table.cases.size(); ++row)
+    if (!taken.contains(row) && !known_to_lack.contains(row) &&
+        !finder.is_of_other_group(cases.table.cases[row], asked.group))
+      cases.left_out.push_back({cases.table.cases[row], "is a row without a shape"});
+  return found;
+}
+
+/// Takes out cases that lack a value, and those of pairs whose partner is not there.
+void leave_out_incomplete(std::vector<Partner>& partners, const std::vector<std::size_t>& columns,
+                          const std::string& paired, TestCases& cases) {
+  const auto leave_out_if = [&](const auto& reason) {
+    std::erase_if(partners, [&](const Partner& one) {
+      const std::string why = reason(cases.table.cells[one.row]);
+      if (!why.empty()) cases.left_out.push_back({cases.table.cases[one.row], why});
+      return !why.empty();
+    });
+  };
+  leave_out_if([&](const std::vector<std::string>& row) {
+    for (const std::size_t column : columns)
+      if (is_missing(row[column])) return "has no value of " + cases.table.columns[column];
+    return std::string();
+  });
+  if (paired.empty()) return;
+  const std::size_t column = *cases.table.column(paired);
+  std::map<std::string, int> sizes;
+  for (const Partner& one : partners) ++sizes[cases.table.cells[one.row][column]];
+  leave_out_if([&](const std::vector<std::string>& row) {
+    return sizes[row[column]] > 1 ? std::string() : "is the only case of " + paired + " " + row[column];
+  });
+}
+
+/// Puts each case's mirror image behind the cases, and says so in the table. Errors: shapes that are not symmetric, a
+/// column of that name.
+Result<void> add_mirror_images(const TestCasesAsked& asked, TestCases& cases) {
+  if (cases.table.column(mirrored_column))
+    return fail(cases.table.source, std::string("has a column ") + mirrored_column +
+                                        ", which --object-symmetry makes; give it another name");
+  if (!cases.topology) return fail("--object-symmetry", "needs faces, and the shapes are points alone; give meshes");
+  ShapeMatrix aligned = cases.shapes;
+  align(aligned, asked.shapes.alignment());
+  const Eigen::VectorXd mean = aligned.rowwise().mean();
+  const auto mirror = self_mirror({cases.topology, points_of(mean)});
+  if (!mirror) return fail(asked.shapes.files.front().string(), mirror.error().what);
+  cases.symmetry_off_mm = mirror->off_mm;
+  const Eigen::Index count = cases.shapes.cols();
+  const bool has_whose = cases.table.column(whose_column).has_value();
+  CovariateTable table = cases.table;
+  table.cases.clear();
+  table.cells.clear();
+  table.columns.emplace_back(mirrored_column);
+  if (!has_whose) table.columns.emplace_back(whose_column);
+  cases.shapes.conservativeResize(Eigen::NoChange, 2 * count);
+  cases.sizes_mm.conservativeResize(2 * count);
+  for (Eigen::Index i = 0; i < 2 * count; ++i) {
+    const bool is_image = i >= count;
+    const Eigen::Index of = is_image ? i - count : i;
+    const std::string name = cases.names[static_cast<std::size_t>(of)];
+    table.cases.push_back(is_image ? name + " mirrored" : name);
+    table.cells.push_back(cases.table.cells[cases.rows[static_cast<std::size_t>(of)]]);
+    table.cells.back().emplace_back(is_image ? "yes" : "no");
+    if (!has_whose) table.cells.back().push_back(name);
+    if (!is_image) continue;
+    const Points image = mirrored_in_itself(*mirror, points_of(cases.shapes, of));
+    cases.shapes.col(i) = Eigen::Map<const Eigen::VectorXd>(image.data(), image.size());
+    cases.sizes_mm[i] = cases.sizes_mm[of];
+  }
+  cases.names = table.cases;
+  cases.rows.resize(table.cases.size());
+  std::iota(cases.rows.begin(), cases.rows.end(), std::size_t{0});
+  cases.table = std::move(table);
+  return {};
+}
+
+Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& read,
+                         const std::vector<std::string>& names, const std::vector<Partner>& partners,
+                         TestCases& cases) {
+  const TrainingSet& set = read.set;
+  std::map<std::size_t, int> times;  // by row
+  for (const Partner& one : partners) ++times[one.row];
+  const auto count = static_cast<Eigen::Index>(partners.size());
+  cases.shapes.resize(set.shapes.rows(), count);
+  cases.sizes_mm.resize(count);
+  cases.topology = set.topology;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Partner& one = partners[static_cast<std::size_t>(i)];
+    // Of several frames of a case each has its own name.
+    cases.names.push_back(times[one.row] == 1 ? cases.table.cases[one.row]
+                                              : names[static_cast<std::size_t>(one.shape)]);
+    cases.rows.push_back(one.row);
+    cases.shapes.col(i) = set.shapes.col(one.shape);
+    cases.sizes_mm[i] = centroid_size_mm(points_of(cases.shapes, i));
+  }
+  if (asked.object_symmetry)
+    if (auto added = add_mirror_images(asked, cases); !added) return added;
+  align(cases.shapes, asked.shapes.alignment());
+  if (!asked.direction.empty())
+    if (auto out = take_direction_out(asked.direction, asked.shapes, cases.shapes); !out) return out;
+  if (!asked.shapes.reading.vertex_doubts) return {};
+  const Eigen::Index vertices = cases.shapes.rows() / 3;
+  VertexScalars squares = VertexScalars::Zero(vertices);
+  double known = 0;
+  for (const Partner& one : partners) {
+    const auto doubt = read.vertex_doubts.find(set.names[static_cast<std::size_t>(one.shape)]);
+    const bool is_known = doubt != read.vertex_doubts.end() && doubt->second.size() == vertices;
+    cases.doubt_mm.push_back(is_known ? std::sqrt(doubt->second.cwiseAbs2().mean())
+                                      : std::numeric_limits<double>::quiet_NaN());
+    if (is_known) squares += doubt->second.cwiseAbs2();
+    known += is_known ? 1 : 0;
+  }
+  if (known > 0) cases.vertex_doubt_mm = (squares / known).cwiseSqrt();
+  if (asked.object_symmetry) {
+    const auto own = cases.doubt_mm;
+    cases.doubt_mm.insert(cases.doubt_mm.end(), own.begin(), own.end());
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<fs::path>& files) {
+  std::map<std::string, StudyCase> cases;
+  for (const fs::path& file : files) {
+    if (!is_study_file(file)) continue;
+    auto read = read_study(file);
+    if (!read) return fail(read.error());
+    for (StudyCase& one : read->study.cases) {
+      const std::string key = ShapeSource{.file = one.file, .study_case = one.name}.study_key();
+      cases.emplace(key, std::move(one));
+    }
+  }
+  return cases;
+}
+
+Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progress) {
+  const auto studies = cases_of_studies(asked.shapes.files);
+  if (!studies) return fail(studies.error());
+  auto table = asked.covariates.empty()
+                   ? Result<CovariateTable>(covariates_of(*studies, asked.shapes.files.front().string()))
+                   : read_covariates(asked.covariates);
+  if (!table) return fail(table.error());
+  TestCases cases;
+  cases.table = std::move(*table);
+  const auto columns = needed_columns(asked, cases.table);
+  if (!columns) return fail(columns.error());
+  auto read = read_shapes_asked(asked.shapes, progress);
+  if (!read) return fail(read.error());
+  const auto names = asked.shapes.structures.empty() ? shape_names(read->set.names) : read->set.names;
+  cases.warnings = std::move(read->warnings);
+  cases.left_out = std::move(read->left_out);
+  if (cases.table.columns.empty() && cases.table.cases.empty()) {  // the shapes' sizes are enough
+    cases.table.cases = names;
+    cases.table.cells.resize(cases.table.cases.size());
+  }
+  auto found = partners(*read, names, RowFinder(cases.table, *studies), asked.shapes.reading, cases);
+  if (!found) return fail(found.error());
+  // What object symmetry pairs is made of each case alone.
+  leave_out_incomplete(*found, *columns, asked.object_symmetry ? std::string() : asked.paired, cases);
+  std::set<std::size_t> rows;
+  const bool has_frames = std::ranges::any_of(*found, [&](const Partner& one) { return !rows.insert(one.row).second; });
+  if (has_frames && asked.paired.empty())
+    cases.warnings.push_back(cases.table.source +
+                             ": gives several frames of a case, which count as if they were cases; compare them within "
+                             "each by --paired case");
+  if (found->size() < 2) {
+    std::string why;
+    if (!cases.left_out.empty()) why = " (" + cases.left_out.back().name + " " + cases.left_out.back().reason + ")";
+    return fail(cases.table.source, "leaves " + std::string(found->empty() ? "no case" : "one case") + " to be tested" +
+                                        why + "; complete it, or give more shapes");
+  }
+  if (auto taken = take_shapes(asked, *read, names, *found, cases); !taken) return fail(taken.error());
+  return cases;
+}
+
+}  // namespace homolog

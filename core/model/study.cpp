@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <type_traits>
 
 #include "core/base/file_record.h"
 #include "core/base/file_stem.h"
@@ -33,11 +35,15 @@ fs::path folder_of(const fs::path& study) {
   return absolute_path(study).parent_path();
 }
 
+std::string no_text(const std::string& where, const char* key) {
+  return where + " has a \"" + key + "\" that is no text; correct it in an editor";
+}
+
 /// Takes a text out of `json`. Errors: there, but no text.
 Result<std::string> take_text(Json& json, const char* key, const std::string& where) {
   const auto found = json.find(key);
   if (found == json.end()) return std::string();
-  if (!found->is_string()) return fail("", where + " has a \"" + key + "\" that is no text; correct it in an editor");
+  if (!found->is_string()) return fail("", no_text(where, key));
   auto text = found->get<std::string>();
   json.erase(found);
   return text;
@@ -51,53 +57,163 @@ Result<CaseState> parsed_state(const std::string& text, const std::string& where
               where + R"( has the state ")" + excerpt(text) + R"(", which is none of "to do", "in work" and "done")");
 }
 
+/// Visits the members of a case in the order in which they are written. So one list of them serves reading and writing.
+/// A case always has the members that are `required`, and the others where they say something.
+template <class Case, class Visitor>
+void each_member(Case& one, Visitor& visit) {
+  visit.required("name", one.name);
+  visit.required("file", one.file);
+  visit.required("state", one.state);
+  visit.optional("structure", one.structure);
+  visit.optional("frame", one.frame);
+  visit.optional("flipped", one.flipped);
+  visit.optional("imported", one.imported);
+  visit.optional("from_scan", one.from_scan);
+  visit.optional("labels", one.labels);
+  visit.optional("doubt", one.doubt);
+  visit.optional("seconds", one.seconds);
+  visit.optional("gestures", one.gestures);
+  visit.optional("group", one.group);
+  visit.optional("notes", one.notes);
+}
+
+/// Looks for a member that is to be a text and is none.
+struct CaseTexts {
+  const Json& json;
+  const char* wrong = nullptr;  ///< its key; null: there is none
+
+  template <class Value>
+  void required(const char* key, const Value&) {
+    constexpr bool is_text =
+        std::is_same_v<Value, std::string> || std::is_same_v<Value, fs::path> || std::is_same_v<Value, CaseState>;
+    if (!is_text || wrong != nullptr) return;
+    const auto found = json.find(key);
+    if (found != json.end() && !found->is_string()) wrong = key;
+  }
+  template <class Value>
+  void optional(const char* key, const Value& value) {
+    required(key, value);
+  }
+};
+
+/// Takes the members of a case out of its JSON, where they are there.
+class CaseReader {
+ public:
+  CaseReader(Json& json, const fs::path& folder, const std::string& where)
+      : json_(json), folder_(folder), where_(where) {}
+
+  template <class Value>
+  void required(const char* key, Value& value) {
+    const auto found = json_.find(key);
+    if (found != json_.end() && !fault_ && take(*found, key, value)) json_.erase(found);
+  }
+  template <class Value>
+  void optional(const char* key, Value& value) {
+    required(key, value);
+  }
+
+  /// What is wrong with the first member that cannot be read.
+  const std::optional<Error>& fault() const { return fault_; }
+
+ private:
+  // Each tells whether it took the member; else that stays where it is.
+  bool take(const Json& from, const char*, std::string& to) {
+    to = from.get<std::string>();
+    return true;
+  }
+  bool take(const Json& from, const char*, fs::path& to) {
+    to = absolute_in(folder_, from.get<std::string>());
+    return true;
+  }
+  bool take(const Json& from, const char*, CaseState& to) {
+    const auto state = parsed_state(from.get<std::string>(), where_);
+    if (!state) return refuse(state.error().what);
+    to = *state;
+    return true;
+  }
+  bool take(const Json& from, const char* key, std::optional<int>& to) {
+    if (!from.is_number_unsigned() || from > 100000)
+      return refuse(where_ + " has a \"" + key + "\" that is no frame number");
+    to = from.get<int>();
+    return true;
+  }
+  bool take(const Json& from, const char* key, bool& to) {
+    if (!from.is_boolean()) return refuse(where_ + " has a \"" + key + "\" that is neither true nor false");
+    to = from;
+    return true;
+  }
+  bool take(const Json& from, const char*, double& to) {
+    if (!from.is_number() || from < 0) return false;
+    to = from.get<double>();
+    return true;
+  }
+  bool take(const Json& from, const char*, std::int64_t& to) {
+    if (!from.is_number_unsigned()) return false;
+    to = from.get<std::int64_t>();
+    return true;
+  }
+  bool refuse(const std::string& what) {
+    fault_ = Error{"", what};
+    return false;
+  }
+
+  Json& json_;
+  const fs::path& folder_;
+  const std::string& where_;
+  std::optional<Error> fault_;
+};
+
+/// Writes the members of a case into its JSON.
+class CaseWriter {
+ public:
+  CaseWriter(Json& json, const fs::path& folder) : json_(json), folder_(folder) {}
+
+  template <class Value>
+  void required(const char* key, const Value& value) {
+    json_[key] = written(value);
+  }
+  template <class Value>
+  void optional(const char* key, const Value& value) {
+    if (says_something(value)) required(key, value);
+  }
+
+ private:
+  static bool says_something(const std::string& text) { return !text.empty(); }
+  static bool says_something(const fs::path& file) { return !file.empty(); }
+  static bool says_something(const std::optional<int>& number) { return number.has_value(); }
+  static bool says_something(bool flag) { return flag; }
+  static bool says_something(double seconds) { return seconds > 0; }
+  static bool says_something(std::int64_t count) { return count > 0; }
+
+  Json written(const std::string& text) const { return text; }
+  Json written(const fs::path& file) const { return relative_source(folder_, file.string()); }
+  Json written(CaseState state) const { return state_name(state); }
+  Json written(const std::optional<int>& number) const { return *number; }
+  Json written(bool flag) const { return flag; }
+  Json written(double seconds) const { return std::round(10 * seconds) / 10; }
+  Json written(std::int64_t count) const { return count; }
+
+  Json& json_;
+  const fs::path& folder_;
+};
+
 Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& folder) {
   std::string where = "case " + std::to_string(number);
   if (!json.is_object()) return fail("", where + " is no object; correct it in an editor");
-  std::array<std::string, 9> texts;
-  constexpr std::array<const char*, 9> keys{"name",     "file",   "group", "state",    "notes",
-                                            "imported", "labels", "doubt", "structure"};
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    auto text = take_text(json, keys[k], where);
-    if (!text) return fail(text.error());
-    texts[k] = std::move(*text);
-  }
-  if (texts[1].empty()) return fail("", where + " has no \"file\"; name its case file or mesh");
   StudyCase one;
-  one.name = texts[0].empty() ? file_stem(texts[1]) : texts[0];
-  where = "case \"" + excerpt(one.name) + "\"";
-  if (one.name.size() > longest_case_name) return fail("", where + " has too long a name; shorten it");
-  one.file = absolute_in(folder, texts[1]);
-  one.group = texts[2];
-  one.notes = texts[4];
-  one.imported = absolute_in(folder, texts[5]);
-  if (!texts[6].empty()) one.labels = absolute_in(folder, texts[6]);
-  one.doubt = texts[7];
-  one.structure = texts[8];
-  const auto state = parsed_state(texts[3], where);
-  if (!state) return fail(state.error());
-  one.state = *state;
-  if (const auto frame = json.find("frame"); frame != json.end()) {
-    if (!frame->is_number_unsigned() || *frame > 100000)
-      return fail("", where + " has a \"frame\" that is no frame number");
-    one.frame = frame->get<int>();
-    json.erase(frame);
-  }
-  for (const auto& [key, value] : {std::pair("flipped", &one.flipped), std::pair("from_scan", &one.from_scan)}) {
-    const auto found = json.find(key);
-    if (found == json.end()) continue;
-    if (!found->is_boolean()) return fail("", where + " has a \"" + key + "\" that is neither true nor false");
-    *value = *found;
-    json.erase(found);
-  }
-  if (const auto seconds = json.find("seconds"); seconds != json.end() && seconds->is_number() && *seconds >= 0) {
-    one.seconds = seconds->get<double>();
-    json.erase(seconds);
-  }
-  if (const auto gestures = json.find("gestures"); gestures != json.end() && gestures->is_number_unsigned()) {
-    one.gestures = gestures->get<std::int64_t>();
-    json.erase(gestures);
-  }
+  CaseTexts texts{json};
+  each_member(one, texts);
+  if (texts.wrong != nullptr) return fail("", no_text(where, texts.wrong));
+  const auto file = json.value("file", std::string());
+  if (file.empty()) return fail("", where + " has no \"file\"; name its case file or mesh");
+  auto name = json.value("name", std::string());
+  if (name.empty()) name = file_stem(file);
+  where = "case \"" + excerpt(name) + "\"";
+  if (name.size() > longest_case_name) return fail("", where + " has too long a name; shorten it");
+  json["name"] = std::move(name);
+  CaseReader reader(json, folder, where);
+  each_member(one, reader);
+  if (reader.fault()) return fail(*reader.fault());
   one.other = std::move(json);
   return one;
 }
@@ -145,18 +261,9 @@ std::vector<std::string> missing_files(const Study& study, const fs::path& path)
 }
 
 Json case_json(const StudyCase& one, const fs::path& folder) {
-  Json json{{"name", one.name}, {"file", relative_source(folder, one.file.string())}, {"state", state_name(one.state)}};
-  if (!one.structure.empty()) json["structure"] = one.structure;
-  if (one.frame) json["frame"] = *one.frame;
-  if (one.flipped) json["flipped"] = true;
-  if (!one.imported.empty()) json["imported"] = relative_source(folder, one.imported.string());
-  if (one.from_scan) json["from_scan"] = true;
-  if (!one.labels.empty()) json["labels"] = relative_source(folder, one.labels.string());
-  if (!one.doubt.empty()) json["doubt"] = one.doubt;
-  if (one.seconds > 0) json["seconds"] = std::round(10 * one.seconds) / 10;
-  if (one.gestures > 0) json["gestures"] = one.gestures;
-  if (!one.group.empty()) json["group"] = one.group;
-  if (!one.notes.empty()) json["notes"] = one.notes;
+  Json json = Json::object();
+  CaseWriter writer(json, folder);
+  each_member(one, writer);
   json.update(one.other);
   return json;
 }

@@ -90,12 +90,12 @@ Json gallery_frame_ms(Renderer& renderer, Framebuffer& framebuffer) {
   Progress progress;
   ModelsState state;
   show_model(state, build_study_model(request, progress).model);
-  if (!state.model) return "no model could be made";
-  state.turning = true;
+  if (!state.made.model) return "no model could be made";
+  state.gallery.turning = true;
   GalleryPictures pictures;
   const ModelsLayout layout = models_layout(make_layout(1280, 800, 1, {std::nullopt, true, true}));
   const auto frame = [&](int) {
-    state.camera = turned(state.camera, 3, 1);
+    state.gallery.camera = turned(state.gallery.camera, 3, 1);
     pictures.draw(state, layout, 1, renderer);
     framebuffer.bind();
     pictures.copy(layout, 800);

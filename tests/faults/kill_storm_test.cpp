@@ -35,7 +35,7 @@ void say(const std::string& line) {
 void say_what_is_shown(Driver& driver, int note) {
   driver.settle();
   say("done\t" + driver.case_file().string() + '\t' + state_of(driver.document()) + '\t' +
-      driver.state().models.study_file.string() + '\t' + std::to_string(note));
+      driver.state().models.kept.file.string() + '\t' + std::to_string(note));
 }
 
 void do_something(Driver& driver, const BallDesk& desk, std::mt19937& random, int number, int& note) {

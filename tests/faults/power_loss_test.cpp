@@ -185,7 +185,7 @@ void mark(Driver& driver, int note) {
   std::ostringstream text;
   text << driver.case_file().string() << '\n'
        << state_of(driver.document()) << '\n'
-       << driver.state().models.study_file.string() << '\n'
+       << driver.state().models.kept.file.string() << '\n'
        << note;
   disk_say(text.str().c_str());
 }

@@ -34,14 +34,14 @@ void pull_and_study(Driver& driver, const BallDesk& desk) {
 void show_model(Driver& driver, const BallDesk& desk) {
   pull_and_study(driver, desk);
   driver.app().send(ShowModels{true});
-  driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("the model is made", [&] { return driver.state().models.made.model != nullptr; });
   driver.settle();
 }
 
 void show_measures(Driver& driver, const BallDesk& desk) {
   show_model(driver, desk);
   driver.app().send(StartEvaluation{});
-  driver.wait_until("the measures are there", [&] { return driver.state().models.evaluation != nullptr; });
+  driver.wait_until("the measures are there", [&] { return driver.state().models.made.evaluation != nullptr; });
 }
 
 /// A deed that is one command with a file's name.
@@ -297,10 +297,10 @@ void save_elsewhere(Driver& driver, const OtherDisk& other) {
   apply(driver, SetStiffnessBase{9});  // which goes on there
   driver.settle();
   CHECK(states_of_file(saved).front() == state_of(driver.document()));
-  if (driver.state().models.study_file.empty()) return;
+  if (driver.state().models.kept.file.empty()) return;
   driver.app().send(SaveStudyAs{{study}});
   driver.settle();
-  CHECK(driver.state().models.study_file == study);
+  CHECK(driver.state().models.kept.file == study);
   const auto read = read_study(study);
   REQUIRE(read);
   CHECK(read->study.cases.size() == cases);
@@ -469,7 +469,7 @@ TEST_CASE("a study whose folder could not be made is written as soon as it can b
   driver.app().send(AddCases{{desk.folder.path / "ball100.ply", desk.folder.path / "ball110.ply"}});
   driver.settle();
   CHECK(disk_calls() > 1);
-  const auto read = read_study(driver.state().models.study_file);
+  const auto read = read_study(driver.state().models.kept.file);
   REQUIRE(read);
   CHECK(read->study.cases.size() == 2);
 }

@@ -78,8 +78,8 @@ CaseThumbnails::CaseThumbnails() = default;
 CaseThumbnails::~CaseThumbnails() = default;
 
 bool CaseThumbnails::misses(const ModelsState& state, const std::string& name) const {
-  const auto shape = state.shapes.find(name);
-  if (shape == state.shapes.end()) return false;
+  const auto shape = state.shapes.shown.find(name);
+  if (shape == state.shapes.shown.end()) return false;
   const auto drawn = thumbnails_.find(name);
   return drawn == thumbnails_.end() || drawn->second.shape != shape->second;
 }
@@ -97,11 +97,11 @@ void CaseThumbnails::draw(const ModelsState& state, float scale, Renderer& rende
     thumbnails_.clear();
     framebuffer_.reset();
   }
-  std::erase_if(thumbnails_, [&](const auto& entry) { return !state.shapes.contains(entry.first); });
+  std::erase_if(thumbnails_, [&](const auto& entry) { return !state.shapes.shown.contains(entry.first); });
   for (const std::string& name : std::exchange(asked_, {})) {
     if (!misses(state, name)) continue;
     if (std::chrono::duration<double, std::milli>(Clock::now() - begin).count() > frame_ms) return;
-    const auto& shape = state.shapes.at(name);
+    const auto& shape = state.shapes.shown.at(name);
     Thumbnail& thumbnail = thumbnails_[name];
     thumbnail.shape = shape;
     if (!framebuffer_) {

@@ -33,41 +33,41 @@ Rgb difference_colour(double share) {
 
 GalleryPictures::GalleryKey GalleryPictures::key_of(const ModelsState& state, const GalleryGrid& grid, bool moving,
                                                     float scale) const {
-  return {.model = state.model,
-          .camera = state.camera,
-          .focused = state.focused,
-          .glyphs = state.glyphs,
+  return {.model = state.made.model,
+          .camera = state.gallery.camera,
+          .focused = state.gallery.focused,
+          .glyphs = state.gallery.glyphs,
           .moving = moving,
-          .pinned = state.focused ? *state.pinned : -1,
-          .glyph_spacing_mm = state.glyph_spacing_mm,
+          .pinned = state.gallery.focused ? *state.gallery.pinned : -1,
+          .glyph_spacing_mm = state.gallery.glyph_spacing_mm,
           .grid = grid,
           .scale = scale};
 }
 
 void GalleryPictures::prepare(const ModelsState& state) {
-  const StudyModel& model = *state.model;
-  if (prepared_for_ != state.model) {
+  const StudyModel& model = *state.made.model;
+  if (prepared_for_ != state.made.model) {
     std::vector<Rgb> colours;
     for (const float hue : *model.hues) colours.push_back(hsv_to_rgb(hue, 0.4f, 1));
     colours_ = std::make_shared<const std::vector<Rgb>>(std::move(colours));
   }
-  if (prepared_for_ == state.model && prepared_spacing_mm_ == state.glyph_spacing_mm) return;
-  prepared_for_ = state.model;
-  prepared_spacing_mm_ = state.glyph_spacing_mm;
+  if (prepared_for_ == state.made.model && prepared_spacing_mm_ == state.gallery.glyph_spacing_mm) return;
+  prepared_for_ = state.made.model;
+  prepared_spacing_mm_ = state.gallery.glyph_spacing_mm;
   glyphs_.clear();
   if (model.topology) {
-    glyphs_ = glyph_vertices(model.mean, state.glyph_spacing_mm);
+    glyphs_ = glyph_vertices(model.mean, state.gallery.glyph_spacing_mm);
   } else {
     for (Eigen::Index i = 0; i < model.vertices(); ++i) glyphs_.push_back(static_cast<std::int32_t>(i));
   }
 }
 
 Scene GalleryPictures::scene_of(const ModelsState& state, std::shared_ptr<const Points> points, bool glyphs) const {
-  const StudyModel& model = *state.model;
+  const StudyModel& model = *state.made.model;
   Scene scene;
   scene.background = background;
   // Points alone have nothing but their glyphs.
-  const double radius_mm = model.topology ? 0.12 * state.glyph_spacing_mm : 0.012 * model.radius_mm;
+  const double radius_mm = model.topology ? 0.12 * state.gallery.glyph_spacing_mm : 0.012 * model.radius_mm;
   if (glyphs || !model.topology)
     for (const std::int32_t i : glyphs_)
       scene.glyphs.glyphs.push_back({Vec3(points->row(i)), hsv_to_rgb((*model.hues)[static_cast<std::size_t>(i)], 1, 1),
@@ -98,17 +98,17 @@ Framebuffer* GalleryPictures::framebuffer_for(Drawn& drawn, const RectPx& rect, 
 }
 
 void GalleryPictures::take_page(const ModelsState& state, const GalleryGrid& grid) {
-  if (page_of_ == state.model && page_first_ == grid.first && page_.size() == grid.shapes) return;
-  page_of_ = state.model;
+  if (page_of_ == state.made.model && page_first_ == grid.first && page_.size() == grid.shapes) return;
+  page_of_ = state.made.model;
   page_first_ = grid.first;
   page_.clear();
   for (std::size_t k = grid.first; k < grid.first + grid.shapes; ++k)
-    page_.push_back(std::make_shared<const Points>(state.model->shape(k)));
+    page_.push_back(std::make_shared<const Points>(state.made.model->shape(k)));
 }
 
 void GalleryPictures::draw_gallery(const ModelsState& state, const RectPx& rect, float scale, Renderer& renderer) {
   const GalleryGrid grid = page_grid(state, {0, 0, rect.width, rect.height});
-  const GalleryKey key = key_of(state, grid, state.turning, scale);
+  const GalleryKey key = key_of(state, grid, state.gallery.turning, scale);
   GalleryKey quick = key;
   quick.moving = true;
   const bool fits = gallery_.width == static_cast<int>(rect.width) && gallery_.height == static_cast<int>(rect.height);
@@ -143,7 +143,7 @@ bool GalleryPictures::draw_cells(const ModelsState& state, const GalleryKey& key
     Scene lines;
     lines.background = std::array<float, 4>{0, 0, 0, 0};
     const Target whole{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), key.scale};
-    if (auto drawn = renderer.draw(lines, state.camera, whole); !drawn) error_ = drawn.error().sentence();
+    if (auto drawn = renderer.draw(lines, state.gallery.camera, whole); !drawn) error_ = drawn.error().sentence();
   }
   for (std::size_t k = first; k < first + count; ++k) {
     const RectPx cell = key.grid.cell(key.grid.first + k);
@@ -152,8 +152,8 @@ bool GalleryPictures::draw_cells(const ModelsState& state, const GalleryKey& key
     const auto points = k < page_.size() ? page_[k] : nullptr;
     Scene empty;
     empty.background = background;
-    const auto drawn = renderer.draw(points ? scene_of(state, points, state.glyphs && !key.moving) : empty,
-                                     points ? cell_camera(state, *points) : state.camera, target);
+    const auto drawn = renderer.draw(points ? scene_of(state, points, state.gallery.glyphs && !key.moving) : empty,
+                                     points ? cell_camera(state, *points) : state.gallery.camera, target);
     if (!drawn) error_ = drawn.error().sentence();
   }
   return true;
@@ -167,7 +167,7 @@ void GalleryPictures::draw_grid(const ModelsState& state, const GalleryGrid& gri
     const RectPx cell = room.left_of(grid.cell(k));
     const Target target{static_cast<int>(cell.x), height_px - static_cast<int>(cell.y + cell.height),
                         static_cast<int>(cell.width), static_cast<int>(cell.height), scale};
-    Scene scene = scene_of(state, shapes[k], state.glyphs);
+    Scene scene = scene_of(state, shapes[k], state.gallery.glyphs);
     scene.background = ground;
     const auto drawn = renderer.draw(scene, cell_camera(state, *shapes[k]), target);
     if (!drawn) error_ = drawn.error().sentence();
@@ -175,18 +175,19 @@ void GalleryPictures::draw_grid(const ModelsState& state, const GalleryGrid& gri
 }
 
 void GalleryPictures::draw_model(const ModelsState& state, const RectPx& rect, float scale, Renderer& renderer) {
-  const bool moving = state.turning || state.animated_mode;
-  ModelKey key{key_of(state, {}, moving, scale), state.deviations, state.show_difference, state.compared};
+  const bool moving = state.gallery.turning || state.view.animated_mode;
+  ModelKey key{key_of(state, {}, moving, scale), state.view.deviations, state.view.show_difference,
+               state.view.compared};
   const bool fits = model_.width == static_cast<int>(rect.width) && model_.height == static_cast<int>(rect.height);
   if (fits && key == model_key_) return;
   Framebuffer* framebuffer = framebuffer_for(model_, rect, moving);
   if (framebuffer == nullptr) return;
-  const StudyModel& model = *state.model;
+  const StudyModel& model = *state.made.model;
   const auto points = std::make_shared<const Points>(
-      state.show_difference ? model.mean.points : shape_of(model.model, shown_coefficients(state)));
-  Scene scene = scene_of(state, points, state.glyphs && !moving && !state.show_difference);
-  if (state.show_difference && model.topology) {
-    const VertexScalars difference_mm = difference_of_groups_mm(model, state.compared[0], state.compared[1]);
+      state.view.show_difference ? model.mean.points : shape_of(model.model, shown_coefficients(state)));
+  Scene scene = scene_of(state, points, state.gallery.glyphs && !moving && !state.view.show_difference);
+  if (state.view.show_difference && model.topology) {
+    const VertexScalars difference_mm = difference_of_groups_mm(model, state.view.compared[0], state.view.compared[1]);
     const double most_mm = difference_scale_mm(difference_mm);
     std::vector<Rgb> colours;
     for (const double value : difference_mm) colours.push_back(difference_colour(value / most_mm));
@@ -206,7 +207,7 @@ void GalleryPictures::draw_model(const ModelsState& state, const RectPx& rect, f
 }
 
 void GalleryPictures::draw(const ModelsState& state, const ModelsLayout& layout, float scale, Renderer& renderer) {
-  if (!state.model) {
+  if (!state.made.model) {
     gallery_ = {};
     model_ = {};
     shown_ = fine_ = {};

@@ -19,7 +19,7 @@ class GalleryPictures {
   /// glyphs and soft edges, and finely by the frames after it, a few cells in each: so no frame takes long.
   void draw(const ModelsState& state, const ModelsLayout& layout, float scale, Renderer& renderer);
   /// Whether the next frame shows the gallery finer than the last.
-  bool draws_on(const ModelsState& state) const { return state.model && shown_.moving && !state.turning; }
+  bool draws_on(const ModelsState& state) const { return state.made.model && shown_.moving && !state.gallery.turning; }
   /// Copies what was drawn into the framebuffer that is bound, whose height is given.
   void copy(const ModelsLayout& layout, int height_px) const;
   /// Draws shapes into the cells of a grid as the gallery shows its own, into the framebuffer that is bound, whose

@@ -234,7 +234,7 @@ void Drawing::write_on_picture(const PictureOptions& options, float scale, const
 }
 
 Result<Picture> Drawing::study_picture(const PictureOptions& options) {
-  if (!state_.models.model) return fail("", "There is no model yet; add at least two shapes to the study.");
+  if (!state_.models.made.model) return fail("", "There is no model yet; add at least two shapes to the study.");
   auto framebuffer = Framebuffer::make(options.width, options.height, 4);
   if (!framebuffer) return fail(framebuffer.error());
   (*framebuffer)->bind();
@@ -266,7 +266,7 @@ Result<Picture> Drawing::plots(const PictureOptions& options) {
   ImGui::GetIO().DisplaySize = {static_cast<float>(options.width), static_cast<float>(options.height)};
   ImGui::NewFrame();
   use_palette(options.light);
-  draw_plots_picture(*theme_, *state_.models.evaluation, options, *ImGui::GetBackgroundDrawList());
+  draw_plots_picture(*theme_, *state_.models.made.evaluation, options, *ImGui::GetBackgroundDrawList());
   use_palette(light_);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());

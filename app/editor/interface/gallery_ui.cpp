@@ -38,8 +38,8 @@ void draw_marker(ImDrawList& draw, const Theme& theme, const ModelsState& state,
   const Camera3D camera = cell_camera(state, points);
   const Eigen::Vector2d px = cell_px(camera, cell, points.row(vertex));
   const ImVec2 at{static_cast<float>(px.x()), static_cast<float>(px.y())};
-  const bool seen = faces_viewer(camera, {state.model->topology, points}, vertex);
-  const ImU32 colour = to_im(hsv_to_rgb((*state.model->hues)[static_cast<std::size_t>(vertex)], 1, 1));
+  const bool seen = faces_viewer(camera, {state.made.model->topology, points}, vertex);
+  const ImU32 colour = to_im(hsv_to_rgb((*state.made.model->hues)[static_cast<std::size_t>(vertex)], 1, 1));
   const float radius = theme.px(lit ? 6 : 5), alpha = seen ? 1.0f : 0.35f;
   draw.AddCircleFilled(at, radius, with_alpha(colour, alpha));
   draw.AddCircle(at, radius, with_alpha(IM_COL32_BLACK, 0.8f * alpha), 0, theme.scale * 3);
@@ -48,15 +48,15 @@ void draw_marker(ImDrawList& draw, const Theme& theme, const ModelsState& state,
 
 /// The vertex that is shown in all cells: the hovered one, else the pinned one.
 std::optional<Eigen::Index> marked_vertex(const ModelsState& state) {
-  return state.hover ? std::optional(state.hover->vertex) : state.pinned;
+  return state.gallery.hover ? std::optional(state.gallery.hover->vertex) : state.gallery.pinned;
 }
 
 /// Why a person has to look at a shape; empty: no reason, or somebody did.
 std::string doubt_shown(const ModelsState& state, std::size_t shape) {
-  std::string doubt = state.model->doubts[shape];
-  if (doubt.empty() && state.suspicions) doubt = state.suspicions->doubts[shape];
+  std::string doubt = state.made.model->doubts[shape];
+  if (doubt.empty() && state.made.suspicions) doubt = state.made.suspicions->doubts[shape];
   if (doubt.empty()) return {};
-  const StudyCase* one = find_case(state.study, state.model->names[shape]);
+  const StudyCase* one = find_case(state.study, state.made.model->names[shape]);
   return one != nullptr && one->state == CaseState::done ? std::string() : doubt;
 }
 
@@ -73,11 +73,11 @@ void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, s
                const std::vector<std::string>& names) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  const StudyModel& model = *state.model;
+  const StudyModel& model = *state.made.model;
   const RectPx cell = grid.cell(k);
   const ImVec2 low{cell.x, cell.y}, high{cell.x + cell.width, cell.y + cell.height};
   draw.PushClipRect(low, high, true);
-  const bool pointed = state.hover && state.hover->shape == k;
+  const bool pointed = state.gallery.hover && state.gallery.hover->shape == k;
   if (const auto vertex = marked_vertex(state)) draw_marker(draw, theme, state, cell, model.shape(k), *vertex, pointed);
   if (cell.width >= theme.px(56)) {
     const bool in_doubt = !doubt_shown(state, k).empty();
@@ -87,7 +87,8 @@ void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, s
              mark + cut(theme.small, model.names[k], room, names));
   }
   draw.PopClipRect();
-  if (state.selected == model.names[k]) draw.AddRect(low, high, palette::accent, 0, 0, std::max(theme.scale, 1.0f));
+  if (state.list.selected == model.names[k])
+    draw.AddRect(low, high, palette::accent, 0, 0, std::max(theme.scale, 1.0f));
 }
 
 std::string place_text(const StudyModel& model, const GalleryVertex& place) {
@@ -104,10 +105,10 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   const float buttons = rect.x + rect.width - 8 * theme.px(24) - theme.px(8);
   float x = rect.x + theme.px(12);
   const std::string title = "Correspondence";
-  const std::string shown =
-      state.model ? format("%zu %s, %td vertices", state.model->names.size(),
-                           state.optimisation.shown ? "optimised shapes" : "shapes", state.model->vertices())
-                  : "";
+  const std::string shown = state.made.model ? format("%zu %s, %td vertices", state.made.model->names.size(),
+                                                      state.made.optimisation.shown ? "optimised shapes" : "shapes",
+                                                      state.made.model->vertices())
+                                             : "";
   const float title_width = text_size(theme.strong, title).x;
   if (x + title_width <= buttons) {
     text_at(draw, theme.strong, {x, text_y}, palette::text, title);
@@ -125,7 +126,7 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
 float draw_pager(const UiContext& ui, const RectPx& rect, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  const std::size_t pages = gallery_pages(state), page = state.gallery_page;
+  const std::size_t pages = gallery_pages(state), page = state.gallery.page;
   if (pages == 1) return 0;
   const std::string text = format("page %zu of %zu", page + 1, pages);
   // As wide on every page, so that the buttons stay where they are.
@@ -149,31 +150,31 @@ float draw_pager(const UiContext& ui, const RectPx& rect, Outbox& out) {
 void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  const StudyModel& model = *state.model;
+  const StudyModel& model = *state.made.model;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   ImGui::SetCursorPos({theme.px(8), theme.px(30)});
   if (icon_button(theme, icon::glyphs, "glyphs", "Glyphs: balls on some vertices, in the vertex's hue",
-                  model.topology ? "" : "Shapes without faces show all their points.", state.glyphs, 28))
-    out.send(ShowGalleryGlyphs{!state.glyphs});
+                  model.topology ? "" : "Shapes without faces show all their points.", state.gallery.glyphs, 28))
+    out.send(ShowGalleryGlyphs{!state.gallery.glyphs});
   ImGui::SetCursorPos({theme.px(44), theme.px(32)});
   const float slider_width = std::min(static_cast<float>(theme.px(292)), rect.width - theme.px(44 + 12));
   ImGui::BeginChild("spacing", {slider_width, theme.px(24)});
-  double spacing_mm = state.glyph_spacing_mm;
+  double spacing_mm = state.gallery.glyph_spacing_mm;
   bool released = false;
   const double smallest_mm = std::max(model.radius_mm / 40, 0.1), largest_mm = model.radius_mm;
   if (slider(theme, "Spacing", spacing_mm, {smallest_mm, largest_mm, "%.1f", "mm", true},
              "Smallest distance between two glyphs, on the mean shape", released,
-             !model.topology ? "Shapes without faces show all their points."
-             : state.glyphs  ? ""
-                             : "Glyphs are switched off."))
+             !model.topology        ? "Shapes without faces show all their points."
+             : state.gallery.glyphs ? ""
+                                    : "Glyphs are switched off."))
     out.send(SpaceGalleryGlyphs{spacing_mm});
   ImGui::EndChild();
-  const auto& at = state.hover;
+  const auto& at = state.gallery.hover;
   std::string text;
   if (at)
     text = place_text(model, *at);
-  else if (state.pinned)
-    text = format("Vertex %td is marked (Escape unmarks it)", *state.pinned);
+  else if (state.gallery.pinned)
+    text = format("Vertex %td is marked (Escape unmarks it)", *state.gallery.pinned);
   const float x = rect.x + theme.px(44 + 12) + slider_width;
   const float room = rect.x + rect.width - theme.px(12) - x - draw_pager(ui, rect, out);
   ImGui::PushFont(theme.small);
@@ -193,13 +194,13 @@ void steer(const UiContext& ui, double side_px, Outbox& out) {
     if (turns || pans)
       out.send(pans ? Command(PanGallery{right_px, down_px, side_px}) : TurnGallery{right_px, down_px});
   }
-  if (ImGui::IsItemDeactivated() && ui.state.models.turning) out.send(LetGoOfGallery{});
+  if (ImGui::IsItemDeactivated() && ui.state.models.gallery.turning) out.send(LetGoOfGallery{});
   if (!ImGui::IsItemHovered() || io.MouseWheel == 0) return;
   const ModelsState& state = ui.state.models;
   if (gallery_pages(state) == 1 || io.KeyCtrl)
     out.send(ZoomGallery{static_cast<double>(io.MouseWheel)});
-  else if (io.MouseWheel < 0 || state.gallery_page > 0)
-    out.send(ShowGalleryPage{io.MouseWheel < 0 ? state.gallery_page + 1 : state.gallery_page - 1});
+  else if (io.MouseWheel < 0 || state.gallery.page > 0)
+    out.send(ShowGalleryPage{io.MouseWheel < 0 ? state.gallery.page + 1 : state.gallery.page - 1});
 }
 
 void draw_cells(const UiContext& ui, const RectPx& room, Outbox& out) {
@@ -208,27 +209,27 @@ void draw_cells(const UiContext& ui, const RectPx& room, Outbox& out) {
   ImGui::SetCursorPos({0, 0});
   const ImGuiIO& io = ImGui::GetIO();
   const auto under = grid.shape_at(io.MousePos.x, io.MousePos.y);
-  const std::string doubt = under && !state.turning ? doubt_shown(state, *under) : std::string();
-  const auto cells =
-      area(ui.theme, "cells", {room.width, room.height},
-           doubt.empty() ? std::string() : state.model->names[*under] + " is in doubt: " + doubt, {false, false, true});
+  const std::string doubt = under && !state.gallery.turning ? doubt_shown(state, *under) : std::string();
+  const auto cells = area(ui.theme, "cells", {room.width, room.height},
+                          doubt.empty() ? std::string() : state.made.model->names[*under] + " is in doubt: " + doubt,
+                          {false, false, true});
   const RectPx first = grid.cell(grid.first);
   steer(ui, std::min(first.width, first.height), out);
-  const bool moved_far = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0).x != 0 && state.turning;
-  const bool hovered = ImGui::IsItemHovered() && !state.turning;
+  const bool moved_far = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0).x != 0 && state.gallery.turning;
+  const bool hovered = ImGui::IsItemHovered() && !state.gallery.turning;
   const auto place =
       hovered ? vertex_at(state, grid, io.MousePos.x, io.MousePos.y, ui.theme.scale) : std::optional<GalleryVertex>();
-  if (place != state.hover && !state.turning) out.send(PointAtVertex{place});
+  if (place != state.gallery.hover && !state.gallery.turning) out.send(PointAtVertex{place});
   if (cells.doubled) {
     out.send(PinVertex{place, true});
   } else if (ImGui::IsItemDeactivated() && !moved_far && ImGui::IsMouseReleased(ImGuiMouseButton_Left)) {
     if (place)
       out.send(PinVertex{place, false});
-    else if (const auto shape = grid.shape_at(io.MousePos.x, io.MousePos.y); shape && !state.turning)
-      out.send(SelectCase{state.model->names[*shape]});
+    else if (const auto shape = grid.shape_at(io.MousePos.x, io.MousePos.y); shape && !state.gallery.turning)
+      out.send(SelectCase{state.made.model->names[*shape]});
   }
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  const auto from = state.model->names.begin() + static_cast<std::ptrdiff_t>(grid.first);
+  const auto from = state.made.model->names.begin() + static_cast<std::ptrdiff_t>(grid.first);
   const std::vector<std::string> names(from, from + static_cast<std::ptrdiff_t>(grid.shapes));
   for (std::size_t k = 0; k < grid.shapes; ++k) draw_cell(draw, ui, grid, grid.first + k, names);
 }
@@ -247,10 +248,10 @@ void draw_phantom_buttons(const UiContext& ui, Outbox& out) {
 void draw_first_fits(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  explanation(theme, state.model_error.empty() ? "No case of the study has a shape yet." : state.model_error);
+  explanation(theme, state.made.error.empty() ? "No case of the study has a shape yet." : state.made.error);
   const std::size_t maps = cases_with_labels(state);
   const bool has_template = !state.study.template_file.empty();
-  if (state.listing || waiting_cases(state) == 0 || maps < enough_for_consensus || has_template) return;
+  if (state.runs.listing || waiting_cases(state) == 0 || maps < enough_for_consensus || has_template) return;
   gap(theme, 4);
   explanation(theme, "A template of all of them depends on no single subject, and its fits are better.");
   if (button(theme, "Make a consensus template\xe2\x80\xa6", format("The mean shape of the %zu label maps", maps), {},
@@ -265,9 +266,9 @@ void draw_start(const UiContext& ui, const RectPx& room, Outbox& out) {
   const float width = std::min(theme.px(360), room.width - theme.px(32));
   ImGui::SetCursorPos({std::floor((room.width - width) / 2), std::floor(room.height / 4)});
   ImGui::BeginChild("start", {width, 0}, false, ImGuiWindowFlags_NoBackground);
-  if (state.modelling) {
+  if (state.runs.modelling) {
     explanation(theme, "Making the model…");
-    progress_bar(theme, state.modelling_fraction);
+    progress_bar(theme, state.runs.modelling_fraction);
   } else if (!state.study.cases.empty()) {
     draw_first_fits(ui, out);
   } else {
@@ -296,10 +297,10 @@ void draw_start(const UiContext& ui, const RectPx& room, Outbox& out) {
 void draw_gallery(const UiContext& ui, const ModelsLayout& layout, Outbox& out) {
   begin_region("gallery header", layout.gallery_header, palette::surface);
   draw_header_row(ui, layout.gallery_header, out);
-  if (ui.state.models.model) draw_tools_row(ui, layout.gallery_header, out);
+  if (ui.state.models.made.model) draw_tools_row(ui, layout.gallery_header, out);
   end_region();
   begin_region("gallery", layout.gallery, IM_COL32_BLACK_TRANS);
-  if (ui.state.models.model)
+  if (ui.state.models.made.model)
     draw_cells(ui, layout.gallery, out);
   else
     draw_start(ui, layout.gallery, out);
@@ -312,7 +313,7 @@ void draw_difference_legend(const UiContext& ui, const RectPx& rect) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const double most_mm =
-      difference_scale_mm(difference_of_groups_mm(*state.model, state.compared[0], state.compared[1]));
+      difference_scale_mm(difference_of_groups_mm(*state.made.model, state.view.compared[0], state.view.compared[1]));
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float x0 = rect.x + theme.px(12), x1 = rect.x + rect.width - theme.px(12);
   const float y = rect.y + rect.height - theme.px(28), bar = theme.px(6), middle = std::round((x0 + x1) / 2);
@@ -332,9 +333,10 @@ void draw_difference_legend(const UiContext& ui, const RectPx& rect) {
 }
 
 std::string model_title(const ModelsState& state) {
-  if (state.show_difference) return state.compared[1] + " against " + state.compared[0];
-  const bool mean = std::all_of(state.deviations.begin(), state.deviations.end(), [](double d) { return d == 0; });
-  return std::string(mean ? "Mean shape" : "Shape of the model") + (state.optimisation.shown ? ", optimised" : "");
+  if (state.view.show_difference) return state.view.compared[1] + " against " + state.view.compared[0];
+  const bool mean =
+      std::all_of(state.view.deviations.begin(), state.view.deviations.end(), [](double d) { return d == 0; });
+  return std::string(mean ? "Mean shape" : "Shape of the model") + (state.made.optimisation.shown ? ", optimised" : "");
 }
 
 }  // namespace
@@ -346,21 +348,21 @@ void draw_model_view(const UiContext& ui, const ModelsLayout& layout, Outbox& ou
   const RectPx& header = layout.model_header;
   text_at(*ImGui::GetWindowDrawList(), theme.strong,
           {header.x + theme.px(12), std::floor(header.y + (header.height - theme.strong->FontSize) / 2)}, palette::text,
-          state.model ? cut(theme.strong, model_title(state), header.width - theme.px(24)) : std::string("Model"));
+          state.made.model ? cut(theme.strong, model_title(state), header.width - theme.px(24)) : std::string("Model"));
   end_region();
-  begin_region("model", layout.model, state.model ? IM_COL32_BLACK_TRANS : palette::surface);
-  if (state.model) {
+  begin_region("model", layout.model, state.made.model ? IM_COL32_BLACK_TRANS : palette::surface);
+  if (state.made.model) {
     ImGui::SetCursorPos({0, 0});
     area(theme, "shape", {layout.model.width, layout.model.height}, {}, {false, false, true});
     const RectPx shown = legend_room(state, theme.scale).left_of(layout.model);
     steer(ui, std::min(shown.width, shown.height), out);
     const auto vertex = marked_vertex(state);
-    if (vertex && !state.animated_mode) {
-      const Points points =
-          state.show_difference ? state.model->mean.points : shape_of(state.model->model, shown_coefficients(state));
+    if (vertex && !state.view.animated_mode) {
+      const Points points = state.view.show_difference ? state.made.model->mean.points
+                                                       : shape_of(state.made.model->model, shown_coefficients(state));
       draw_marker(*ImGui::GetWindowDrawList(), theme, state, shown, points, *vertex, false);
     }
-    if (state.show_difference) draw_difference_legend(ui, layout.model);
+    if (state.view.show_difference) draw_difference_legend(ui, layout.model);
   }
   end_region();
 }

@@ -26,7 +26,7 @@ void draw_models_top_bar(const UiContext& ui, Outbox& out) {
   const ImVec2 at{std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)};
   text_at(*ImGui::GetWindowDrawList(), at, palette::text, title);
   ImGui::PopFont();
-  const std::string path = ui.state.models.study_file.string();
+  const std::string path = ui.state.models.kept.file.string();
   if (!path.empty() && size.x > 0) {
     ImGui::SetCursorScreenPos(at);
     area(theme, "study", size, path);
@@ -44,17 +44,17 @@ void draw_models_status(const UiContext& ui) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   std::string left = waiting_cases(state) > 0 ? "Cases wait: Fit waiting fits them to their label maps, or open one."
                                               : "Add meshes of one template, or open a study.";
-  if (state.modelling)
-    left = format("Making the model: %.0f %%", 100 * state.modelling_fraction);
-  else if (!state.model_error.empty())
-    left = state.model_error;
-  else if (state.model)
+  if (state.runs.modelling)
+    left = format("Making the model: %.0f %%", 100 * state.runs.modelling_fraction);
+  else if (!state.made.error.empty())
+    left = state.made.error;
+  else if (state.made.model)
     left = std::string("Drag: turn all shapes. Right-drag: move. ") +
            (gallery_pages(state) == 1 ? "Wheel: zoom." : "Wheel: pages. Ctrl+wheel: zoom.") +
            " Click: mark a vertex. Double-click: look at it.";
   const float from = bar.x + theme.px(12), room = bar.width - theme.px(120);
   const std::string fitting = whole_sentences(left, room);
-  if (fitting != left && left == state.model_error) {
+  if (fitting != left && left == state.made.error) {
     draw_tall_message(ui, left);
   } else {
     text_at(draw, {from, y}, palette::dim, fitting);
@@ -64,7 +64,7 @@ void draw_models_status(const UiContext& ui) {
     }
   }
   std::optional<EvenDigits> digits(std::in_place, theme);  // gone before the line ends
-  const bool moves = state.turning && ui.frames_per_second >= 1;
+  const bool moves = state.gallery.turning && ui.frames_per_second >= 1;
   const std::string right = moves ? format("%.0f frames/s", ui.frames_per_second) : "";
   text_at(draw, {bar.x + bar.width - theme.px(12) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right);
   digits.reset();

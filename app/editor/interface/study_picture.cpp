@@ -10,7 +10,7 @@
 namespace homolog {
 
 StudyCells study_cells(const ModelsState& state, StudyPicture what, float width_px, float height_px) {
-  const StudyModel& model = *state.model;
+  const StudyModel& model = *state.made.model;
   const RectPx area{0, 0, width_px, height_px};
   if (what == StudyPicture::gallery) {
     StudyCells all{gallery_grid(model.names.size(), area), {}, model.names};
@@ -64,8 +64,8 @@ void draw_study_captions(ImDrawList& draw, const Theme& theme, const ModelsState
   // The cells are seen without perspective, 30° at the target across their shorter side.
   RectPx cell = cells.grid.cell(0);
   const RectPx shape = caption_room(theme.scale).left_of(cell);
-  const double mm_per_px =
-      2 * state.camera.distance_mm * std::tan(15 * std::numbers::pi / 180) / std::min(shape.width, shape.height);
+  const double mm_per_px = 2 * state.gallery.camera.distance_mm * std::tan(15 * std::numbers::pi / 180) /
+                           std::min(shape.width, shape.height);
   cell.height = cells.grid.area.height - cell.y;  // at the lower left of all
   draw_cell_scale(draw, theme, cell, mm_per_px);
 }

@@ -50,7 +50,7 @@ bool draw_fit_model(const UiContext& ui, FitSettings& settings, Outbox& out) {
 
 std::string model_refusal(const UiContext& ui) {
   const FitSettings& settings = ui.state.automatic.fit_settings;
-  const auto& study = ui.state.models.model;
+  const auto& study = ui.state.models.made.model;
   if (settings.model == FitModel::file) return ui.state.automatic.fit_model ? "" : "Choose the model first.";
   if (settings.model != FitModel::study) return "";
   const bool fits =

@@ -8,7 +8,7 @@ namespace homolog {
 namespace {
 
 std::string help_refusal(const UiContext& ui) {
-  const auto& model = ui.state.models.model;
+  const auto& model = ui.state.models.made.model;
   if (!model) return "Open a study (Tab). The model of its cases then helps with this one.";
   if (model->vertices() != ui.structure()->the_template->topology->vertices())
     return "The study's shapes come from another template. Open a study of this template.";

@@ -122,7 +122,7 @@ std::string why_not_scored(const UiContext& ui) {
   const Scoring& scoring = ui.state.scoring;
   if (!ui.has_shape()) return ui.needs_shape();
   if (scoring.by_file) return scoring.of_file ? "" : "Choose the model first.";
-  if (!ui.state.models.fitted.model) return "Open a study of this template (Tab), or choose a model's file.";
+  if (!ui.state.models.shapes.fitted.model) return "Open a study of this template (Tab), or choose a model's file.";
   return scoring.no_model;
 }
 

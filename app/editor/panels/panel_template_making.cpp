@@ -283,7 +283,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
     if (button(theme, format("Make it of the study's %zu maps\xe2\x80\xa6", maps),
                "The mean shape of all label maps of the study, which no single subject decides. Cases that wait begin "
                "with it",
-               ui.state.models.listing ? "The study's cases are in work." : "", width))
+               ui.state.models.runs.listing ? "The study's cases are in work." : "", width))
       out.send(ShowFileDialog{FilePurpose::make_study_template, study_stem(ui.state.models) + "-template.ply"});
   }
   std::optional<WorkShown> running;

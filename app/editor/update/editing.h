@@ -60,7 +60,7 @@ struct Work {
   ModelHelp model_help;
   Models models;
   Worklist worklist;
-  std::uint64_t study_of_worklist = 0;  ///< ModelsState::study_number when scans or fits were asked for
+  std::uint64_t study_of_worklist = 0;  ///< StudyKept::number when scans or fits were asked for
   ShapeMonitor<QualityFigures> quality;
   ShapeMonitor<ShapeMeasurements> measurements;
   ShapeMonitor<ScoredShape> scores;

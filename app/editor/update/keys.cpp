@@ -77,7 +77,7 @@ Given scroll(const KeyMoment& now) {
 }
 
 Given turn_page(const KeyMoment& now) {
-  const std::size_t page = now.state.models.gallery_page;
+  const std::size_t page = now.state.models.gallery.page;
   if (now.code == key::page_down) return ShowGalleryPage{page + 1};
   return page > 0 ? Given(ShowGalleryPage{page - 1}) : std::nullopt;
 }
@@ -206,8 +206,8 @@ std::vector<KeyRow> rows_of_models() {
        {{key::enter}, {key::keypad_enter}},
        [](const KeyMoment& now) -> Given {
          const ModelsState& models = now.state.models;
-         const StudyCase* one = find_case(models.study, models.selected);
-         return one != nullptr ? Given(OpenCaseOfStudy{one->name, models.pinned}) : std::nullopt;
+         const StudyCase* one = find_case(models.study, models.list.selected);
+         return one != nullptr ? Given(OpenCaseOfStudy{one->name, models.gallery.pinned}) : std::nullopt;
        }},
       {"PgUp, PgDn", "pages of the gallery", {{key::page_up}, {key::page_down}}, turn_page},
       {"F", "all shapes in view", {{'F'}}, [](const KeyMoment&) -> Given { return ShowAllShapes{}; }},
@@ -217,7 +217,7 @@ std::vector<KeyRow> rows_of_models() {
        "stops, or unmarks a vertex",
        {{key::escape}},
        [](const KeyMoment& now) -> Given {
-         return now.state.models.optimisation.runs() ? Given(CancelOptimisation{}) : Given(PinVertex{});
+         return now.state.models.made.optimisation.runs() ? Given(CancelOptimisation{}) : Given(PinVertex{});
        }},
       {"Ctrl+O",
        "open a study",
@@ -229,7 +229,7 @@ std::vector<KeyRow> rows_of_models() {
        "save the study as",
        {{'S', true}},
        [](const KeyMoment& now) -> Given {
-         return ShowFileDialog{FilePurpose::save_study, now.state.models.study_file.filename().string()};
+         return ShowFileDialog{FilePurpose::save_study, now.state.models.kept.file.filename().string()};
        }},
       {"Ctrl+Q", "quit", {{'Q', true}}, [](const KeyMoment&) -> Given { return Quit{}; }},
       {"Tab", "the case", {{key::tab}}, [](const KeyMoment&) -> Given { return ShowModels{false}; }},

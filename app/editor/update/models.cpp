@@ -44,10 +44,10 @@ fs::path new_study_file() {
 }
 
 void start_new_study(EditorState& state) {
-  state.models.study_file = new_study_file();
-  remember_recent(state.preferences.recent_studies, state.models.study_file);
+  state.models.kept.file = new_study_file();
+  remember_recent(state.preferences.recent_studies, state.models.kept.file);
   add_notice(state,
-             "The new study lies in " + state.models.study_file.string() +
+             "The new study lies in " + state.models.kept.file.string() +
                  ". Save study as… (Ctrl+S) puts it beside your scans.",
              false);
 }
@@ -65,13 +65,13 @@ void Models::show_study(EditorState& state, StudyRead read, const fs::path& path
   });
   told_.clear();
   tell_once(state, read.warnings, true);
-  const fs::path file = absolute_path(path), before = state.models.study_file;
+  const fs::path file = absolute_path(path), before = state.models.kept.file;
   if (before != file && before.parent_path() == studies_folder() && !state.models.study.cases.empty())
     add_notice(state, {"The study " + study_name(before) + " is kept.", false, std::nullopt, before});
   if (file.parent_path() != before.parent_path()) state.saving.saved_folder.clear();
   remember_recent(state.preferences.recent_studies, file);
   homolog::show_study(state.models, std::move(read.study), file);
-  written_revision_ = state.models.study_revision;
+  written_revision_ = state.models.kept.revision;
 }
 
 Result<Models::FileDone> Models::read_of(const fs::path& path, const Progress& progress, Models& shows) {
@@ -112,10 +112,10 @@ void Models::queue_writing(const ModelsState& models, const fs::path& path, Then
 }
 
 void Models::save_study_as(const ModelsState& models, const fs::path& path) {
-  const auto then = [this, path, from = models.study_file, revision = models.study_revision](EditorState& state,
-                                                                                             Outbox&) {
-    if (state.models.study_file == from) {  // else another one was opened meanwhile
-      state.models.study_file = absolute_path(path);
+  const auto then = [this, path, from = models.kept.file, revision = models.kept.revision](EditorState& state,
+                                                                                           Outbox&) {
+    if (state.models.kept.file == from) {  // else another one was opened meanwhile
+      state.models.kept.file = absolute_path(path);
       remember_recent(state.preferences.recent_studies, path);
       written_revision_ = revision;  // what was edited meanwhile is not in that file yet
       unwritten_.clear();
@@ -126,9 +126,9 @@ void Models::save_study_as(const ModelsState& models, const fs::path& path) {
 }
 
 void Models::write_study_file(const ModelsState& models) {
-  written_revision_ = models.study_revision;
+  written_revision_ = models.kept.revision;
   unwritten_.clear();
-  if (!models.study_file.empty()) queue_writing(models, models.study_file, {});
+  if (!models.kept.file.empty()) queue_writing(models, models.kept.file, {});
 }
 
 bool Models::write_if_changed(const ModelsState& models) {
@@ -172,9 +172,10 @@ void Models::open_phantom_study(Organ organ) {
 }
 
 void Models::start_evaluation(const ModelsState& models) {
-  if (!models.model) return;
-  if (models.model->components->shapes() < 3 || models.model->model.modes() < 1) return;  // there is nothing to measure
-  evaluator_.start("The measures", [model = models.model](Progress& progress) -> Result<Evaluated> {
+  if (!models.made.model) return;
+  if (models.made.model->components->shapes() < 3 || models.made.model->model.modes() < 1)
+    return;  // there is nothing to measure
+  evaluator_.start("The measures", [model = models.made.model](Progress& progress) -> Result<Evaluated> {
     const auto most = static_cast<int>(model->components->shapes()) - 2;
     const EvaluationOptions options{{std::min(most, static_cast<int>(model->model.modes()))}};
     auto evaluation = evaluate_model(*model->components, model->topology, options, &progress);
@@ -200,15 +201,15 @@ void Models::open_case(const OpenCaseOfStudy& command, EditorState& state, const
 
 void Models::repair_case(const StudyCase& one, const OpenCaseOfStudy& command, EditorState& state) {
   const ModelsState& models = state.models;
-  const auto file = models.files.find(one.file);
-  if (file == models.files.end())
+  const auto file = models.shapes.files.find(one.file);
+  if (file == models.shapes.files.end())
     return add_notice(state,
                       one.name + ": its file could not be read; check the file, or remove the case from the study.");
   const std::string subject = "the case of " + one.name;
   if (const auto now = files_.running(); now && now->subject == subject) return;  // asked for twice
   const auto make = [command, mesh = file->second.shapes.structures.front().frames.at(0), mesh_file = one.file,
-                     faces = models.model ? models.model->topology : nullptr,
-                     folder = models.study_file.parent_path() / "repaired"](Progress& progress) -> Result<FileDone> {
+                     faces = models.made.model ? models.made.model->topology : nullptr,
+                     folder = models.kept.file.parent_path() / "repaired"](Progress& progress) -> Result<FileDone> {
     if (progress.cancelled()) return FileDone();
     const auto made = make_case_of_shape(*mesh, faces, command.name, folder);
     if (!made) return fail(made.error());
@@ -225,8 +226,8 @@ void Models::take_repair_case(const OpenCaseOfStudy& command, const fs::path& me
   StudyCase* repaired = find_case(state.models.study, command.name);
   if (repaired == nullptr || repaired->file != mesh_file) return;  // another study, or another file by now
   repaired->imported = std::exchange(repaired->file, case_file);
-  ++state.models.shapes_revision;
-  ++state.models.study_revision;
+  ++state.models.kept.shapes_revision;
+  ++state.models.kept.revision;
   add_notice(state,
              command.name + " is now the case repaired/" + case_file.filename().string() + ". The file " +
                  mesh_file.filename().string() + " stays as it is.",
@@ -237,14 +238,15 @@ void Models::take_repair_case(const OpenCaseOfStudy& command, const fs::path& me
 void Models::export_shapes(const ExportShapes& command, const ModelsState& models) {
   std::vector<NamedShape> shapes;
   for (const StudyCase& one : models.study.cases) {
-    const auto shape = models.shapes.find(one.name);
-    if (shape == models.shapes.end()) continue;
+    const auto shape = models.shapes.shown.find(one.name);
+    if (shape == models.shapes.shown.end()) continue;
     const bool is_case = is_case_file(one.file);
-    const auto fitted = models.fitted.shapes.find(one.name);
-    const bool slid = fitted != models.fitted.shapes.end() && fitted->second != shape->second;
+    const auto fitted = models.shapes.fitted.shapes.find(one.name);
+    const bool slid = fitted != models.shapes.fitted.shapes.end() && fitted->second != shape->second;
     shapes.push_back({one.name, shape->second, is_case ? one.imported : one.file, is_case || one.flipped || slid});
   }
-  const std::string says = "Written: " + command.folder.string() + (models.optimisation.shown ? " (optimised)" : "");
+  const std::string says =
+      "Written: " + command.folder.string() + (models.made.optimisation.shown ? " (optimised)" : "");
   exporter_.start(command.folder.string(),
                   [shapes = std::move(shapes), command, says](Progress& progress) -> Result<std::string> {
                     if (auto written = write_shapes(shapes, command.extension, command.folder, &progress); !written)
@@ -275,13 +277,14 @@ std::optional<int> Models::show_repair(EditorState& state, const Snapshot& snaps
 
 void Models::build(EditorState& state, const Snapshot& snapshot) {
   ModelsState& models = state.models;
-  built_revision_ = models.shapes_revision;
-  built_alignment_ = models.alignment;
+  built_revision_ = models.kept.shapes_revision;
+  built_alignment_ = models.made.alignment;
   built_document_ = open_document(models, snapshot);
   std::vector<StudyCase> cases = models.study.cases;
   std::erase_if(cases, [](const StudyCase& one) { return one.waits(); });  // they have no shape of their own
-  StudyModelRequest request{
-      std::move(cases), models.study.template_file, models.alignment, models.files, built_document_, snapshot.file};
+  StudyModelRequest request{std::move(cases),      models.study.template_file,
+                            models.made.alignment, models.shapes.files,
+                            built_document_,       snapshot.file};
   builder_.start("The study's model", [request = std::move(request)](Progress& progress) {
     auto built = build_study_model(request, progress);
     give_back_freed_memory();
@@ -290,19 +293,19 @@ void Models::build(EditorState& state, const Snapshot& snapshot) {
 }
 
 void Models::check(const ModelsState& models) {
-  if (checked_ == models.model) return;
-  checked_ = models.model;
+  if (checked_ == models.made.model) return;
+  checked_ = models.made.model;
   checker_.cancel();
-  if (!models.model) return;
-  std::vector<std::shared_ptr<const MeshFile>> meshes(models.model->names.size());
+  if (!models.made.model) return;
+  std::vector<std::shared_ptr<const MeshFile>> meshes(models.made.model->names.size());
   for (const StudyCase& one : models.study.cases) {
-    const auto shape = models.model->index_of(one.name);
-    const auto file = models.files.find(one.file);
-    if (shape < 0 || file == models.files.end()) continue;
+    const auto shape = models.made.model->index_of(one.name);
+    const auto file = models.shapes.files.find(one.file);
+    if (shape < 0 || file == models.shapes.files.end()) continue;
     if (auto mesh = file->second.shapes.shape({one.structure, one.frame}, one.name))
       meshes[index(shape)] = std::move(*mesh);
   }
-  const auto look = [model = models.model, meshes = std::move(meshes),
+  const auto look = [model = models.made.model, meshes = std::move(meshes),
                      known = known_doubts_](Progress& progress) mutable -> Result<Checked> {
     auto found = find_suspicions(*model, meshes, known, progress);
     give_back_freed_memory();
@@ -316,19 +319,19 @@ bool Models::take_checked(ModelsState& models) {
   auto checked = checker_.take();
   if (!checked || !*checked) return checked.has_value();
   known_doubts_ = std::move((*checked)->known);
-  if ((*checked)->model == models.model) models.suspicions = std::move((*checked)->suspicions);
+  if ((*checked)->model == models.made.model) models.made.suspicions = std::move((*checked)->suspicions);
   return true;
 }
 
 void Models::show_built(EditorState& state, StudyModelBuilt built) {
-  state.models.files = std::move(built.known);
-  state.models.mirrored = std::move(built.mirrored);
+  state.models.shapes.files = std::move(built.known);
+  state.models.shapes.mirrored = std::move(built.mirrored);
   const std::string over =
       take_fitted(state.models, {std::move(built.shapes), std::move(built.sizes), std::move(built.model)});
   if (!over.empty()) add_notice(state, over, false);
-  state.models.model_error = std::move(built.error);
+  state.models.made.error = std::move(built.error);
   // Where nothing can be read the window says so itself.
-  if (state.models.model || state.models.model_error.empty() || !state.models.shapes.empty())
+  if (state.models.made.model || state.models.made.error.empty() || !state.models.shapes.shown.empty())
     tell_once(state, built.refusals, true);
   tell_once(state, built.warnings, false);
 }
@@ -366,14 +369,14 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
   }
   // One writing at a time: what is edited meanwhile goes into the next.
   if (has_to_write(models) && !files_.busy()) write_study_file(models);
-  const bool stale = built_revision_ != models.shapes_revision || built_alignment_ != models.alignment ||
+  const bool stale = built_revision_ != models.kept.shapes_revision || built_alignment_ != models.made.alignment ||
                      built_document_ != open_document(models, snapshot);
   if (models.shown && stale) build(state, snapshot);
   if (auto built = builder_.take()) {
     if (*built)
       show_built(state, std::move(**built));
     else
-      models.model_error = built->error().sentence();
+      models.made.error = built->error().sentence();
     changed = true;
   }
   check(models);
@@ -381,19 +384,19 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
   if (auto evaluated = evaluator_.take()) {
     if (!*evaluated)
       add_notice(state, evaluated->error().sentence());
-    else if ((*evaluated)->model == models.model)
-      models.evaluation = std::make_shared<const Evaluation>(std::move((*evaluated)->evaluation));
+    else if ((*evaluated)->model == models.made.model)
+      models.made.evaluation = std::make_shared<const Evaluation>(std::move((*evaluated)->evaluation));
     changed = true;
   }
   const bool working = busy();
-  changed = changed || working || working != (models.modelling || models.evaluating || models.exporting);
-  models.modelling = builder_.busy() || phantoms_.busy();
-  models.modelling_fraction = phantoms_.busy() ? phantoms_.fraction() : builder_.fraction();
-  models.evaluating = evaluator_.busy();
-  models.evaluating_fraction = evaluator_.fraction();
-  models.exporting = exporter_.busy();
-  models.exporting_fraction = exporter_.fraction();
-  if (models.shown && models.animated_mode) {
+  changed = changed || working || working != (models.runs.modelling || models.runs.evaluating || models.runs.exporting);
+  models.runs.modelling = builder_.busy() || phantoms_.busy();
+  models.runs.modelling_fraction = phantoms_.busy() ? phantoms_.fraction() : builder_.fraction();
+  models.runs.evaluating = evaluator_.busy();
+  models.runs.evaluating_fraction = evaluator_.fraction();
+  models.runs.exporting = exporter_.busy();
+  models.runs.exporting_fraction = exporter_.fraction();
+  if (models.shown && models.view.animated_mode) {
     animate(models, seconds);
     changed = true;
   }
@@ -402,8 +405,8 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
 
 std::optional<double> Models::next_move_seconds(const ModelsState& state) const {
   constexpr double progress_seconds = 0.1, animation_seconds = 1.0 / 30;
-  if (state.shown && state.animated_mode) return animation_seconds;
-  if (state.modelling || state.evaluating || state.exporting) return progress_seconds;
+  if (state.shown && state.view.animated_mode) return animation_seconds;
+  if (state.runs.modelling || state.runs.evaluating || state.runs.exporting) return progress_seconds;
   return std::nullopt;
 }
 

@@ -45,7 +45,7 @@ class Models {
   /// Writes the study's file where it is not up to date: again, where that failed. True where that was to be done.
   bool write_if_changed(const ModelsState& models);
   /// Whether the study's file is to be written as soon as no other file is.
-  bool has_to_write(const ModelsState& models) const { return written_revision_ != models.study_revision; }
+  bool has_to_write(const ModelsState& models) const { return written_revision_ != models.kept.revision; }
   /// The study's file whose writing failed last; empty where none did since.
   const std::filesystem::path& unwritten() const { return unwritten_; }
   /// Seconds until something moves by itself.
@@ -84,7 +84,7 @@ class Models {
     Then then;  ///< empty where nothing is left to do
   };
   bool study_is_written(const ModelsState& models) const {
-    return written_revision_ == models.study_revision && unwritten_.empty();
+    return written_revision_ == models.kept.revision && unwritten_.empty();
   }
   void write_study_file(const ModelsState& models);
   void queue_writing(const ModelsState& models, const std::filesystem::path& path, Then then);

@@ -15,9 +15,9 @@ std::string running_words(const EditorState& state, const Work& work) {
   if (work.contour_fits.busy()) return "fitting";
   if (work.snaps.busy()) return "snapping";
   if (work.exports.running()) return "writing";
-  if (state.models.evaluating) return "measuring";
-  if (state.models.optimisation.runs()) return "optimising";
-  if (state.models.modelling) return "making the model";
+  if (state.models.runs.evaluating) return "measuring";
+  if (state.models.made.optimisation.runs()) return "optimising";
+  if (state.models.runs.modelling) return "making the model";
   return {};
 }
 
@@ -33,7 +33,7 @@ std::string case_title(const Snapshot& snapshot) {
 }
 
 std::string study_title(const ModelsState& state) {
-  const std::string name = study_name(state.study_file);
+  const std::string name = study_name(state.kept.file);
   return name.empty() ? "No study" : name;
 }
 

@@ -41,10 +41,10 @@ Result<StudyCost> opened(EditorApp& app, BenchHand& hand, Framebuffer& framebuff
   app.send(OpenStudy{{study}});
   do {
     const ModelsState& models = app.state().models;
-    if (!models.model && !models.model_error.empty()) return fail(study.string(), models.model_error);
+    if (!models.made.model && !models.made.error.empty()) return fail(study.string(), models.made.error);
     cost.slowest_frame_ms = std::max(cost.slowest_frame_ms, drawn_frame_ms(hand, framebuffer));
-    if (models.model && cost.open_ms == 0) cost.open_ms = ms_since(start);
-    std::this_thread::sleep_for(std::chrono::milliseconds(models.model ? 100 : 30));
+    if (models.made.model && cost.open_ms == 0) cost.open_ms = ms_since(start);
+    std::this_thread::sleep_for(std::chrono::milliseconds(models.made.model ? 100 : 30));
   } while (cost.open_ms == 0 || !hand.at_rest() || app.draws_on());
   cost.at_rest_ms = ms_since(start);
   return cost;

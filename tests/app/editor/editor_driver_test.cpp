@@ -220,7 +220,7 @@ TEST_CASE("a study's file is kept up to date beside the window") {
   driver.click("Study");
   driver.click("study menu/New study…");
   choose(driver, study);
-  driver.wait_until("the study is open", [&] { return driver.state().models.study_file == study; });
+  driver.wait_until("the study is open", [&] { return driver.state().models.kept.file == study; });
   driver.click("Meshes…");
   choose(driver, ball.file);
   driver.wait_until("the case is in the list", [&] { return driver.has("cases/ball/row"); });
@@ -246,7 +246,7 @@ namespace {
 fs::path open_study_of(Driver& driver, const Ball& ball) {
   const fs::path study = driver.folder() / "some.study.json";
   driver.app().send(NewStudy{study});
-  driver.wait_until("the study is open", [&] { return driver.state().models.study_file == study; });
+  driver.wait_until("the study is open", [&] { return driver.state().models.kept.file == study; });
   driver.app().send(AddCases{{ball.file}});
   driver.settle();
   return study;
@@ -265,7 +265,7 @@ TEST_CASE("a study that could not be written is not lost with another one or wit
   driver.wait_until("a fault is said", [&] { return driver.shows("some.study.json"); });
   driver.app().send(OpenStudy{other});
   driver.wait_until("that is said", [&] { return driver.shows("other.study.json was not opened"); });
-  CHECK(driver.state().models.study_file == study);
+  CHECK(driver.state().models.kept.file == study);
 
   driver.app().ask_to_quit();
   driver.wait_until("it is asked", [&] { return driver.has("Quit without it"); });
@@ -436,7 +436,7 @@ TEST_CASE("a command that fails ends in a sentence and takes nothing else with i
     beside.over_panel = true;
     driver.app().handle(beside);
   }
-  CHECK(driver.state().models.filter.empty());
+  CHECK(driver.state().models.list.filter.empty());
   CHECK(driver.state().hand.tool == MouseTool::ruler);
   driver.frames(2);
   CHECK(driver.shows("This needs more memory than there is"));

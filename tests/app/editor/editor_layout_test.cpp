@@ -200,21 +200,21 @@ class Screens {
     state().models.shown = true;
     look("Models");
     for (const bool difference : {false, true}) {
-      state().models.show_difference = difference && state().models.model && named_.names.size() > 3;
-      state().models.all_modes = true;
+      state().models.view.show_difference = difference && state().models.made.model && named_.names.size() > 3;
+      state().models.view.all_modes = true;
       look("Models, all modes");
     }
     look_at_optimisation();
     state().saving.picture.study = StudyPicture::modes;
     look("Models, a picture of the modes");
     state().saving.picture.study.reset();
-    state().models.show_difference = false;
+    state().models.view.show_difference = false;
     state().models.shown = false;
   }
 
   void look_at_optimisation() {
-    StudyOptimisation& optimisation = state().models.optimisation;
-    optimisation.of = std::make_shared<const StudyToOptimise>(StudyToOptimise{state().models.fitted});
+    StudyOptimisation& optimisation = state().models.made.optimisation;
+    optimisation.of = std::make_shared<const StudyToOptimise>(StudyToOptimise{state().models.shapes.fitted});
     optimisation.bits = {123.45, 120.1};
     look("Models, an optimisation runs");
     auto done = std::make_shared<OptimisedStudy>();

@@ -48,7 +48,7 @@ struct Balls {
   /// With the model in it.
   ModelsState& modelled() {
     show_model(state, build().model);
-    REQUIRE(state.model);
+    REQUIRE(state.made.model);
     return state;
   }
 };
@@ -61,9 +61,9 @@ TEST_CASE("cases are named after their files and never twice") {
   REQUIRE(state.study.cases.size() == 2);
   CHECK(state.study.cases[0].name == "knee");
   CHECK(state.study.cases[1].name == "knee-2");
-  const auto before = state.shapes_revision;
+  const auto before = state.kept.shapes_revision;
   CHECK(add_cases(state, {"/two/../two/knee.ply"}) == 0);
-  CHECK(state.shapes_revision == before);
+  CHECK(state.kept.shapes_revision == before);
 }
 
 TEST_CASE("the list of cases is filtered by name group and notes and sorted either way") {
@@ -79,32 +79,32 @@ TEST_CASE("the list of cases is filtered by name group and notes and sorted eith
   CHECK(listed_cases(state) == Listed{0, 2, 1});
   sort_by(state, CaseColumn::name);
   CHECK(listed_cases(state) == Listed{0, 1, 2});
-  state.filter = "HEALTHY";
+  state.list.filter = "HEALTHY";
   CHECK(listed_cases(state) == Listed{1, 2});
 }
 
 TEST_CASE("the next case is the next that is not done") {
   ModelsState state;
   add_cases(state, {"/a.ply", "/b.ply", "/c.ply"});
-  const auto revision = state.shapes_revision;
+  const auto revision = state.kept.shapes_revision;
   cycle_case_state(state, "b");
   cycle_case_state(state, "b");
   CHECK(find_case(state.study, "b")->state == CaseState::done);
-  CHECK(state.shapes_revision == revision);
+  CHECK(state.kept.shapes_revision == revision);
   // One of a scan is in no model while it waits.
   state.study.cases[2].from_scan = true;
   cycle_case_state(state, "c");
-  CHECK(state.shapes_revision == revision + 1);
+  CHECK(state.kept.shapes_revision == revision + 1);
   cycle_case_state(state, "c");
-  CHECK(state.shapes_revision == revision + 1);
+  CHECK(state.kept.shapes_revision == revision + 1);
   cycle_case_state(state, "c");
-  CHECK(state.shapes_revision == revision + 2);
+  CHECK(state.kept.shapes_revision == revision + 2);
   select_next_case(state);
-  CHECK(state.selected == "a");
+  CHECK(state.list.selected == "a");
   select_next_case(state);
-  CHECK(state.selected == "c");
+  CHECK(state.list.selected == "c");
   select_next_case(state);
-  CHECK(state.selected == "a");
+  CHECK(state.list.selected == "a");
 }
 
 TEST_CASE("a shape out of correspondence and one that cannot be read are left out by name") {
@@ -185,13 +185,13 @@ TEST_CASE("what was optimised is over when the shapes or their alignment are oth
   // The state drops it too, and shows what was fitted.
   ModelsState& state = balls.state;
   CHECK(take_fitted(state, of.fitted).empty());
-  state.optimisation.of = std::make_shared<const StudyToOptimise>(of);
+  state.made.optimisation.of = std::make_shared<const StudyToOptimise>(of);
   take_optimised(state, {of.fitted, {}, {}, 1, 1});
-  CHECK(state.optimisation.shown);
+  CHECK(state.made.optimisation.shown);
   CHECK(take_fitted(state, shapes_of_study()) ==
         "The optimised shapes were dropped, because c was added. Optimise again.");
-  CHECK_FALSE(state.optimisation.of);
-  CHECK(state.model == state.fitted.model);
+  CHECK_FALSE(state.made.optimisation.of);
+  CHECK(state.made.model == state.shapes.fitted.model);
 }
 
 TEST_CASE("a mirrored shape is listed and no more once it is flipped") {
@@ -220,7 +220,7 @@ TEST_CASE("the other frames of a cine become cases beside the first") {
   ReadFile file;
   file.shapes.structures.push_back({"s1", {}, {0, 2, 3}});
   file.shapes.shown = 2;
-  state.files["/heart.homolog"] = file;
+  state.shapes.files["/heart.homolog"] = file;
   CHECK(other_frames(state, state.study.cases[0]) == std::vector<int>{0, 3});
   add_frames(state, "heart");
   std::vector<std::string> names;
@@ -256,22 +256,22 @@ TEST_CASE("a study's template gives shapes of points alone their faces") {
 TEST_CASE("the difference of two groups is how far one lies outside the other") {
   Balls balls;
   const ModelsState& state = balls.modelled();
-  REQUIRE(state.model->comparable_groups() == std::vector<std::string>{"a", "b"});
-  const VertexScalars difference_mm = difference_of_groups_mm(*state.model, "a", "b");
+  REQUIRE(state.made.model->comparable_groups() == std::vector<std::string>{"a", "b"});
+  const VertexScalars difference_mm = difference_of_groups_mm(*state.made.model, "a", "b");
   CHECK(difference_mm.minCoeff() > 0.98);
   CHECK(difference_mm.maxCoeff() < 1.02);
-  CHECK((difference_of_groups_mm(*state.model, "b", "a") + difference_mm).norm() < 1e-9);
+  CHECK((difference_of_groups_mm(*state.made.model, "b", "a") + difference_mm).norm() < 1e-9);
 }
 
 TEST_CASE("a case's coefficients give its shape back and stay within three standard deviations") {
   Balls balls;
   ModelsState& state = balls.modelled();
   set_to_case(state, "b1");
-  const Points shape = shape_of(state.model->model, shown_coefficients(state));
-  CHECK((shape - state.model->shape(2)).rowwise().norm().maxCoeff() < 0.2);
+  const Points shape = shape_of(state.made.model->model, shown_coefficients(state));
+  CHECK((shape - state.made.model->shape(2)).rowwise().norm().maxCoeff() < 0.2);
   for (int draw = 0; draw < 50; ++draw) {
     set_to_sample(state);
-    for (const double deviation : state.deviations) CHECK(std::abs(deviation) <= 3);
+    for (const double deviation : state.view.deviations) CHECK(std::abs(deviation) <= 3);
   }
   set_to_mean(state);
   CHECK(shown_coefficients(state).norm() == 0);
@@ -280,25 +280,25 @@ TEST_CASE("a case's coefficients give its shape back and stay within three stand
 TEST_CASE("a landmark that is looked at is in the middle of every cell and faces the viewer") {
   Balls balls;
   ModelsState& state = balls.modelled();
-  const GalleryGrid grid = gallery_grid(state.model->names.size(), {100, 50, 640, 480});
-  const double distance_mm = state.camera.distance_mm;
+  const GalleryGrid grid = gallery_grid(state.made.model->names.size(), {100, 50, 640, 480});
+  const double distance_mm = state.gallery.camera.distance_mm;
   pin_vertex(state, {1, 17}, true);
-  CHECK(state.selected == "a2");
+  CHECK(state.list.selected == "a2");
   for (std::size_t k = 0; k < grid.shapes; ++k) {
-    const Points points = state.model->shape(k);
+    const Points points = state.made.model->shape(k);
     const RectPx cell = grid.cell(k);
     const Eigen::Vector2d px = cell_px(cell_camera(state, points), cell, points.row(17));
     CHECK(std::abs(px.x() - cell.x - cell.width / 2) < 1);
     CHECK(std::abs(px.y() - cell.y - cell.height / 2) < 1);
-    CHECK(faces_viewer(state.camera, {state.model->topology, points}, 17));
+    CHECK(faces_viewer(state.gallery.camera, {state.made.model->topology, points}, 17));
     const auto found = vertex_at(state, grid, px.x(), px.y(), 1);
     REQUIRE(found);
     CHECK(*found == GalleryVertex{k, 17});
   }
   unpin(state);
-  CHECK_FALSE(state.pinned);
+  CHECK_FALSE(state.gallery.pinned);
   show_all_shapes(state);
-  CHECK(state.camera.distance_mm == doctest::Approx(distance_mm));
+  CHECK(state.gallery.camera.distance_mm == doctest::Approx(distance_mm));
 }
 
 TEST_CASE("cells of a gallery fill its area without overlapping") {
@@ -335,7 +335,7 @@ TEST_CASE("the gallery shows as many shapes as a page holds and the page of what
   CHECK(first.first == 0);
   CHECK(first.shapes == shapes_a_page);
   show_gallery_page(state, 7);
-  CHECK(state.gallery_page == 2);
+  CHECK(state.gallery.page == 2);
   const GalleryGrid last = page_grid(state, area);
   CHECK(last.shapes == 1);
   const RectPx cell = last.cell(count - 1), same = first.cell(0);
@@ -344,10 +344,10 @@ TEST_CASE("the gallery shows as many shapes as a page holds and the page of what
   CHECK(last.shape_at(cell.x + 1, cell.y + 1) == count - 1);
   CHECK_FALSE(last.shape_at(cell.x + cell.width + 10, cell.y + 1));
   select_case(state, "ball-" + std::to_string(shapes_a_page));
-  CHECK(state.gallery_page == 1);
+  CHECK(state.gallery.page == 1);
   pin_vertex(state, {3, 5}, false);
-  CHECK(state.gallery_page == 0);
-  CHECK((state.model->shape(3) - Points(points_of(set.shapes, 3))).norm() < 1e-12);
+  CHECK(state.gallery.page == 0);
+  CHECK((state.made.model->shape(3) - Points(points_of(set.shapes, 3))).norm() < 1e-12);
 }
 
 TEST_CASE("Tab exchanges case and models and in the models the tools' keys do nothing") {

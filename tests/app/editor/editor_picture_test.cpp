@@ -107,9 +107,9 @@ TEST_CASE("nothing of a grid before is left between the cells of the gallery") {
     components.centred.setZero(components.mean.size(), static_cast<Eigen::Index>(shapes));
     model->components = std::make_shared<const PrincipalComponents>(std::move(components));
     ModelsState state;
-    state.glyphs = false;
-    state.model = std::move(model);
-    state.camera.distance_mm = 60;  // larger than its cell
+    state.gallery.glyphs = false;
+    state.made.model = std::move(model);
+    state.gallery.camera.distance_mm = 60;  // larger than its cell
     return state;
   };
   ModelsLayout layout;
@@ -135,7 +135,7 @@ TEST_CASE("golden picture of the models") {
   const auto picture = test::must(study.draw());
   study.options.arrange = [arrange = study.options.arrange](EditorState& state) {
     arrange(state);
-    state.models.glyphs = false;
+    state.models.gallery.glyphs = false;
   };
   study.options.items = nullptr;
   const auto without_glyphs = test::must(study.draw());
@@ -209,7 +209,7 @@ TEST_CASE("the gallery and the modes are exported with their captions on any gro
   EditorApp& app = editor.app;
   study.options.arrange(app.state());
   app.settle();
-  REQUIRE(app.state().models.model);
+  REQUIRE(app.state().models.made.model);
   ImGui::GetIO().DisplaySize = {1280, 800};
   for (const StudyPicture what : {StudyPicture::gallery, StudyPicture::modes}) {
     PictureOptions options;

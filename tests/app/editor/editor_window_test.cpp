@@ -133,7 +133,7 @@ TEST_CASE("the window's title says what is open and whether it is saved and what
   driver.app().send(NewStudy{{named.folder.path / "hips.study.json"}});
   driver.settle();
   CHECK(driver.app().title() == "hips \xe2\x80\x93 Homolog");
-  driver.state().models.modelling = true;
+  driver.state().models.runs.modelling = true;
   CHECK(driver.app().title() == "hips, making the model \xe2\x80\x93 Homolog");
 }
 

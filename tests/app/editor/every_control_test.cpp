@@ -150,13 +150,13 @@ class Operator {
     const EditorState& state = driver_.state();
     const Look& look = state.look;
     std::ostringstream views;
-    for (const Camera3D& camera : {look.camera, state.models.camera})
+    for (const Camera3D& camera : {look.camera, state.models.gallery.camera})
       views << camera.to_eye.transpose() << ' ' << camera.up.transpose() << ' ' << camera.target.transpose() << ' '
             << camera.distance_mm << ' ';
     views << look.crosshair_mm.transpose() << ' ' << look.window_low << ' ' << look.window_high << ' '
           << static_cast<int>(state.hand.tool) << ' ' << static_cast<int>(state.preferences.show.plane_look) << ' '
-          << state.hand.template_landmark << ' ' << state.models.selected;
-    for (const double deviation : state.models.deviations) views << ' ' << deviation;
+          << state.hand.template_landmark << ' ' << state.models.list.selected;
+    for (const double deviation : state.models.view.deviations) views << ' ' << deviation;
     for (const SlicePan& slice : look.slices) views << ' ' << slice.centre_mm.transpose() << ' ' << slice.mm_per_px;
     std::string all = views.str() + ' ' + std::to_string(driver_.app().snapshot().committed) + ' ' +
                       std::to_string(driver_.state().notices.size()) + ' ' +
@@ -169,9 +169,9 @@ class Operator {
   /// Off what buttons such as "fit", "Auto" and "Mean" bring about, so that they have something to do.
   void put_off() {
     EditorState& state = driver_.state();
-    for (Camera3D* camera : {&state.look.camera, &state.models.camera}) camera->distance_mm *= 1.01;
+    for (Camera3D* camera : {&state.look.camera, &state.models.gallery.camera}) camera->distance_mm *= 1.01;
     state.look.window_high *= 1.01;
-    if (!state.models.deviations.empty()) state.models.deviations.front() += 0.01;
+    if (!state.models.view.deviations.empty()) state.models.view.deviations.front() += 0.01;
   }
 
   void tidy() {
@@ -255,7 +255,7 @@ TEST_CASE("every item of every menu and every button of a card does something") 
   Operator hands(driver);
   hands.operate_each("top bar/history/", [&] { driver.click("top bar/history"); });
   driver.app().send(OpenPhantomStudy{});
-  driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("the model is made", [&] { return driver.state().models.made.model != nullptr; });
   hands.operate_each("cases/study menu/", [&] {
     driver.app().send(ShowModels{true});
     driver.settle();
@@ -305,7 +305,7 @@ TEST_CASE("every control of the models does something") {
   const BallScene scene;
   Driver driver(scene.document, {1280, 1600, 1});
   driver.app().send(OpenPhantomStudy{});
-  driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("the model is made", [&] { return driver.state().models.made.model != nullptr; });
   driver.settle();
   Operator hands(driver);
   for (const char* part : {"gallery", "model", "side panel", "cases"}) hands.operate(part);

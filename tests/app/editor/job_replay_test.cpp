@@ -304,7 +304,7 @@ TEST_CASE("a model made of a study comes out of its log with the same bytes") {
       driver.click("Meshes…");
       pick_file(driver, desktop.folder.path / name);
     }
-    driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+    driver.wait_until("the model is made", [&] { return driver.state().models.made.model != nullptr; });
     driver.settle();
     driver.click("cases/ball125/row");
     driver.click("cases/ball125/state");
@@ -312,13 +312,14 @@ TEST_CASE("a model made of a study comes out of its log with the same bytes") {
     driver.click("Export model…");
     pick_file(driver, desktop.out / "balls.h5.json");
     driver.click("Measure");
-    driver.wait_until("the measures are there", [&] { return driver.state().models.evaluation != nullptr; });
+    driver.wait_until("the measures are there", [&] { return driver.state().models.made.evaluation != nullptr; });
     driver.settle();
     driver.click("Table…");
     pick_file(driver, desktop.out / "balls.csv");
     driver.click("models panel/Optimise");
     driver.click("Optimise/Optimise");
-    driver.wait_until("the shapes are optimised", [&] { return driver.state().models.optimisation.done != nullptr; });
+    driver.wait_until("the shapes are optimised",
+                      [&] { return driver.state().models.made.optimisation.done != nullptr; });
     driver.settle();
     driver.click("Study");
     driver.click("study menu/Export shapes as .ply…");

@@ -53,9 +53,9 @@ struct UnnamedStudy {
   UnnamedStudy() {
     driver.state().models.shown = true;
     driver.app().send(AddCases{two_balls(driver.folder() / "shapes")});
-    driver.wait_until("the shapes are cases", [&] { return driver.state().models.sizes.size() == 2; });
+    driver.wait_until("the shapes are cases", [&] { return driver.state().models.shapes.sizes.size() == 2; });
     driver.settle();
-    file = driver.state().models.study_file;
+    file = driver.state().models.kept.file;
   }
 };
 
@@ -67,11 +67,11 @@ TEST_CASE("a study without a name is offered again when another takes its place 
   const fs::path other = driver.folder() / "other.study.json";
   REQUIRE(write_study({}, other));
   driver.app().send(OpenStudy{{other}});
-  driver.wait_until("the other study is open", [&] { return driver.state().models.study_file == other; });
+  driver.wait_until("the other study is open", [&] { return driver.state().models.kept.file == other; });
   driver.settle();
   CHECK(driver.shows("The study study-1 is kept."));
   driver.click("Open it again");
-  driver.wait_until("the first study is open", [&] { return driver.state().models.study_file == unnamed.file; });
+  driver.wait_until("the first study is open", [&] { return driver.state().models.kept.file == unnamed.file; });
   driver.settle();
   CHECK(driver.state().models.study.cases.size() == 2);
   CHECK_FALSE(driver.shows("is kept."));  // of a study with a place of its own it is not said
@@ -83,7 +83,7 @@ TEST_CASE("a study without a name is offered again when another takes its place 
   driver.settle();
   CHECK(driver.shows("study-1"));
   driver.click("recent " + other.string() + "/row");
-  driver.wait_until("the study of the list is open", [&] { return driver.state().models.study_file == other; });
+  driver.wait_until("the study of the list is open", [&] { return driver.state().models.kept.file == other; });
 }
 
 TEST_CASE("no file of a study without a place is written where the program keeps its own") {

@@ -228,7 +228,7 @@ TEST_CASE("keys lead to every control and each is brought into sight") {
   driver.settle();
   CHECK(unreached(driver) == "");
   driver.app().send(OpenPhantomStudy{});
-  driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("the model is made", [&] { return driver.state().models.made.model != nullptr; });
   driver.settle();
   CHECK(unreached(driver) == "");
 }
@@ -237,7 +237,7 @@ TEST_CASE("the arrows go through a list that is longer than its room") {
   const BrightBall ball;
   Driver driver(ball.document(), {800, 600, 1});
   driver.app().send(OpenPhantomStudy{});
-  driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("the model is made", [&] { return driver.state().models.made.model != nullptr; });
   driver.settle();
   const std::string last = driver.state().models.study.cases.back().name;
   const std::string first = driver.state().models.study.cases.front().name;
@@ -246,7 +246,7 @@ TEST_CASE("the arrows go through a list that is longer than its room") {
   REQUIRE(keys_at(driver) == "cases/" + last + "/row");
   driver.press(key::enter);
   driver.settle();
-  CHECK(driver.state().models.selected == last);
+  CHECK(driver.state().models.list.selected == last);
   driver.go_to("Study");
   driver.press(key::enter);
   CHECK(keys_at(driver) == "cases/study menu/New study\xe2\x80\xa6");

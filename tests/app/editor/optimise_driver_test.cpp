@@ -56,7 +56,7 @@ struct OrganStudy {
 
 void open_organs(Driver& driver, const OrganStudy& organs) {
   driver.app().send(OpenStudy{{organs.study}});
-  driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("the model is made", [&] { return driver.state().models.made.model != nullptr; });
   driver.settle();
   driver.click("models panel/Optimise");
 }
@@ -92,16 +92,16 @@ TEST_CASE("the optimised shapes are those of the command line and are shown and 
   Driver driver(new_document("", nullptr, nullptr), {1280, 1600, 1});
   open_organs(driver, organs);
   ModelsState& models = driver.state().models;
-  const auto fitted = models.model;
+  const auto fitted = models.made.model;
   const std::string study_file = bytes_of(organs.study);
   driver.click("Optimise/Optimise");
-  driver.wait_until("the shapes are optimised", [&] { return models.optimisation.done != nullptr; });
+  driver.wait_until("the shapes are optimised", [&] { return models.made.optimisation.done != nullptr; });
   driver.settle();
   CHECK(logs(driver, "start optimisation"));
-  const auto& bits = models.optimisation.bits;
+  const auto& bits = models.made.optimisation.bits;
   REQUIRE(bits.size() == 21);
   CHECK(bits.back() < 0.95 * bits.front());
-  CHECK(models.optimisation.shown);
+  CHECK(models.made.optimisation.shown);
   driver.point_at("Optimise/Discard");
   CHECK(driver.shows("Largest slide"));
   CHECK(driver.shows("Mean shape, optimised"));
@@ -116,22 +116,22 @@ TEST_CASE("the optimised shapes are those of the command line and are shown and 
     CHECK(by_window == bytes_of(organs.folder.path / "by-line" / (name + ".ply")));
     CHECK(by_window != bytes_of(organs.folder.path / (name + ".ply")));
   }
-  const Eigen::VectorXd variances = models.model->components->variances();
+  const Eigen::VectorXd variances = models.made.model->components->variances();
   CHECK(ran.json()["variances"].get<std::vector<double>>() == std::vector<double>(variances.begin(), variances.end()));
-  const OptimisedStudy done = *models.optimisation.done;
+  const OptimisedStudy done = *models.made.optimisation.done;
   CHECK(ran.json()["optimise"]["after"]["bits"].get<double>() == done.after.bits);
   CHECK(ran.json()["optimise"]["largest_slide_mm"].get<double>() == done.largest_slide_mm);
 
   driver.click("shapes/As fitted");
-  CHECK(models.model == fitted);
+  CHECK(models.made.model == fitted);
   export_shapes_to(driver, organs.folder.path / "as-fitted");
   CHECK(bytes_of(organs.folder.path / "as-fitted" / "organ-2.ply") == bytes_of(organs.folder.path / "organ-2.ply"));
   driver.click("shapes/Optimised");
-  CHECK(models.model == done.shapes.model);
+  CHECK(models.made.model == done.shapes.model);
   driver.click("Optimise/Discard");
-  CHECK(models.model == fitted);
-  CHECK(models.shapes == models.fitted.shapes);
-  CHECK_FALSE(models.optimisation.of);
+  CHECK(models.made.model == fitted);
+  CHECK(models.shapes.shown == models.shapes.fitted.shapes);
+  CHECK_FALSE(models.made.optimisation.of);
   driver.settle();
   CHECK(bytes_of(organs.study) == study_file);
 }
@@ -141,27 +141,27 @@ TEST_CASE("an optimisation is given up by Cancel and dropped when the study chan
   Driver driver(new_document("", nullptr, nullptr));
   open_organs(driver, organs);
   ModelsState& models = driver.state().models;
-  const auto fitted = models.model;
+  const auto fitted = models.made.model;
   const auto wait_for_rounds = [&] {
     driver.click("Optimise/Optimise");
-    driver.wait_until("a round is done", [&] { return models.optimisation.bits.size() > 1; });
-    REQUIRE(models.optimisation.runs());
+    driver.wait_until("a round is done", [&] { return models.made.optimisation.bits.size() > 1; });
+    REQUIRE(models.made.optimisation.runs());
   };
   driver.settle();
   driver.hurry(true);
   wait_for_rounds();
   driver.click("Optimise/Cancel");
-  CHECK_FALSE(models.optimisation.of);
+  CHECK_FALSE(models.made.optimisation.of);
   driver.settle();
-  CHECK(models.model == fitted);
+  CHECK(models.made.model == fitted);
   CHECK_FALSE(logs(driver, "start optimisation"));
 
   wait_for_rounds();
   driver.app().send(FlipCases{{"organ-3"}});
-  driver.wait_until("it is stopped", [&] { return !models.optimisation.of; });
+  driver.wait_until("it is stopped", [&] { return !models.made.optimisation.of; });
   CHECK(says(driver, "The optimisation was stopped, because organ-3 has changed. Optimise again."));
   driver.settle();
-  CHECK_FALSE(models.optimisation.done);
+  CHECK_FALSE(models.made.optimisation.done);
 }
 
 TEST_CASE("optimised shapes stay when a group is typed and go when a case is removed") {
@@ -170,17 +170,17 @@ TEST_CASE("optimised shapes stay when a group is typed and go when a case is rem
   open_organs(driver, organs);
   ModelsState& models = driver.state().models;
   driver.click("Optimise/Optimise");
-  driver.wait_until("the shapes are optimised", [&] { return models.optimisation.done != nullptr; });
-  const auto components = models.model->components;
+  driver.wait_until("the shapes are optimised", [&] { return models.made.optimisation.done != nullptr; });
+  const auto components = models.made.model->components;
   driver.app().send(SetCaseText{"organ-1", "group", "healthy"});
   driver.settle();
-  CHECK(models.model->components == components);
-  CHECK(models.model->groups[1] == "healthy");
+  CHECK(models.made.model->components == components);
+  CHECK(models.made.model->groups[1] == "healthy");
   driver.app().send(RemoveCase{"organ-4"});
-  driver.wait_until("they are dropped", [&] { return !models.optimisation.of; });
+  driver.wait_until("they are dropped", [&] { return !models.made.optimisation.of; });
   CHECK(says(driver, "The optimised shapes were dropped, because organ-4 is not in the model any more."));
   driver.settle();
-  CHECK(models.model->names.size() == 4);
+  CHECK(models.made.model->names.size() == 4);
 }
 
 TEST_CASE("Optimise says why it cannot be pressed") {
@@ -193,15 +193,15 @@ TEST_CASE("Optimise says why it cannot be pressed") {
   CHECK(driver.control("Optimise/Optimise").tip == "At least two shapes in correspondence are needed.");
   ModelsState& models = driver.state().models;
   driver.app().send(OpenStudy{{organs.study}});
-  driver.wait_until("the model is made", [&] { return models.model != nullptr; });
+  driver.wait_until("the model is made", [&] { return models.made.model != nullptr; });
   driver.settle();
   CHECK(driver.control("Optimise/Optimise").enabled);
-  models.evaluating = true;
+  models.runs.evaluating = true;
   CHECK(why_not_optimise(models) == "Wait until the measures are done.");
-  models.evaluating = false;
-  auto points = std::make_shared<StudyModel>(*models.model);
+  models.runs.evaluating = false;
+  auto points = std::make_shared<StudyModel>(*models.made.model);
   points->topology = nullptr;
-  models.fitted.model = points;
+  models.shapes.fitted.model = points;
   driver.frames(2);
   CHECK(driver.control("Optimise/Optimise").tip.starts_with("Vertices slide along faces, and these shapes have none."));
 }
@@ -216,19 +216,20 @@ TEST_CASE("nothing moves while shapes are optimised and when they are") {
   Driver driver(new_document("", nullptr, nullptr), {width_px, 1600, 1});
   open_organs(driver, organs);
   ModelsState& models = driver.state().models;
-  models.optimisation.of = std::make_shared<const StudyToOptimise>(StudyToOptimise{models.fitted, models.alignment});
+  models.made.optimisation.of =
+      std::make_shared<const StudyToOptimise>(StudyToOptimise{models.shapes.fitted, models.made.alignment});
   driver.frames(2);
   const auto top_px = [&](const char* name) { return driver.control(name).rect.y; };
   const float below_px = top_px("models panel/Sizes"), cancel_px = top_px("Optimise/Cancel"),
               discard_px = top_px("Optimise/Discard");
   CHECK_FALSE(driver.control("Optimise/Discard").enabled);
-  models.optimisation.bits = {12, 11};
+  models.made.optimisation.bits = {12, 11};
   driver.frames(2);
   CHECK(top_px("Optimise/Cancel") == cancel_px);
   auto done = std::make_shared<OptimisedStudy>();
   done->before = {12, 1, 3, 0.8, 2, 1};
   done->after = {11, 1, 3, 0.9, 1.5, 1};
-  models.optimisation.done = std::move(done);
+  models.made.optimisation.done = std::move(done);
   driver.frames(2);
   CHECK(top_px("Optimise/Discard") == discard_px);
   CHECK(driver.control("Optimise/Discard").enabled);

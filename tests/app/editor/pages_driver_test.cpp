@@ -28,7 +28,7 @@ TEST_CASE("the gallery turns its pages by buttons keys and the wheel") {
   REQUIRE(write_study(study, path));
   driver.app().send(ShowModels{true});
   driver.app().send(OpenStudy{{path}});
-  driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("the model is made", [&] { return driver.state().models.made.model != nullptr; });
   driver.settle();
   const ModelsState& models = driver.state().models;
 
@@ -36,9 +36,9 @@ TEST_CASE("the gallery turns its pages by buttons keys and the wheel") {
   driver.click("page on");
   CHECK(driver.shows("page 2 of 3"));
   driver.press(key::page_down);
-  CHECK(models.gallery_page == 2);
+  CHECK(models.gallery.page == 2);
   driver.press(key::page_down);
-  CHECK(models.gallery_page == 2);
+  CHECK(models.gallery.page == 2);
   driver.press(key::page_up);
   driver.settle();
   CHECK(driver.shows("page 2 of 3"));
@@ -46,22 +46,22 @@ TEST_CASE("the gallery turns its pages by buttons keys and the wheel") {
   driver.point_at("gallery/cells");
   driver.wheel(-1);
   driver.settle();
-  CHECK(models.gallery_page == 2);
+  CHECK(models.gallery.page == 2);
   driver.wheel(1);
   driver.settle();
-  CHECK(models.gallery_page == 1);
-  const double distance_mm = models.camera.distance_mm;
+  CHECK(models.gallery.page == 1);
+  const double distance_mm = models.gallery.camera.distance_mm;
   driver.hold_keys({false, true, false});
   driver.wheel(1);
   driver.settle();
   driver.hold_keys({});
-  CHECK(models.gallery_page == 1);
-  CHECK(models.camera.distance_mm < distance_mm);
+  CHECK(models.gallery.page == 1);
+  CHECK(models.gallery.camera.distance_mm < distance_mm);
 
   // What is chosen in the list is on the screen.
   driver.click("ball-100/row");
   driver.settle();
-  CHECK(models.gallery_page == 0);
+  CHECK(models.gallery.page == 0);
   // A click in a cell chooses the shape of this page that lies there.
   driver.click("page on");
   driver.settle();
@@ -70,8 +70,8 @@ TEST_CASE("the gallery turns its pages by buttons keys and the wheel") {
   driver.button(MouseButton::left, true);
   driver.button(MouseButton::left, false);
   driver.settle();
-  CHECK(models.selected == study.cases[shapes_a_page + 1].name);
-  CHECK(models.gallery_page == 1);
+  CHECK(models.list.selected == study.cases[shapes_a_page + 1].name);
+  CHECK(models.gallery.page == 1);
 }
 
 }  // namespace homolog

@@ -179,7 +179,7 @@ TEST_CASE("a fit begins with the shape of the study's model or of a file's and s
   Driver driver(new_document("", nullptr, test::must(load_template(study.cases[0].file.string()))), {1280, 1400, 1});
   driver.state().models.shown = true;
   driver.app().send(OpenStudy{{folder.path / "balls.study.json"}});
-  driver.wait_until("the study has a model", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("the study has a model", [&] { return driver.state().models.made.model != nullptr; });
   driver.state().models.shown = false;
   driver.app().send(open_labels(folder.path / "label.nii"));
   driver.click("side panel/Place");
@@ -198,7 +198,7 @@ TEST_CASE("a fit begins with the shape of the study's model or of a file's and s
   };
   driver.click("fit model/Study's");
   fit();
-  REQUIRE(write_model(driver.state().models.model->model, folder.path / "balls.h5.json"));
+  REQUIRE(write_model(driver.state().models.made.model->model, folder.path / "balls.h5.json"));
   driver.click("fit model/File's");
   CHECK_FALSE(driver.control("Place/Fit to the label").enabled);
   driver.click("Choose the model…");

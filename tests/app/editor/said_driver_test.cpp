@@ -73,7 +73,7 @@ TEST_CASE("why a case is in doubt is said in as many lines as it needs") {
   const std::string doubt =
       "The fit leaves 3.2 ml of the label out, 14 mm from the mesh, and the mesh is stretched by 40 % there.";
   driver.state().models.study.cases.front().doubt = doubt;
-  ++driver.state().models.shapes_revision;
+  ++driver.state().models.kept.shapes_revision;
   driver.app().send(SelectCase{"anna"});
   driver.settle();
   const auto texts = texts_in(driver, "cases");

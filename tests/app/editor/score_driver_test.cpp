@@ -212,10 +212,10 @@ TEST_CASE("another study that is opened while the section is folded scores the m
   Driver driver(balls.document, {1280, 2400, 1});
   driver.settle();
   const auto open = [&](const char* name) {
-    const auto before = driver.state().models.fitted.model;
+    const auto before = driver.state().models.shapes.fitted.model;
     driver.app().send(OpenStudy{{balls.folder.path / name}});
     driver.wait_until("the study has a model", [&] {
-      const auto& now = driver.state().models.fitted.model;
+      const auto& now = driver.state().models.shapes.fitted.model;
       return now != nullptr && now != before;
     });
     driver.state().models.shown = false;
@@ -240,7 +240,7 @@ TEST_CASE("the open study's model scores the mesh without its own case") {
   Driver driver(balls.document, {1280, 2400, 1});
   driver.settle();
   driver.app().send(OpenStudy{{balls.folder.path / "balls.study.json"}});
-  driver.wait_until("the study has a model", [&] { return driver.state().models.fitted.model != nullptr; });
+  driver.wait_until("the study has a model", [&] { return driver.state().models.shapes.fitted.model != nullptr; });
   driver.state().models.shown = false;
   driver.click("side panel/Score");
   driver.wait_until("it is scored", [&] { return driver.state().scoring.z != nullptr; });
@@ -267,7 +267,7 @@ TEST_CASE("the open study's model scores the mesh without its own case") {
   driver.settle();
 
   // The model of five others is that of `model` with their files.
-  const StudyModel& study = *driver.state().models.fitted.model;
+  const StudyModel& study = *driver.state().models.shapes.fitted.model;
   const ShapeModel others = test::must(model_of_others(study, 5));
   REQUIRE(run(balls.folder, "model b0.ply b1.ply b2.ply b3.ply b4.ply --variance 0.95 -o five.h5").status == 0);
   const ShapeModel five = test::must(read_model(balls.folder.path / "five.h5"));
@@ -292,8 +292,7 @@ TEST_CASE("a case that the open study flips is scored flipped and as it lies aga
     own.cases.back().flipped = flipped;
     REQUIRE(write_study(own, balls.folder.path / name));
     driver.app().send(OpenStudy{{balls.folder.path / name}});
-    driver.wait_until("the study is open",
-                      [&] { return driver.state().models.study_file == balls.folder.path / name; });
+    driver.wait_until("the study is open", [&] { return driver.state().models.kept.file == balls.folder.path / name; });
     driver.state().models.shown = false;
     driver.settle();
   };

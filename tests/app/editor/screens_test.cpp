@@ -106,7 +106,7 @@ void show_balls(Driver& driver, const fs::path& folder, const std::vector<std::s
   }
   driver.state().models.shown = true;
   driver.app().send(AddCases{files});
-  driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("the model is made", [&] { return driver.state().models.made.model != nullptr; });
   driver.settle();
   driver.state().notices.clear();
 }
@@ -142,7 +142,7 @@ TEST_CASE("golden picture of a score in the panel and on the mesh") {
   if (!gl) return;
   Driver driver(new_document("", nullptr, test::must(load_template(built_in_source(Organ::kidney)))), usual);
   driver.app().send(OpenPhantomStudy{Organ::kidney});
-  driver.wait_until("the study has a model", [&] { return driver.state().models.fitted.model != nullptr; });
+  driver.wait_until("the study has a model", [&] { return driver.state().models.shapes.fitted.model != nullptr; });
   driver.state().models.shown = false;
   driver.state().notices.clear();
   open_only(driver, {score_section});
@@ -307,9 +307,11 @@ TEST_CASE("golden picture of optimised shapes") {
   driver.state().preferences.sections_open["Optimise"] = true;
   // Figures of the test's own, which are the same on every machine.
   ModelsState& models = driver.state().models;
-  models.optimisation.of = std::make_shared<const StudyToOptimise>(StudyToOptimise{models.fitted, models.alignment});
-  for (int round = 0; round <= 20; ++round) models.optimisation.bits.push_back(9 + 0.5 * std::exp(-0.3 * round));
-  take_optimised(models, {models.fitted, {9.5, 4, 2, 0.981, 1.608, 1.283}, {9, 4, 2, 0.984, 1.555, 1.251}, 1.23, 0.2});
+  models.made.optimisation.of =
+      std::make_shared<const StudyToOptimise>(StudyToOptimise{models.shapes.fitted, models.made.alignment});
+  for (int round = 0; round <= 20; ++round) models.made.optimisation.bits.push_back(9 + 0.5 * std::exp(-0.3 * round));
+  take_optimised(models,
+                 {models.shapes.fitted, {9.5, 4, 2, 0.981, 1.608, 1.283}, {9, 4, 2, 0.984, 1.555, 1.251}, 1.23, 0.2});
   check_screen(driver, "optimised");
 }
 

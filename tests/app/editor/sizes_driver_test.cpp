@@ -46,7 +46,7 @@ TEST_CASE("sizes of a study are listed and written and it is compared with anoth
   const fs::path mine = ball_study(driver.folder() / "mine", 20, 24),
                  other = ball_study(driver.folder() / "other", 21, 24);
   driver.app().send(OpenStudy{{mine}});
-  driver.wait_until("the cases are measured", [&] { return driver.state().models.sizes.size() == 2; });
+  driver.wait_until("the cases are measured", [&] { return driver.state().models.shapes.sizes.size() == 2; });
   driver.settle();
   driver.click("models panel/Sizes");
   driver.point_at("Sizes/Table…");
@@ -57,7 +57,7 @@ TEST_CASE("sizes of a study are listed and written and it is compared with anoth
   CHECK(says("SD"));
   CHECK(says("40.0"));  // mm from pole to pole
   driver.click("one/sizes");
-  CHECK(driver.state().models.selected == "one");
+  CHECK(driver.state().models.list.selected == "one");
   driver.click("Sizes/Table…");
   choose_file(driver, driver.folder() / "sizes.csv");
   driver.wait_until("the table is written", [&] { return fs::exists(driver.folder() / "sizes.csv"); });
@@ -72,9 +72,9 @@ TEST_CASE("sizes of a study are listed and written and it is compared with anoth
   driver.click("models panel/Observers");
   driver.click("Observers/Compare with a study…");
   choose_file(driver, other);
-  driver.wait_until("both are compared", [&] { return driver.state().models.observers.has_value(); });
+  driver.wait_until("both are compared", [&] { return driver.state().models.observer.comparison.has_value(); });
   driver.settle();
-  CHECK(driver.state().models.observers->cases.size() == 2);
+  CHECK(driver.state().models.observer.comparison->cases.size() == 2);
   driver.point_at("Observers/Table…");
   CHECK(driver.shows("Distance of the landmarks"));
   CHECK(driver.shows("0.50"));  // mean of 1 mm and 0 mm
@@ -87,21 +87,21 @@ TEST_CASE("sizes of a study are listed and written and it is compared with anoth
   MeshFile file{edited.points, edited.topology->triangles()};
   file.landmarks = {{"north", Vec3(0, 0, 26)}, {"south", Vec3(0, 0, -26)}};
   REQUIRE(write_mesh_file(file, driver.folder() / "mine" / "edited.ply"));
-  const double dice = driver.state().models.observers->cases.at(0).agreement.dice;
+  const double dice = driver.state().models.observer.comparison->cases.at(0).agreement.dice;
   driver.state().models.study.cases.at(0).file = driver.folder() / "mine" / "edited.ply";
-  ++driver.state().models.shapes_revision;
+  ++driver.state().models.kept.shapes_revision;
   driver.wait_until("the comparison is dropped", [&] { return driver.has("Observers/Compare again"); });
   driver.settle();
   driver.click("Observers/Compare again");
-  driver.wait_until("both are compared anew", [&] { return driver.state().models.observers.has_value(); });
-  CHECK(driver.state().models.observers->cases.at(0).agreement.dice < dice - 0.1);
+  driver.wait_until("both are compared anew", [&] { return driver.state().models.observer.comparison.has_value(); });
+  CHECK(driver.state().models.observer.comparison->cases.at(0).agreement.dice < dice - 0.1);
 }
 
 TEST_CASE("the slider of the gallery's glyphs has its whole name in a window of 800 px") {
   Driver driver(new_document("", nullptr, nullptr), {800, 600, 1});
   driver.app().send(OpenStudy{{ball_study(driver.folder() / "mine", 20, 24)}});
   driver.state().models.shown = true;
-  driver.wait_until("there is a model", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("there is a model", [&] { return driver.state().models.made.model != nullptr; });
   driver.settle();
   CHECK(driver.shows("Spacing"));
 }
@@ -125,7 +125,7 @@ TEST_CASE("the report is written of the study's file as the model is aligned and
     return std::vector<std::string>{"the page is short"};
   };
   driver.app().start(options);
-  driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("the model is made", [&] { return driver.state().models.made.model != nullptr; });
   driver.settle();
   const auto report = [&] {
     fs::remove(page);
@@ -137,7 +137,7 @@ TEST_CASE("the report is written of the study's file as the model is aligned and
   report();
   REQUIRE(asked.size() == 1);
   CHECK(asked.front().study == study);
-  CHECK(asked.front().alignment == driver.state().models.alignment);
+  CHECK(asked.front().alignment == driver.state().models.made.alignment);
   CHECK(asked.front().the_template.empty());
   CHECK(driver.shows("the page is short"));
 

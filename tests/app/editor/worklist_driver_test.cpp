@@ -71,7 +71,7 @@ TEST_CASE("a folder of scans becomes a worklist that is fitted and gone through 
   CHECK(case_named(driver, "a").labels == scans / "a_seg.nii");
   CHECK(case_named(driver, "b").labels == scans / "b.nii");
   CHECK(std::all_of(cases.begin(), cases.end(), [](const StudyCase& one) { return one.waits(); }));
-  CHECK(driver.state().models.shapes.empty());
+  CHECK(driver.state().models.shapes.shown.empty());
 
   driver.click("Fit waiting (4)");
   driver.wait_until("all are fitted", [&] { return driver.shows("1 case is in doubt and listed first"); });
@@ -79,11 +79,11 @@ TEST_CASE("a folder of scans becomes a worklist that is fitted and gone through 
   CHECK(case_named(driver, "b").state == CaseState::in_work);
   CHECK(case_named(driver, "empty").doubt.starts_with("Could not be fitted"));
   CHECK(cases[listed_cases(driver.state().models).front()].name == "empty");
-  CHECK(driver.state().models.selected == "empty");
+  CHECK(driver.state().models.list.selected == "empty");
   const auto read = read_case(case_named(driver, "c").file);
   REQUIRE(read);
   CHECK(bounds_of(*read->session.document().view()->shape.points).sizes().x() == doctest::Approx(44).epsilon(0.05));
-  CHECK(driver.state().models.shapes.size() == 3);
+  CHECK(driver.state().models.shapes.shown.size() == 3);
 
   driver.app().send(OpenCaseOfStudy{"b", {}});
   driver.wait_until("b is open", [&] { return driver.case_file() == case_named(driver, "b").file; });
@@ -242,7 +242,7 @@ TEST_CASE("fits of a worklist are cancelled between two cases and those that are
   const std::size_t waiting = waiting_cases(driver.state().models);
   CHECK(waiting > 0);
   CHECK(waiting < 12);
-  CHECK_FALSE(driver.state().models.listing);
+  CHECK_FALSE(driver.state().models.runs.listing);
 }
 
 TEST_CASE("a consensus of a study's label maps becomes its template and the waiting cases begin with it") {
@@ -368,10 +368,10 @@ TEST_CASE("the gallery marks a shape in doubt with the reason until somebody has
     REQUIRE(write_mesh_file(file, files.back()));
   }
   driver.app().send(AddCases{files});
-  driver.wait_until("there is a model", [&] { return driver.state().models.model != nullptr; });
+  driver.wait_until("there is a model", [&] { return driver.state().models.made.model != nullptr; });
   driver.settle();
-  REQUIRE(driver.state().models.suspicions);
-  CHECK(driver.state().models.suspicions->doubts[2] == "Dice with the label is 0.41.");
+  REQUIRE(driver.state().models.made.suspicions);
+  CHECK(driver.state().models.made.suspicions->doubts[2] == "Dice with the label is 0.41.");
   const RectPx cells = driver.control("gallery/cells").rect;
   const GalleryGrid grid = gallery_grid(4, cells);
   const auto said_over = [&](std::size_t shape) {

@@ -12,13 +12,14 @@ namespace homolog {
 namespace {
 
 bool offers_flip(const ModelsState& state, const StudyCase& one) {
-  return one.flipped || std::find(state.mirrored.begin(), state.mirrored.end(), one.name) != state.mirrored.end();
+  return one.flipped ||
+         std::find(state.shapes.mirrored.begin(), state.shapes.mirrored.end(), one.name) != state.shapes.mirrored.end();
 }
 
 /// A text of the selected case; it counts when the field is left.
 void draw_text_field(const UiContext& ui, const StudyCase& one, const char* field, const char* hint,
                      const std::string& committed, Outbox& out) {
-  const auto& edit = ui.state.models.text_edit;
+  const auto& edit = ui.state.models.list.text_edit;
   const std::string key = one.name + '\n' + field;
   std::string text = edit && edit->field == key ? edit->text : committed;
   ImGui::PushID(one.name.c_str());

@@ -39,26 +39,26 @@ void draw_study_menu(const UiContext& ui, Outbox& out) {
   const auto ask = [&](FilePurpose purpose, std::string name = {}) { out.send(ShowFileDialog{purpose, name}); };
   if (menu_item(theme, "New study\xe2\x80\xa6", nullptr)) ask(FilePurpose::new_study, "cohort.study.json");
   if (menu_item(theme, "Open study\xe2\x80\xa6", "Ctrl+O")) ask(FilePurpose::open_study);
-  if (!state.study_file.empty()) {
+  if (!state.kept.file.empty()) {
     if (menu_item(theme, "Save study as\xe2\x80\xa6", "Ctrl+S"))
-      ask(FilePurpose::save_study, state.study_file.filename().string());
+      ask(FilePurpose::save_study, state.kept.file.filename().string());
     const std::string now =
         state.study.template_file.empty() ? "" : ". Chosen now: " + state.study.template_file.string();
     if (menu_item(theme, "Set the template\xe2\x80\xa6", nullptr,
                   "Choose a mesh with the numbering of the shapes. It gives .particles files their faces" + now))
       ask(FilePurpose::open_study_template);
-    if (const std::size_t maps = cases_with_labels(state); maps > 1 && !state.listing)
+    if (const std::size_t maps = cases_with_labels(state); maps > 1 && !state.runs.listing)
       if (menu_item(theme, "Make a consensus template\xe2\x80\xa6", nullptr,
                     format("The mean shape of the %zu label maps, which no single subject decides. Cases that wait "
                            "begin with it",
                            maps)))
         ask(FilePurpose::make_study_template, study_stem(state) + "-template.ply");
   }
-  if (!state.shapes.empty()) {
+  if (!state.shapes.shown.empty()) {
     menu_line();
     const auto export_as = [&](const char* label, const char* extension) {
-      const char* const what = state.optimisation.shown ? "Writes the optimised shapes, as they are shown"
-                                                        : "Writes every shape of the study";
+      const char* const what = state.made.optimisation.shown ? "Writes the optimised shapes, as they are shown"
+                                                             : "Writes every shape of the study";
       if (!menu_item(theme, label, nullptr, what)) return;
       out.send(ChooseShapesFolder{extension, study_stem(state) + "-shapes"});
     };
@@ -97,15 +97,15 @@ void draw_worklist(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const float width = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
-  if (state.listing) {
+  if (state.runs.listing) {
     // As high as the two buttons, and Cancel is not where the fit was started.
     if (button(theme, "Cancel", "Stops. Cases that are fitted already stay fitted", {}, width))
       out.send(CancelWorklist{});
     ImGui::SameLine(0, theme.px(8));
     ImGui::BeginGroup();
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, theme.px(2)});
-    text_line(shortened(state.listing_what, width), palette::dim);
-    progress_bar(theme, state.listing_fraction);
+    text_line(shortened(state.runs.listing_what, width), palette::dim);
+    progress_bar(theme, state.runs.listing_fraction);
     ImGui::PopStyleVar();
     ImGui::EndGroup();
     return;
@@ -128,12 +128,13 @@ void draw_title(const UiContext& ui, const char* text, CaseColumn column, float 
   const ModelsState& state = ui.state.models;
   ImGui::SetCursorPosX(x_px);
   const ImVec2 at = ImGui::GetCursorScreenPos(), size{width_px, theme.px(20)};
-  const bool sorted = state.sorted_by == column;
+  const bool sorted = state.list.sorted_by == column;
   const auto title = area(theme, text, size, tip, {sorted});
   if (title.clicked) out.send(SortCases{column});
   const ImU32 colour = title.hovered ? palette::accent : sorted ? palette::text : palette::dim;
   const std::string label =
-      std::string(text) + (sorted ? std::string(" ") + (state.descending ? icon::down_angle : icon::arrow_up) : "");
+      std::string(text) +
+      (sorted ? std::string(" ") + (state.list.descending ? icon::down_angle : icon::arrow_up) : "");
   ImGui::PushFont(theme.small);
   const float width = ImGui::CalcTextSize(label.c_str()).x;
   text_at(*ImGui::GetWindowDrawList(), {at_right ? at.x + size.x - width : at.x, at.y + theme.px(2)}, colour, label);
@@ -178,9 +179,9 @@ void draw_row(const UiContext& ui, const StudyCase& one, const std::vector<std::
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size{width_px, theme.px(row_height)};
   const Columns columns = columns_in(theme, size.x);
-  const bool selected = state.selected == one.name;
-  const auto shape = state.model ? state.model->index_of(one.name) : -1;
-  const bool left_out = state.model && shape < 0;
+  const bool selected = state.list.selected == one.name;
+  const auto shape = state.made.model ? state.made.model->index_of(one.name) : -1;
+  const bool left_out = state.made.model && shape < 0;
   const auto row = area(theme, "row", size, row_tip(one, left_out), {selected, true});
   if (row.clicked) out.send(SelectCase{one.name});
   if (row.doubled) out.send(OpenCaseOfStudy{one.name, {}});
@@ -215,8 +216,8 @@ void draw_row(const UiContext& ui, const StudyCase& one, const std::vector<std::
   if (const auto distance = distance_mm(state, one)) {
     const EvenDigits digits(theme);
     const std::string text = format("%.2f", *distance);
-    text_at(draw, {at.x + columns.right - ImGui::CalcTextSize(text.c_str()).x, y}, distance_colour(*state.model, shape),
-            text);
+    text_at(draw, {at.x + columns.right - ImGui::CalcTextSize(text.c_str()).x, y},
+            distance_colour(*state.made.model, shape), text);
   }
   ImGui::SetCursorScreenPos({at.x + columns.state, at.y});
   if (area(theme, "state", {theme.px(24), size.y},
@@ -229,7 +230,7 @@ void draw_row(const UiContext& ui, const StudyCase& one, const std::vector<std::
 /// Says which shapes are mirror images, with the offer to flip them.
 void draw_mirrored(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const auto& mirrored = ui.state.models.mirrored;
+  const auto& mirrored = ui.state.models.shapes.mirrored;
   if (mirrored.empty()) return;
   // As many whole names as three lines hold.
   std::string names;
@@ -254,7 +255,7 @@ void draw_mirrored(const UiContext& ui, Outbox& out) {
 void draw_list(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  std::string filter = state.filter;
+  std::string filter = state.list.filter;
   if (text_field(theme, "filter", filter, "Filter by name, group or notes", ImGui::GetContentRegionAvail().x, 28))
     out.send(FilterCases{filter});
   const float left = ImGui::GetCursorPosX(), scrollbar = ImGui::GetStyle().ScrollbarSize;
@@ -273,7 +274,7 @@ void draw_list(const UiContext& ui, Outbox& out) {
       out);
   ImGui::NewLine();
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
-  const StudyCase* selected = find_case(state.study, state.selected);
+  const StudyCase* selected = find_case(state.study, state.list.selected);
   ImGui::BeginChild("cases", {0, selected == nullptr ? 0 : -case_details_height(ui, *selected)});
   const auto listed = listed_cases(state);
   ImGuiListClipper clipper;
@@ -297,7 +298,7 @@ void draw_case_table(const UiContext& ui, const RectPx& rect, Outbox& out) {
   draw_worklist(ui, out);
   draw_mirrored(ui, out);
   draw_list(ui, out);
-  if (const StudyCase* one = find_case(ui.state.models.study, ui.state.models.selected))
+  if (const StudyCase* one = find_case(ui.state.models.study, ui.state.models.list.selected))
     draw_case_details(ui, *one, out);
   end_region();
 }

@@ -28,7 +28,7 @@ void draw_poses(const UiContext& ui, Outbox& out) {
              {}, width))
     out.send(ShowSample{});
   ImGui::SameLine(0, theme.px(4));
-  const bool in_model = state.model->index_of(state.selected) >= 0;
+  const bool in_model = state.made.model->index_of(state.list.selected) >= 0;
   if (button(theme, "Selected",
              "Shows the selected case in the model: its coefficients, limited to \xc2\xb1"
              "3 standard deviations",
@@ -39,15 +39,15 @@ void draw_poses(const UiContext& ui, Outbox& out) {
 void draw_mode_sliders(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  const Eigen::VectorXd all = state.model->components->variances();
+  const Eigen::VectorXd all = state.made.model->components->variances();
   const double total = all.sum();
   constexpr std::size_t first_few = 5;
-  const std::size_t count = state.deviations.size();
-  const std::size_t shown = state.all_modes || count <= first_few + 1 ? count : first_few;
+  const std::size_t count = state.view.deviations.size();
+  const std::size_t shown = state.view.all_modes || count <= first_few + 1 ? count : first_few;
   for (std::size_t k = 0; k < shown; ++k) {
-    const double variance = state.model->model.variances[static_cast<Eigen::Index>(k)];
+    const double variance = state.made.model->model.variances[static_cast<Eigen::Index>(k)];
     const Part part(format("mode %zu", k + 1), "mode");
-    const bool playing = state.animated_mode == k;
+    const bool playing = state.view.animated_mode == k;
     if (icon_button(theme, playing ? icon::pause : icon::play, "animate",
                     playing ? "Stop"
                             : format("Move mode %zu between \xe2\x88\x92"
@@ -56,7 +56,7 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
                     {}, playing, 24))
       out.send(AnimateMode{playing ? std::nullopt : std::optional(k)});
     ImGui::SameLine(0, theme.px(4));
-    double value = state.deviations[k];
+    double value = state.view.deviations[k];
     bool released = false;
     const std::string label = format("%zu  %.1f %%", k + 1, 100 * variance / total);
     const std::string tip = format(
@@ -68,15 +68,15 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
       out.send(SetMode{k, value});
   }
   if (count > first_few + 1 &&
-      button(theme, state.all_modes ? format("First %zu modes", first_few) : format("All %zu modes", count),
+      button(theme, state.view.all_modes ? format("First %zu modes", first_few) : format("All %zu modes", count),
              "Switches between the first five modes and all modes of the model", {}, ImGui::GetContentRegionAvail().x))
-    out.send(ShowAllModes{!state.all_modes});
+    out.send(ShowAllModes{!state.view.all_modes});
 }
 
 /// A button that goes on to the next group.
 void draw_group_choice(const UiContext& ui, std::size_t which, const std::vector<std::string>& groups, float width_px,
                        Outbox& out) {
-  const std::string& now = ui.state.models.compared[which];
+  const std::string& now = ui.state.models.view.compared[which];
   const Part part(which == 0 ? "from" : "to");
   if (button(ui.theme, shortened(now, width_px - ui.theme.px(16)),
              (which == 0 ? "First group. Click for the next one: " : "Second group. Click for the next one: ") + now,
@@ -90,15 +90,15 @@ void draw_group_choice(const UiContext& ui, std::size_t which, const std::vector
 void draw_difference(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  const auto groups = state.model->comparable_groups();
-  bool shown = state.show_difference;
+  const auto groups = state.made.model->comparable_groups();
+  bool shown = state.view.show_difference;
   if (toggle(
           theme, "Difference of two groups", shown,
           "Colours the mean shape by the distance between the means of two groups, along the normal. Red: the second "
           "group lies outside the first. Blue: inside",
           groups.size() < 2 ? "Give the cases groups first. Two groups with at least two cases each are needed." : ""))
     out.send(ShowDifference{shown});
-  if (!state.show_difference || groups.size() < 2) return;
+  if (!state.view.show_difference || groups.size() < 2) return;
   const float half = std::floor((ImGui::GetContentRegionAvail().x - theme.px(8)) / 2);
   draw_group_choice(ui, 0, groups, half, out);
   ImGui::SameLine(0, theme.px(8));
@@ -110,17 +110,17 @@ void draw_difference(const UiContext& ui, Outbox& out) {
 void draw_model_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  int alignment = static_cast<int>(state.alignment);
+  int alignment = static_cast<int>(state.made.alignment);
   caption(theme, "Alignment of the shapes");
   if (choice(theme, "alignment", {"Similarity", "Rigid", "As they lie"}, alignment,
              {"Generalised Procrustes: position, turn and size are taken out",
               "Position and turn are taken out; size is part of the model", "Shapes stay where they are"}))
     out.send(ChooseAlignment{static_cast<Alignment>(alignment)});
-  if (!state.model) {
+  if (!state.made.model) {
     explanation(theme, "Two shapes in correspondence make a model.");
     return;
   }
-  const StudyModel& model = *state.model;
+  const StudyModel& model = *state.made.model;
   const Eigen::VectorXd all = model.components->variances();
   figure(
       theme, "Modes",
@@ -179,23 +179,23 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const float width = ImGui::GetContentRegionAvail().x;
-  if (!state.evaluation || state.evaluating) {
-    const bool enough = state.model && state.model->names.size() >= 3;
+  if (!state.made.evaluation || state.runs.evaluating) {
+    const bool enough = state.made.model && state.made.model->names.size() >= 3;
     explanation(theme, "Compactness, generalisation and specificity at every number of modes.");
     if (button(theme, std::string(icon::chart) + "  Measure",
                "Measures the model. Specificity takes 1,000 random shapes (seed 1)",
-               state.evaluating            ? "The model is being measured."
-               : !enough                   ? "At least three shapes are needed: one is left out each time."
-               : state.optimisation.runs() ? "Wait until the shapes are optimised."
-                                           : "",
+               state.runs.evaluating            ? "The model is being measured."
+               : !enough                        ? "At least three shapes are needed: one is left out each time."
+               : state.made.optimisation.runs() ? "Wait until the shapes are optimised."
+                                                : "",
                width, true))
       out.send(StartEvaluation{});
     std::optional<WorkShown> running;
-    if (state.evaluating) running = {"Measuring", state.evaluating_fraction, "Stop measuring"};
+    if (state.runs.evaluating) running = {"Measuring", state.runs.evaluating_fraction, "Stop measuring"};
     if (work_area(theme, "", running)) out.send(CancelEvaluation{});
     return;
   }
-  const Evaluation& evaluation = *state.evaluation;
+  const Evaluation& evaluation = *state.made.evaluation;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   for (const Plot& plot : plots_of(evaluation)) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -241,7 +241,7 @@ void draw_study_pictures_section(const UiContext& ui, Outbox& out) {
   if (changed) out.send(SetPicture{options});
   const std::string kind = what == 0 ? "" : what == 1 ? "-gallery" : "-modes";
   if (button(ui.theme, std::string(icon::camera) + "  Save the picture\xe2\x80\xa6", "PNG",
-             options.study && !ui.state.models.model ? "Two shapes in correspondence make a model." : "",
+             options.study && !ui.state.models.made.model ? "Two shapes in correspondence make a model." : "",
              ImGui::GetContentRegionAvail().x))
     ask_for_file(out, FilePurpose::export_picture, study_stem(ui.state.models) + kind + ".png");
 }
@@ -258,12 +258,12 @@ void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out) {
 }
 
 std::string study_stem(const ModelsState& state) {
-  const std::string name = file_stem(state.study_file);
+  const std::string name = file_stem(state.kept.file);
   return name.empty() ? "study" : name;
 }
 
 std::string of_optimised(const ModelsState& state) {
-  return state.optimisation.shown ? ". Of the optimised shapes, as they are shown" : "";
+  return state.made.optimisation.shown ? ". Of the optimised shapes, as they are shown" : "";
 }
 
 }  // namespace homolog

@@ -83,7 +83,7 @@ void draw_progress_or_choice(const Theme& theme, const StudyOptimisation& optimi
 
 void draw_optimise_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const StudyOptimisation& optimisation = ui.state.models.optimisation;
+  const StudyOptimisation& optimisation = ui.state.models.made.optimisation;
   const float width = ImGui::GetContentRegionAvail().x;
   if (!optimisation.of) {
     explanation(theme,

@@ -55,7 +55,7 @@ void draw_rows(const UiContext& ui, const FigureTable& table, const std::vector<
       const std::array<std::string, 3> figures = row(static_cast<std::size_t>(k));
       const Part part(title, "case");
       const ImVec2 at = ImGui::GetCursorScreenPos();
-      const bool selected = ui.state.models.selected == title;
+      const bool selected = ui.state.models.list.selected == title;
       const AreaState state = area(theme, "sizes", {table.width, height}, title, {selected});
       if (state.clicked) out.send(SelectCase{title});
       if (selected || state.hovered)
@@ -118,7 +118,7 @@ void draw_sizes_section(const UiContext& ui, Outbox& out) {
   if (!pairs.empty()) {
     std::vector<std::string> names;
     for (const auto& [from, to] : pairs) names.push_back(from + " to " + to);
-    int chosen = static_cast<int>(std::min(ui.state.models.distance_shown, pairs.size() - 1));
+    int chosen = static_cast<int>(std::min(ui.state.models.list.distance_shown, pairs.size() - 1));
     if (combo(theme, "distance", names, chosen)) out.send(ShowDistance{static_cast<std::size_t>(chosen)});
     pair = pairs[static_cast<std::size_t>(chosen)];
   } else {
@@ -196,23 +196,23 @@ void draw_observers_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const float width = ImGui::GetContentRegionAvail().x;
-  if (state.observers) {
-    figure(theme, "With", state.other_observer.filename().string(), state.other_observer.string());
-    draw_agreement(ui, *state.observers, out);
+  if (state.observer.comparison) {
+    figure(theme, "With", state.observer.study.filename().string(), state.observer.study.string());
+    draw_agreement(ui, *state.observer.comparison, out);
     if (button(theme, "Table\xe2\x80\xa6", "Every case with Dice, distances, volumes and landmarks: .csv", {}, width))
       out.send(ShowFileDialog{FilePurpose::export_observers, study_stem(state) + "-observers.csv"});
-  } else if (state.observers_outdated && !ui.comparing()) {
+  } else if (state.observer.outdated && !ui.comparing()) {
     explanation(theme, "Shapes have changed since they were compared.");
-    if (button(theme, "Compare again", "With " + state.other_observer.string(), {}, width, true))
-      out.send(CompareObservers{{state.other_observer}});
+    if (button(theme, "Compare again", "With " + state.observer.study.string(), {}, width, true))
+      out.send(CompareObservers{{state.observer.study}});
   } else {
     explanation(theme, "Two observers of the same cases: Dice, distances of surfaces and landmarks, volumes.");
   }
   if (button(theme, "Compare with a study\xe2\x80\xa6",
              "Choose the study of the other observer. Its cases must have the same names",
-             ui.comparing()         ? "A comparison is running."
-             : state.shapes.empty() ? "This study has no shape yet."
-                                    : "",
+             ui.comparing()               ? "A comparison is running."
+             : state.shapes.shown.empty() ? "This study has no shape yet."
+                                          : "",
              width))
     out.send(ShowFileDialog{FilePurpose::open_observer, {}});
   std::optional<WorkShown> running;

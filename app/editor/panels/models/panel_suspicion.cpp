@@ -70,12 +70,12 @@ struct CaseDoubts {
 void draw_entry(const UiContext& ui, int id, std::size_t shape, const Doubt& doubt, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  const std::string& name = state.model->names[shape];
+  const std::string& name = state.made.model->names[shape];
   const bool has_place = doubt.vertex.has_value();
   const GalleryVertex place{shape, doubt.vertex.value_or(0)};
   const Part part(format("%d", id), "doubt");
   const ImVec2 at = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, theme.px(24)};
-  const bool lit = has_place && state.pinned == place.vertex && state.selected == name;
+  const bool lit = has_place && state.gallery.pinned == place.vertex && state.list.selected == name;
   const auto row = area(theme, "entry", size,
                         doubt.tip + (has_place ? "\nDouble-click opens the case at this place, with the Slide tool."
                                                : "\nDouble-click opens the case."),
@@ -94,7 +94,7 @@ void draw_entry(const UiContext& ui, int id, std::size_t shape, const Doubt& dou
 
 /// What is to be looked at, case by case: doubtful fits first, then what exceeds the usual most.
 std::vector<CaseDoubts> doubts_by_case(const ModelsState& state) {
-  const StudyModel& model = *state.model;
+  const StudyModel& model = *state.made.model;
   std::map<std::size_t, CaseDoubts> cases;
   const auto add = [&](Eigen::Index shape, const auto& reason, double weight) {
     CaseDoubts& one = cases[static_cast<std::size_t>(shape)];
@@ -114,7 +114,7 @@ std::vector<CaseDoubts> doubts_by_case(const ModelsState& state) {
   for (const SuspiciousShape& one : model.suspicious_shapes)
     add(one.shape, one, median_mm > 0 ? one.distance_mm / median_mm : 1);
   static const Suspicions none;
-  const Suspicions& inside = state.suspicions ? *state.suspicions : none;
+  const Suspicions& inside = state.made.suspicions ? *state.made.suspicions : none;
   for (const SuspiciousVertex& one : inside.vertices)
     add(one.shape, one, one.usual_mm > 0 ? one.deviation_mm / one.usual_mm : 1);
   for (const SuspiciousTriangle& one : inside.triangles) add(one.shape, one, one.stretch / one.usual);
@@ -131,14 +131,14 @@ std::vector<CaseDoubts> doubts_by_case(const ModelsState& state) {
 void draw_suspicion_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  if (!state.model || state.model->names.size() < 4) {
+  if (!state.made.model || state.made.model->names.size() < 4) {
     explanation(theme, "At least four shapes are needed to tell what is unusual.");
     return;
   }
   const std::vector<CaseDoubts> cases = doubts_by_case(state);
-  if (!state.suspicions) explanation(theme, "Vertices and triangles are still looked at\xe2\x80\xa6");
+  if (!state.made.suspicions) explanation(theme, "Vertices and triangles are still looked at\xe2\x80\xa6");
   if (cases.empty()) {
-    if (state.suspicions) explanation(theme, "Nothing is unusual.");
+    if (state.made.suspicions) explanation(theme, "Nothing is unusual.");
     return;
   }
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
@@ -149,10 +149,11 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
     const std::string count =
         one.count > most_rows ? format(": the worst %zu of %zu", most_rows, one.count) : std::string();
     const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(count.c_str()).x;
-    caption(theme, (shortened_among(state.model->names[one.shape], state.model->names, room) + count).c_str());
+    caption(theme,
+            (shortened_among(state.made.model->names[one.shape], state.made.model->names, room) + count).c_str());
     for (const Reason& reason : one.shown)
-      draw_entry(ui, id++, one.shape, std::visit([&](const auto* why) { return in_words(*why, *state.model); }, reason),
-                 out);
+      draw_entry(ui, id++, one.shape,
+                 std::visit([&](const auto* why) { return in_words(*why, *state.made.model); }, reason), out);
   }
   if (cases.size() > most_cases) {
     gap(theme, 8);

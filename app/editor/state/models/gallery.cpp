@@ -46,7 +46,7 @@ CaptionRoom caption_room(float scale) {
 
 CaptionRoom legend_room(const ModelsState& state, float scale) {
   constexpr float legend = 36;
-  return {0, state.show_difference ? std::round(legend * scale) : 0};
+  return {0, state.view.show_difference ? std::round(legend * scale) : 0};
 }
 
 GalleryGrid gallery_grid(std::size_t shapes, const RectPx& area) {
@@ -66,9 +66,9 @@ GalleryGrid gallery_grid(std::size_t shapes, const RectPx& area) {
 }
 
 GalleryGrid page_grid(const ModelsState& state, const RectPx& area) {
-  const std::size_t count = state.model->names.size();
+  const std::size_t count = state.made.model->names.size();
   GalleryGrid grid = gallery_grid(std::min(count, shapes_a_page), area);
-  grid.first = std::min(state.gallery_page, gallery_pages(state) - 1) * shapes_a_page;
+  grid.first = std::min(state.gallery.page, gallery_pages(state) - 1) * shapes_a_page;
   grid.shapes = std::min(count - grid.first, shapes_a_page);
   return grid;
 }
@@ -90,8 +90,9 @@ std::optional<std::size_t> GalleryGrid::shape_at(double x_px, double y_px) const
 }
 
 Camera3D cell_camera(const ModelsState& state, const Points& shape) {
-  Camera3D camera = state.camera;
-  camera.target += state.focused && state.pinned ? Vec3(shape.row(*state.pinned)) : state.model->centre_mm;
+  Camera3D camera = state.gallery.camera;
+  camera.target += state.gallery.focused && state.gallery.pinned ? Vec3(shape.row(*state.gallery.pinned))
+                                                                 : state.made.model->centre_mm;
   return camera;
 }
 
@@ -114,8 +115,8 @@ bool faces_viewer(const Camera3D& camera, const Mesh& shape, Eigen::Index vertex
 std::optional<GalleryVertex> vertex_at(const ModelsState& state, const GalleryGrid& grid, double x_px, double y_px,
                                        float scale) {
   const auto shape = grid.shape_at(x_px, y_px);
-  if (!state.model || !shape) return std::nullopt;
-  const Points points = state.model->shape(*shape);
+  if (!state.made.model || !shape) return std::nullopt;
+  const Points points = state.made.model->shape(*shape);
   const RectPx cell = grid.cell(*shape);
   const Camera3D camera = cell_camera(state, points);
   const double reach_px = 6 * static_cast<double>(scale);
@@ -133,15 +134,17 @@ std::optional<GalleryVertex> vertex_at(const ModelsState& state, const GalleryGr
 
 void pan_gallery(ModelsState& state, double right_px, double down_px, double side_px) {
   // As orthographic cameras see it: 30° across the shorter side.
-  const double mm_per_px = 2 * state.camera.distance_mm * std::tan(15 * std::numbers::pi / 180) / side_px;
-  state.camera.target += mm_per_px * (down_px * state.camera.up - right_px * camera_right(state.camera));
+  const double mm_per_px = 2 * state.gallery.camera.distance_mm * std::tan(15 * std::numbers::pi / 180) / side_px;
+  state.gallery.camera.target +=
+      mm_per_px * (down_px * state.gallery.camera.up - right_px * camera_right(state.gallery.camera));
 }
 
 void zoom_gallery(ModelsState& state, double steps) {
-  if (!state.model) return;
+  if (!state.made.model) return;
   // Nearer, the camera would cut off what is before its target.
-  const double nearest_mm = 1.1 * state.model->radius_mm, farthest_mm = 20 * state.model->radius_mm;
-  state.camera.distance_mm = std::clamp(state.camera.distance_mm * std::pow(1.12, -steps), nearest_mm, farthest_mm);
+  const double nearest_mm = 1.1 * state.made.model->radius_mm, farthest_mm = 20 * state.made.model->radius_mm;
+  state.gallery.camera.distance_mm =
+      std::clamp(state.gallery.camera.distance_mm * std::pow(1.12, -steps), nearest_mm, farthest_mm);
 }
 
 }  // namespace homolog

@@ -29,8 +29,8 @@ bool holds(const StudyCase& one, const std::string& wanted) {
 ListedSizes listed_sizes(const ModelsState& state) {
   ListedSizes listed;
   for (const StudyCase& one : state.study.cases) {
-    const auto known = state.sizes.find(one.name);
-    if (known == state.sizes.end()) continue;
+    const auto known = state.shapes.sizes.find(one.name);
+    if (known == state.shapes.sizes.end()) continue;
     listed.names.push_back(one.name);
     listed.sizes.push_back(known->second);
     listed.groups.push_back(one.group);
@@ -41,24 +41,24 @@ ListedSizes listed_sizes(const ModelsState& state) {
 }
 
 std::optional<double> distance_mm(const ModelsState& state, const StudyCase& one) {
-  if (!state.model) return std::nullopt;
-  const auto shape = state.model->index_of(one.name);
+  if (!state.made.model) return std::nullopt;
+  const auto shape = state.made.model->index_of(one.name);
   if (shape < 0) return std::nullopt;
-  return state.model->distances_mm[static_cast<std::size_t>(shape)];
+  return state.made.model->distances_mm[static_cast<std::size_t>(shape)];
 }
 
 std::vector<std::size_t> listed_cases(const ModelsState& state) {
   const auto& cases = state.study.cases;
-  const std::string wanted = lower_case(state.filter);
+  const std::string wanted = lower_case(state.list.filter);
   std::vector<std::size_t> listed;
   for (std::size_t k = 0; k < cases.size(); ++k)
     if (wanted.empty() || holds(cases[k], wanted)) listed.push_back(k);
   std::vector<std::string> texts(cases.size());
-  if (state.sorted_by == CaseColumn::name || state.sorted_by == CaseColumn::group)
+  if (state.list.sorted_by == CaseColumn::name || state.list.sorted_by == CaseColumn::group)
     for (const std::size_t k : listed)
-      texts[k] = lower_case(state.sorted_by == CaseColumn::name ? cases[k].name : cases[k].group);
+      texts[k] = lower_case(state.list.sorted_by == CaseColumn::name ? cases[k].name : cases[k].group);
   const auto before = [&](std::size_t a, std::size_t b) {
-    switch (state.sorted_by) {
+    switch (state.list.sorted_by) {
       case CaseColumn::study:
         if (cases[a].doubt.empty() != cases[b].doubt.empty()) return cases[b].doubt.empty();  // the doubtful ones first
         return a < b;
@@ -73,19 +73,19 @@ std::vector<std::size_t> listed_cases(const ModelsState& state) {
     return false;
   };
   std::stable_sort(listed.begin(), listed.end(),
-                   [&](std::size_t a, std::size_t b) { return state.descending ? before(b, a) : before(a, b); });
+                   [&](std::size_t a, std::size_t b) { return state.list.descending ? before(b, a) : before(a, b); });
   return listed;
 }
 
 void sort_by(ModelsState& state, CaseColumn column) {
-  if (state.sorted_by != column) {
-    state.sorted_by = column;
-    state.descending = column == CaseColumn::distance;  // the doubtful ones first
-  } else if (state.descending == (column == CaseColumn::distance)) {
-    state.descending = !state.descending;
+  if (state.list.sorted_by != column) {
+    state.list.sorted_by = column;
+    state.list.descending = column == CaseColumn::distance;  // the doubtful ones first
+  } else if (state.list.descending == (column == CaseColumn::distance)) {
+    state.list.descending = !state.list.descending;
   } else {
-    state.sorted_by = CaseColumn::study;
-    state.descending = false;
+    state.list.sorted_by = CaseColumn::study;
+    state.list.descending = false;
   }
 }
 
@@ -121,15 +121,15 @@ std::size_t add_cases(ModelsState& state, const std::vector<fs::path>& files) {
     cases.push_back(std::move(one));
     ++added;
   }
-  if (added > 0) ++state.shapes_revision, ++state.study_revision;
+  if (added > 0) ++state.kept.shapes_revision, ++state.kept.revision;
   return added;
 }
 
 void remove_case(ModelsState& state, const std::string& name) {
   std::erase_if(state.study.cases, [&](const StudyCase& one) { return one.name == name; });
-  if (state.selected == name) state.selected.clear();
-  ++state.shapes_revision;
-  ++state.study_revision;
+  if (state.list.selected == name) state.list.selected.clear();
+  ++state.kept.shapes_revision;
+  ++state.kept.revision;
 }
 
 const StudyCase* find_case(const Study& study, const std::string& name) {
@@ -155,24 +155,24 @@ const StudyCase* find_case(const ModelsState& state, const fs::path& file, const
 void flip_cases(ModelsState& state, const std::vector<std::string>& names) {
   for (const std::string& name : names)
     if (StudyCase* one = find_case(state.study, name)) one->flipped = !one->flipped;
-  ++state.shapes_revision;
-  ++state.study_revision;
+  ++state.kept.shapes_revision;
+  ++state.kept.revision;
 }
 
 namespace {
 
 /// The frame whose shape a case gives; nothing where its file is not known yet.
 std::optional<int> frame_of(const ModelsState& state, const StudyCase& one) {
-  const auto file = state.files.find(one.file);
-  if (one.frame || file == state.files.end()) return one.frame;
+  const auto file = state.shapes.files.find(one.file);
+  if (one.frame || file == state.shapes.files.end()) return one.frame;
   return file->second.shapes.shown;
 }
 
 }  // namespace
 
 std::vector<int> other_frames(const ModelsState& state, const StudyCase& one) {
-  const auto file = state.files.find(one.file);
-  if (file == state.files.end()) return {};
+  const auto file = state.shapes.files.find(one.file);
+  if (file == state.shapes.files.end()) return {};
   const ShapesOfStructure* of = file->second.shapes.structure(one.structure);
   if (of == nullptr) return {};
   std::vector<int> frames = of->edited;
@@ -205,8 +205,8 @@ void add_frames(ModelsState& state, const std::string& name) {
     added.push_back(std::move(one));
   }
   cases.insert(found + 1, added.begin(), added.end());
-  ++state.shapes_revision;
-  ++state.study_revision;
+  ++state.kept.shapes_revision;
+  ++state.kept.revision;
 }
 
 void cycle_case_state(ModelsState& state, const std::string& name) {
@@ -220,8 +220,8 @@ void set_case_state(ModelsState& state, const std::string& name, CaseState to) {
   if (one == nullptr) return;
   const bool waited = one->waits();
   one->state = to;
-  if (one->waits() != waited) ++state.shapes_revision;  // one that waits is in no model
-  ++state.study_revision;
+  if (one->waits() != waited) ++state.kept.shapes_revision;  // one that waits is in no model
+  ++state.kept.revision;
 }
 
 void set_case_text(ModelsState& state, const std::string& name, const std::string& field, std::string text) {
@@ -229,21 +229,21 @@ void set_case_text(ModelsState& state, const std::string& name, const std::strin
   if (one == nullptr) return;
   if (field == "group") {
     one->group = std::move(text);
-    ++state.shapes_revision;
+    ++state.kept.shapes_revision;
   } else {
     one->notes = std::move(text);
   }
-  ++state.study_revision;
+  ++state.kept.revision;
 }
 
 void set_study_template(ModelsState& state, const fs::path& file) {
   state.study.template_file = absolute_path(file);
-  ++state.shapes_revision;
-  ++state.study_revision;
+  ++state.kept.shapes_revision;
+  ++state.kept.revision;
 }
 
 void select_next_case(ModelsState& state) {
-  const StudyCase* now = find_case(state.study, state.selected);
+  const StudyCase* now = find_case(state.study, state.list.selected);
   const auto next = state.study.next_case(now != nullptr ? now - state.study.cases.data() : -1);
   if (next >= 0) select_case(state, state.study.cases[static_cast<std::size_t>(next)].name);
 }
@@ -252,62 +252,63 @@ namespace {
 
 /// Shows the page that has a shape of the model.
 void show_page_of(ModelsState& state, std::size_t shape) {
-  state.gallery_page = shape / shapes_a_page;
+  state.gallery.page = shape / shapes_a_page;
 }
 
 }  // namespace
 
 void select_case(ModelsState& state, const std::string& name) {
-  state.selected = name;
-  const auto shape = state.model ? state.model->index_of(name) : -1;
+  state.list.selected = name;
+  const auto shape = state.made.model ? state.made.model->index_of(name) : -1;
   if (shape >= 0) show_page_of(state, static_cast<std::size_t>(shape));
 }
 
 std::size_t gallery_pages(const ModelsState& state) {
-  const std::size_t shapes = state.model ? state.model->names.size() : 0;
+  const std::size_t shapes = state.made.model ? state.made.model->names.size() : 0;
   return std::max<std::size_t>((shapes + shapes_a_page - 1) / shapes_a_page, 1);
 }
 
 void show_gallery_page(ModelsState& state, std::size_t page) {
-  state.gallery_page = std::min(page, gallery_pages(state) - 1);
-  state.hover.reset();
+  state.gallery.page = std::min(page, gallery_pages(state) - 1);
+  state.gallery.hover.reset();
 }
 
 void show_study(ModelsState& state, Study study, fs::path file) {
   ModelsState fresh;
   fresh.shown = true;
   fresh.study = std::move(study);
-  fresh.study_file = std::move(file);
-  fresh.shapes_revision = state.shapes_revision + 1;
-  fresh.study_revision = state.study_revision;
-  fresh.study_number = state.study_number + 1;
-  fresh.glyphs = state.glyphs;
+  fresh.kept.file = std::move(file);
+  fresh.kept.shapes_revision = state.kept.shapes_revision + 1;
+  fresh.kept.revision = state.kept.revision;
+  fresh.kept.number = state.kept.number + 1;
+  fresh.gallery.glyphs = state.gallery.glyphs;
   state = std::move(fresh);
 }
 
 void show_model(ModelsState& state, std::shared_ptr<const StudyModel> model) {
-  const bool other_landmarks = !model || !state.model || state.model->vertices() != model->vertices();
-  if (state.model != model) state.suspicions.reset();
-  state.model = std::move(model);
-  state.evaluation.reset();
-  show_gallery_page(state, state.gallery_page);
-  if (!state.model) {
+  const bool other_landmarks = !model || !state.made.model || state.made.model->vertices() != model->vertices();
+  if (state.made.model != model) state.made.suspicions.reset();
+  state.made.model = std::move(model);
+  state.made.evaluation.reset();
+  show_gallery_page(state, state.gallery.page);
+  if (!state.made.model) {
     unpin(state);
     return;
   }
-  state.deviations.resize(static_cast<std::size_t>(state.model->model.modes()), 0);
-  if (state.animated_mode && *state.animated_mode >= state.deviations.size()) state.animated_mode.reset();
-  const auto groups = state.model->comparable_groups();
+  state.view.deviations.resize(static_cast<std::size_t>(state.made.model->model.modes()), 0);
+  if (state.view.animated_mode && *state.view.animated_mode >= state.view.deviations.size())
+    state.view.animated_mode.reset();
+  const auto groups = state.made.model->comparable_groups();
   const auto known = [&](const std::string& group) {
     return std::find(groups.begin(), groups.end(), group) != groups.end();
   };
   if (groups.size() < 2) {
-    state.show_difference = false;
-  } else if (!known(state.compared[0]) || !known(state.compared[1])) {
-    state.compared = {groups[0], groups[1]};
+    state.view.show_difference = false;
+  } else if (!known(state.view.compared[0]) || !known(state.view.compared[1])) {
+    state.view.compared = {groups[0], groups[1]};
   }
   if (!other_landmarks) return;
-  state.glyph_spacing_mm = std::clamp(state.model->radius_mm / 6, 1.0, 60.0);
+  state.gallery.glyph_spacing_mm = std::clamp(state.made.model->radius_mm / 6, 1.0, 60.0);
   set_to_mean(state);
   show_all_shapes(state);
 }
@@ -315,71 +316,72 @@ void show_model(ModelsState& state, std::shared_ptr<const StudyModel> model) {
 void show_all_shapes(ModelsState& state) {
   unpin(state);
   constexpr double left_px = 40, up_px = 25, room = 1.02;
-  state.camera = turned(camera_from(LookFrom::anterior, Box()), -left_px, up_px);
-  state.camera.fov_deg = 0;
-  state.camera.target = Vec3::Zero();
-  const double radius_mm = state.model ? state.model->radius_mm : 1;
-  state.camera.distance_mm = room * radius_mm / std::tan(15 * std::numbers::pi / 180);
+  state.gallery.camera = turned(camera_from(LookFrom::anterior, Box()), -left_px, up_px);
+  state.gallery.camera.fov_deg = 0;
+  state.gallery.camera.target = Vec3::Zero();
+  const double radius_mm = state.made.model ? state.made.model->radius_mm : 1;
+  state.gallery.camera.distance_mm = room * radius_mm / std::tan(15 * std::numbers::pi / 180);
 }
 
 void pin_vertex(ModelsState& state, const GalleryVertex& place, bool focus) {
-  if (!state.model || place.shape >= state.model->names.size()) return;
-  state.pinned = place.vertex;
-  select_case(state, state.model->names[place.shape]);
+  if (!state.made.model || place.shape >= state.made.model->names.size()) return;
+  state.gallery.pinned = place.vertex;
+  select_case(state, state.made.model->names[place.shape]);
   if (!focus) return;
-  state.focused = true;
-  const Mesh shape{state.model->topology, state.model->shape(place.shape)};
-  if (shape.topology) look_from_outside(state.camera, vertex_normals(shape).row(place.vertex));
+  state.gallery.focused = true;
+  const Mesh shape{state.made.model->topology, state.made.model->shape(place.shape)};
+  if (shape.topology) look_from_outside(state.gallery.camera, vertex_normals(shape).row(place.vertex));
   constexpr double nearer = 0.5;
-  state.camera.target = Vec3::Zero();
-  state.camera.distance_mm = nearer * state.model->radius_mm / std::tan(15 * std::numbers::pi / 180);
+  state.gallery.camera.target = Vec3::Zero();
+  state.gallery.camera.distance_mm = nearer * state.made.model->radius_mm / std::tan(15 * std::numbers::pi / 180);
 }
 
 void unpin(ModelsState& state) {
-  state.pinned.reset();
-  if (std::exchange(state.focused, false)) state.camera.distance_mm *= 2;
+  state.gallery.pinned.reset();
+  if (std::exchange(state.gallery.focused, false)) state.gallery.camera.distance_mm *= 2;
 }
 
 Eigen::VectorXd shown_coefficients(const ModelsState& state) {
-  const Eigen::VectorXd& variances = state.model->model.variances;
-  return Eigen::Map<const Eigen::VectorXd>(state.deviations.data(), std::ssize(state.deviations))
+  const Eigen::VectorXd& variances = state.made.model->model.variances;
+  return Eigen::Map<const Eigen::VectorXd>(state.view.deviations.data(), std::ssize(state.view.deviations))
       .cwiseProduct(variances.cwiseSqrt());
 }
 
 void set_to_mean(ModelsState& state) {
-  std::fill(state.deviations.begin(), state.deviations.end(), 0.0);
-  state.animated_mode.reset();
+  std::fill(state.view.deviations.begin(), state.view.deviations.end(), 0.0);
+  state.view.animated_mode.reset();
 }
 
 namespace {
 
 void set_coefficients(ModelsState& state, const Eigen::VectorXd& b) {
-  const Eigen::VectorXd& variances = state.model->model.variances;
-  for (std::size_t k = 0; k < state.deviations.size(); ++k) {
+  const Eigen::VectorXd& variances = state.made.model->model.variances;
+  for (std::size_t k = 0; k < state.view.deviations.size(); ++k) {
     const auto mode = static_cast<Eigen::Index>(k);
-    state.deviations[k] = std::clamp(b[mode] / std::sqrt(variances[mode]), -most_deviations, most_deviations);
+    state.view.deviations[k] = std::clamp(b[mode] / std::sqrt(variances[mode]), -most_deviations, most_deviations);
   }
-  state.animated_mode.reset();
+  state.view.animated_mode.reset();
 }
 
 }  // namespace
 
 void set_to_sample(ModelsState& state) {
-  if (!state.model) return;
-  set_coefficients(state, sampled_coefficients(state.model->model.variances, 1, ++state.samples_drawn).col(0));
+  if (!state.made.model) return;
+  set_coefficients(state,
+                   sampled_coefficients(state.made.model->model.variances, 1, ++state.view.samples_drawn).col(0));
 }
 
 void set_to_case(ModelsState& state, const std::string& name) {
-  const auto shape = state.model ? state.model->index_of(name) : -1;
-  if (shape >= 0) set_coefficients(state, state.model->model.scores.col(shape));
+  const auto shape = state.made.model ? state.made.model->index_of(name) : -1;
+  if (shape >= 0) set_coefficients(state, state.made.model->model.scores.col(shape));
 }
 
 void animate(ModelsState& state, double seconds) {
   constexpr double period_seconds = 4;
-  if (!state.animated_mode || *state.animated_mode >= state.deviations.size()) return;
-  if (state.animation_started < 0) state.animation_started = seconds;
-  const double phase = (seconds - state.animation_started) / period_seconds;
-  state.deviations[*state.animated_mode] = most_deviations * std::sin(2 * std::numbers::pi * phase);
+  if (!state.view.animated_mode || *state.view.animated_mode >= state.view.deviations.size()) return;
+  if (state.view.animation_started < 0) state.view.animation_started = seconds;
+  const double phase = (seconds - state.view.animation_started) / period_seconds;
+  state.view.deviations[*state.view.animated_mode] = most_deviations * std::sin(2 * std::numbers::pi * phase);
 }
 
 std::string study_name(const fs::path& file) {

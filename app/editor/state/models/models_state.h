@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,51 +39,66 @@ struct CaseTextEdit {
   std::string text;
 };
 
-/// What the Models mode remembers. Changed by the functions below; drawing reads it as const.
-struct ModelsState {
-  bool shown = false;  ///< instead of the case's views
-
-  Study study;
-  std::filesystem::path study_file;   ///< written at every change; empty before the first case
-  std::uint64_t study_number = 0;     ///< counts the studies that were opened
+/// Where the study in hand is kept, and the counts that tell what has to follow it.
+struct StudyKept {
+  std::filesystem::path file;         ///< written at every change; empty before the first case
+  std::uint64_t number = 0;           ///< counts the studies that were opened
   std::uint64_t shapes_revision = 0;  ///< counts what the model has to be made again for
-  std::uint64_t study_revision = 0;   ///< counts what the study's file has to be written again for
+  std::uint64_t revision = 0;         ///< counts what the study's file has to be written again for
+};
 
+/// How the cases and their sizes are listed, and which one is selected.
+struct CaseList {
   std::string filter;
   CaseColumn sorted_by = CaseColumn::study;
   bool descending = false;
   std::string selected;  ///< name of a case; empty: none
   std::optional<CaseTextEdit> text_edit;
+  std::size_t distance_shown = 0;  ///< of the pairs of landmarks, in the list of sizes
+};
 
+/// The shapes of the cases, as they were read and as they are shown.
+struct StudyShapes {
   ReadFiles files;       ///< the cases' files as they were read
   ShapesOfStudy fitted;  ///< the shapes of those files
   /// What is shown, measured and written: the fitted shapes, or the optimised ones in place of those.
-  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;
+  std::map<std::string, std::shared_ptr<const MeshFile>> shown;
   std::map<std::string, ShapeSizes> sizes;
-  std::size_t distance_shown = 0;               ///< of the pairs of landmarks, in the list of sizes
-  std::optional<ObserverComparison> observers;  ///< with another observer's study, where one was asked for
-  std::filesystem::path other_observer;         ///< that study
-  std::map<std::string, std::shared_ptr<const MeshFile>> compared_shapes;  ///< this study's, which it is compared by
-  bool observers_outdated = false;    ///< shapes have changed since, so that the comparison was dropped
   std::vector<std::string> mirrored;  ///< cases that are mirror images of most others
+};
 
+/// Another observer's study of the same cases, which this one is compared with.
+struct OtherObserver {
+  std::optional<ObserverComparison> comparison;  ///< where one was asked for
+  std::filesystem::path study;
+  std::map<std::string, std::shared_ptr<const MeshFile>> compared_shapes;  ///< this study's, which it is compared by
+  bool outdated = false;  ///< shapes have changed since, so that the comparison was dropped
+};
+
+/// The model of the shapes, how it is made, and what is found on it.
+struct StudyMade {
   Alignment alignment = Alignment::similarity;
-  std::shared_ptr<const StudyModel> model;       ///< of `shapes`
+  std::shared_ptr<const StudyModel> model;       ///< of the shapes that are shown
   std::shared_ptr<const Suspicions> suspicions;  ///< of `model`; null while they are looked for
   StudyOptimisation optimisation;
-  std::string model_error;
-  bool modelling = false;
-  double modelling_fraction = 0;
+  std::string error;
+  std::shared_ptr<const Evaluation> evaluation;
+};
 
-  std::size_t gallery_page = 0;  ///< from 0; see gallery_pages
-  Camera3D camera;               ///< linked: of all cells and of the model; its target stands off each shape's centre
+/// How the gallery is looked at.
+struct GalleryLook {
+  std::size_t page = 0;  ///< from 0; see gallery_pages
+  Camera3D camera;       ///< linked: of all cells and of the model; its target stands off each shape's centre
   bool turning = false;
   bool glyphs = true;
   double glyph_spacing_mm = 12;
   std::optional<GalleryVertex> hover;
   std::optional<Eigen::Index> pinned;  ///< vertex that is marked in all shapes
   bool focused = false;                ///< every cell looks at the pinned vertex
+};
 
+/// What the view of the model shows.
+struct ModelView {
   std::vector<double> deviations;  ///< coefficients of the shape that is shown, in standard deviations
   bool all_modes = false;          ///< a slider for each, not the first few alone
   std::optional<std::size_t> animated_mode;
@@ -88,20 +106,36 @@ struct ModelsState {
   std::uint64_t samples_drawn = 0;
   bool show_difference = false;
   std::array<std::string, 2> compared;  ///< groups: from, to
+};
 
-  std::shared_ptr<const Evaluation> evaluation;
+/// What runs for the study, and how far it is.
+struct StudyRuns {
+  bool modelling = false;
+  double modelling_fraction = 0;
   bool evaluating = false;
   double evaluating_fraction = 0;
-
-  std::string export_extension;  ///< of exported shapes; empty: each as it was imported
   bool exporting = false;
   double exporting_fraction = 0;
-
-  std::optional<RepairPlace> repair;
-
   bool listing = false;  ///< scans are read or fitted
   std::string listing_what;
   double listing_fraction = 0;
+};
+
+/// What the Models mode remembers. Changed by the functions below; drawing reads it as const.
+struct ModelsState {
+  bool shown = false;  ///< instead of the case's views
+  Study study;
+  StudyKept kept;
+  CaseList list;
+  StudyShapes shapes;
+  OtherObserver observer;
+  StudyMade made;
+  GalleryLook gallery;
+  ModelView view;
+  StudyRuns runs;
+
+  std::string export_extension;  ///< of exported shapes; empty: each as it was imported
+  std::optional<RepairPlace> repair;
 };
 
 /// The cases to list, as indices into the study: those whose name, group or notes hold the filter, sorted.

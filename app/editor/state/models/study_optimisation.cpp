@@ -37,12 +37,12 @@ std::shared_ptr<const OptimisedStudy> with_groups(std::shared_ptr<const Optimise
 
 /// Shows the shapes that are chosen, and their model.
 void show_chosen(ModelsState& state) {
-  state.shapes = state.fitted.shapes;
-  state.sizes = state.fitted.sizes;
-  if (!state.optimisation.shown) return show_model(state, state.fitted.model);
-  const ShapesOfStudy& optimised = state.optimisation.done->shapes;
-  for (const auto& [name, shape] : optimised.shapes) state.shapes[name] = shape;
-  for (const auto& [name, sizes] : optimised.sizes) state.sizes[name] = sizes;
+  state.shapes.shown = state.shapes.fitted.shapes;
+  state.shapes.sizes = state.shapes.fitted.sizes;
+  if (!state.made.optimisation.shown) return show_model(state, state.shapes.fitted.model);
+  const ShapesOfStudy& optimised = state.made.optimisation.done->shapes;
+  for (const auto& [name, shape] : optimised.shapes) state.shapes.shown[name] = shape;
+  for (const auto& [name, sizes] : optimised.sizes) state.shapes.sizes[name] = sizes;
   show_model(state, optimised.model);
 }
 
@@ -75,22 +75,22 @@ bool same_shapes(const Shapes& a, const Shapes& b) {
 }  // namespace
 
 std::string take_fitted(ModelsState& state, ShapesOfStudy fitted) {
-  StudyOptimisation& optimisation = state.optimisation;
-  if (!state.compared_shapes.empty() && !same_shapes(fitted.shapes, state.compared_shapes)) {
-    state.observers.reset();
-    state.compared_shapes.clear();
-    state.observers_outdated = true;
+  StudyOptimisation& optimisation = state.made.optimisation;
+  if (!state.observer.compared_shapes.empty() && !same_shapes(fitted.shapes, state.observer.compared_shapes)) {
+    state.observer.comparison.reset();
+    state.observer.compared_shapes.clear();
+    state.observer.outdated = true;
   }
-  state.fitted = std::move(fitted);
+  state.shapes.fitted = std::move(fitted);
   std::string over;
   if (optimisation.of) {
-    const std::string why = why_outdated(*optimisation.of, state.fitted, state.alignment);
+    const std::string why = why_outdated(*optimisation.of, state.shapes.fitted, state.made.alignment);
     if (!why.empty()) {
       const char* const what = optimisation.done ? "The optimised shapes were dropped" : "The optimisation was stopped";
       over = what + (", because " + why) + ". Optimise again.";
       optimisation = {};
     } else if (optimisation.done) {
-      optimisation.done = with_groups(optimisation.done, state.fitted.model->groups);
+      optimisation.done = with_groups(optimisation.done, state.shapes.fitted.model->groups);
     }
   }
   show_chosen(state);
@@ -98,30 +98,30 @@ std::string take_fitted(ModelsState& state, ShapesOfStudy fitted) {
 }
 
 std::string why_not_optimise(const ModelsState& state) {
-  if (!state.fitted.model) return "At least two shapes in correspondence are needed.";
-  if (!state.fitted.model->topology)
+  if (!state.shapes.fitted.model) return "At least two shapes in correspondence are needed.";
+  if (!state.shapes.fitted.model->topology)
     return "Vertices slide along faces, and these shapes have none. Give the study a template first (Study, Set the "
            "template).";
-  if (state.evaluating) return "Wait until the measures are done.";
-  if (state.modelling) return "Wait until the model is made.";
+  if (state.runs.evaluating) return "Wait until the measures are done.";
+  if (state.runs.modelling) return "Wait until the model is made.";
   return {};
 }
 
 void take_optimised(ModelsState& state, OptimisedStudy optimised) {
-  state.optimisation.done =
-      with_groups(std::make_shared<const OptimisedStudy>(std::move(optimised)), state.fitted.model->groups);
+  state.made.optimisation.done =
+      with_groups(std::make_shared<const OptimisedStudy>(std::move(optimised)), state.shapes.fitted.model->groups);
   show_optimised(state, true);
 }
 
 void show_optimised(ModelsState& state, bool shown) {
-  if (!state.optimisation.done || state.optimisation.shown == shown) return;
-  state.optimisation.shown = shown;
+  if (!state.made.optimisation.done || state.made.optimisation.shown == shown) return;
+  state.made.optimisation.shown = shown;
   show_chosen(state);
 }
 
 void discard_optimised(ModelsState& state) {
   show_optimised(state, false);
-  state.optimisation = {};
+  state.made.optimisation = {};
 }
 
 }  // namespace homolog

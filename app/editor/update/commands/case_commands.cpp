@@ -104,7 +104,7 @@ void StartFit::run(Editing& editing) const {
   ModelOfFit model;
   if (chosen.model == FitModel::file) model.model = editing.state.automatic.fit_model;
   if (chosen.model == FitModel::study) {
-    model.study = editing.state.models.fitted.model;
+    model.study = editing.state.models.shapes.fitted.model;
     const StudyCase* one =
         find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.look.structure);
     if (one != nullptr) model.left_out = one->name, model.flipped = one->flipped;

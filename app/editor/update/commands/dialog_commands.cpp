@@ -45,8 +45,8 @@ bool is_for_people(const std::filesystem::path& folder) {
 std::filesystem::path folder_beside(const EditorState& state, const ControlsContext& context, bool saves) {
   if (saves && is_for_people(state.saving.saved_folder)) return state.saving.saved_folder;
   const std::filesystem::path of_case = context.file, of_image = context.document.scan.source;
-  const auto first = state.models.shown ? state.models.study_file : saves ? of_case : of_image;
-  const auto second = state.models.shown ? state.models.study_file : saves ? of_image : of_case;
+  const auto first = state.models.shown ? state.models.kept.file : saves ? of_case : of_image;
+  const auto second = state.models.shown ? state.models.kept.file : saves ? of_image : of_case;
   for (const auto& folder : {first.parent_path(), second.parent_path(), state.preferences.folder})
     if (is_for_people(folder)) return folder;
   return {};

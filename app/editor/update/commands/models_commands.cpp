@@ -15,9 +15,9 @@ void TurnGallery::spell(Fields& line) {
   line.member("down_px", down_px);
 }
 void TurnGallery::run(EditorState& state) const {
-  state.models.turning = true;
-  state.models.hover.reset();
-  state.models.camera = turned(state.models.camera, right_px, down_px);
+  state.models.gallery.turning = true;
+  state.models.gallery.hover.reset();
+  state.models.gallery.camera = turned(state.models.gallery.camera, right_px, down_px);
 }
 
 void PanGallery::spell(Fields& line) {
@@ -26,8 +26,8 @@ void PanGallery::spell(Fields& line) {
   line.member("side_px", side_px);
 }
 void PanGallery::run(EditorState& state) const {
-  state.models.turning = true;
-  state.models.hover.reset();
+  state.models.gallery.turning = true;
+  state.models.gallery.hover.reset();
   pan_gallery(state.models, right_px, down_px, side_px);
 }
 
@@ -43,7 +43,7 @@ void PinVertex::run(EditorState& state) const {
 }
 
 void ShowSelectedShape::run(EditorState& state) const {
-  set_to_case(state.models, state.models.selected);
+  set_to_case(state.models, state.models.list.selected);
 }
 
 void SetMode::spell(Fields& line) {
@@ -51,26 +51,26 @@ void SetMode::spell(Fields& line) {
   line.member("deviations", deviations);
 }
 void SetMode::run(EditorState& state) const {
-  if (mode < state.models.deviations.size()) state.models.deviations[mode] = deviations;
-  state.models.animated_mode.reset();
-  state.models.show_difference = false;
+  if (mode < state.models.view.deviations.size()) state.models.view.deviations[mode] = deviations;
+  state.models.view.animated_mode.reset();
+  state.models.view.show_difference = false;
 }
 
 void AnimateMode::spell(Fields& line) {
   line.or_null("mode", mode);
 }
 void AnimateMode::run(EditorState& state) const {
-  state.models.animated_mode = mode;
-  state.models.show_difference = false;
-  state.models.animation_started = -1;
+  state.models.view.animated_mode = mode;
+  state.models.view.show_difference = false;
+  state.models.view.animation_started = -1;
 }
 
 void ShowDifference::spell(Fields& line) {
   line.member("shown", shown);
 }
 void ShowDifference::run(EditorState& state) const {
-  state.models.show_difference = shown;
-  state.models.animated_mode.reset();
+  state.models.view.show_difference = shown;
+  state.models.view.animated_mode.reset();
 }
 
 void CompareGroup::spell(Fields& line) {
@@ -78,7 +78,7 @@ void CompareGroup::spell(Fields& line) {
   line.member("group", group);
 }
 void CompareGroup::run(EditorState& state) const {
-  if (which < state.models.compared.size()) state.models.compared[which] = group;
+  if (which < state.models.view.compared.size()) state.models.view.compared[which] = group;
 }
 
 void StartOptimisation::run(Editing& editing) const {
@@ -86,7 +86,7 @@ void StartOptimisation::run(Editing& editing) const {
 }
 
 void CancelOptimisation::run(EditorState& state) const {
-  if (state.models.optimisation.runs()) discard_optimised(state.models);
+  if (state.models.made.optimisation.runs()) discard_optimised(state.models);
 }
 
 }  // namespace homolog

@@ -54,8 +54,8 @@ void CancelStudyFile::run(Editing& editing) const {
 
 void ExportModel::run(Editing& editing) const {
   const ModelsState& models = editing.state.models;
-  if (models.model)
-    write_beside(editing, path, [of = models.model](const auto& to, Progress&) {
+  if (models.made.model)
+    write_beside(editing, path, [of = models.made.model](const auto& to, Progress&) {
       ShapeModel model = of->model;
       model.left_out_distances = left_out_distances(*of->components, model.modes());
       return write_model(model, to);
@@ -64,9 +64,9 @@ void ExportModel::run(Editing& editing) const {
 
 void ExportEvaluation::run(Editing& editing) const {
   const ModelsState& models = editing.state.models;
-  if (models.evaluation)
+  if (models.made.evaluation)
     write_beside(editing, path,
-                 [of = models.evaluation](const auto& to, Progress&) { return write_evaluation(*of, to); });
+                 [of = models.made.evaluation](const auto& to, Progress&) { return write_evaluation(*of, to); });
 }
 
 void ExportSizes::run(Editing& editing) const {
@@ -88,11 +88,11 @@ void ExportLandmarkTable::run(Editing& editing) const {
 
 void CompareObservers::run(Editing& editing) const {
   ModelsState& models = editing.state.models;
-  models.observers.reset();
-  models.observers_outdated = false;
-  models.other_observer = path;
-  models.compared_shapes = models.fitted.shapes;
-  editing.work.observers.start(path.string(), [path = path, mine = models.fitted.shapes](Progress& progress) {
+  models.observer.comparison.reset();
+  models.observer.outdated = false;
+  models.observer.study = path;
+  models.observer.compared_shapes = models.shapes.fitted.shapes;
+  editing.work.observers.start(path.string(), [path = path, mine = models.shapes.fitted.shapes](Progress& progress) {
     const auto read = read_observer(path, &progress);
     if (!read) return Result<ObserverComparison>(fail(read.error()));
     auto compared = compare_observers(mine, read->shapes, &progress);
@@ -107,14 +107,15 @@ void CancelObservers::run(Editing& editing) const {
 }
 
 void ExportObservers::run(Editing& editing) const {
-  if (editing.state.models.observers)
-    write_beside(editing, path, [table = observers_table(*editing.state.models.observers)](const auto& to, Progress&) {
-      return write_whole_file(to, table);
-    });
+  if (editing.state.models.observer.comparison)
+    write_beside(editing, path,
+                 [table = observers_table(*editing.state.models.observer.comparison)](const auto& to, Progress&) {
+                   return write_whole_file(to, table);
+                 });
 }
 
 void ExportPlots::run(Editing& editing) const {
-  if (editing.state.models.evaluation)
+  if (editing.state.models.made.evaluation)
     write_picture_beside(editing, path,
                          editing.pictures.plots({std::nullopt, 1800, 560, editing.state.saving.picture.transparent,
                                                  editing.state.saving.picture.light}));
@@ -122,7 +123,7 @@ void ExportPlots::run(Editing& editing) const {
 
 void ExportReport::run(Editing& editing) const {
   const auto& models = editing.state.models;
-  if (!editing.work.write_report || models.study_file.empty()) return;
+  if (!editing.work.write_report || models.kept.file.empty()) return;
   const auto warnings = std::make_shared<std::vector<std::string>>();
   // The recipe that the template has measures the modes. It is looked for now, since the study may change.
   const std::string source = models.study.template_file.string();
@@ -131,7 +132,7 @@ void ExportReport::run(Editing& editing) const {
       (is_built_in(source) || std::filesystem::exists(source, ignored)) && !recipe_of_template(source).empty();
   editing.work.exports.start(
       path,
-      [write = editing.work.write_report, study = models.study_file, alignment = models.alignment, to = path,
+      [write = editing.work.write_report, study = models.kept.file, alignment = models.made.alignment, to = path,
        the_template = measures ? source : std::string(), warnings](Progress& progress) -> Result<void> {
         auto written = write(study, alignment, the_template, to, progress);
         if (!written) return fail(written.error());
@@ -177,7 +178,7 @@ void AddCases::run(Editing& editing) const {
   if (paths.size() == 1 && std::filesystem::is_directory(paths.front(), ignored))
     return add_scans(editing, paths);  // dropped on the window
   if (add_cases(models, paths) == 0) add_notice(editing.state, "All these shapes are in the study already.", false);
-  if (models.study_file.empty()) start_new_study(editing.state);
+  if (models.kept.file.empty()) start_new_study(editing.state);
   if (editing.state.dialog && !paths.empty()) editing.state.preferences.folder = paths.front().parent_path();
 }
 
@@ -244,7 +245,7 @@ void SetCaseText::spell(Fields& line) {
 }
 void SetCaseText::run(EditorState& state) const {
   set_case_text(state.models, name, field, text);
-  state.models.text_edit.reset();
+  state.models.list.text_edit.reset();
 }
 
 }  // namespace homolog

@@ -39,7 +39,7 @@ void ask_model(Editing& editing) {
   const Snapshot& snapshot = editing.shown.snapshot();
   const StudyCase* one =
       find_case(editing.state.models, snapshot.file, *snapshot.document, editing.state.look.structure);
-  editing.work.model_help.ask(editing.state.models.fitted.model, one != nullptr ? one->name : std::string(),
+  editing.work.model_help.ask(editing.state.models.shapes.fitted.model, one != nullptr ? one->name : std::string(),
                               one != nullptr && one->flipped);
 }
 
@@ -158,7 +158,7 @@ void update_learning(Editing& editing) {
 }
 
 void blend_model(Editing& editing, const BlendModel& command) {
-  if (!editing.state.models.model || !active_shape(editing.state, *editing.shown.snapshot().document)) return;
+  if (!editing.state.models.made.model || !active_shape(editing.state, *editing.shown.snapshot().document)) return;
   ask_model(editing);
   editing.state.automatic.model_help = command.strength;
   SessionThread& session = editing.shown.session();
@@ -186,7 +186,8 @@ void update_model_help(Editing& editing) {
   }
   if (state.automatic.model_help <= 0) return;
   const auto shown = active_shape(state, *editing.shown.snapshot().document);
-  if (!state.models.model || !shown || state.models.model->vertices() != shown->the_template().topology->vertices()) {
+  if (!state.models.made.model || !shown ||
+      state.models.made.model->vertices() != shown->the_template().topology->vertices()) {
     state.automatic.model_help = 0;
     return;
   }

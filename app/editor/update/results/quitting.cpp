@@ -20,7 +20,7 @@ void update_quit(Editing& editing) {
   if (state.quitting == Quitting::asked && editing.shown.at_rest()) {
     state.quitting = Quitting::no;
     // A study that could not be saved as another file: writing the study's own file again does not mend that.
-    if (!models.unwritten().empty() && models.unwritten() != state.models.study_file) {
+    if (!models.unwritten().empty() && models.unwritten() != state.models.kept.file) {
       state.dialog = QuitDialog{models.unwritten()};
       return;
     }

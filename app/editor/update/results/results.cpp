@@ -46,11 +46,11 @@ bool take_written(Editing& editing) {
 /// Takes in how two observers agree; true where there is something new to draw.
 bool take_observers(Editing& editing) {
   auto done = editing.work.observers.take();
-  if (!done || editing.state.models.other_observer.empty()) return false;  // another study was opened meanwhile
+  if (!done || editing.state.models.observer.study.empty()) return false;  // another study was opened meanwhile
   if (!*done)
     add_notice(editing.state, done->error().sentence());
-  else if (!editing.state.models.observers_outdated)  // shapes have changed meanwhile
-    editing.state.models.observers = std::move(**done);
+  else if (!editing.state.models.observer.outdated)  // shapes have changed meanwhile
+    editing.state.models.observer.comparison = std::move(**done);
   return true;
 }
 

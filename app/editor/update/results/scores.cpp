@@ -26,14 +26,13 @@ void follow_study(Editing& editing) {
   Scoring& scoring = editing.state.scoring;
   const StudyCase* own = own_case(editing);
   const std::string left_out = own != nullptr ? own->name : std::string();
-  const auto& study = state.models.fitted.model;
+  const auto& study = state.models.shapes.fitted.model;
   if (study == scoring.study && left_out == scoring.left_out) return;
   // Until the model is made anew, that of the same study without the same case goes on; another would be wrong.
-  const bool goes_on =
-      study != nullptr && left_out == scoring.left_out && state.models.study_file == scoring.study_file;
+  const bool goes_on = study != nullptr && left_out == scoring.left_out && state.models.kept.file == scoring.study_file;
   if (!goes_on) scoring.of_study.reset();
   scoring.study = study;
-  scoring.study_file = state.models.study_file;
+  scoring.study_file = state.models.kept.file;
   scoring.left_out = left_out;
   scoring.no_model.clear();
   if (study == nullptr) return editing.work.score_model.cancel();

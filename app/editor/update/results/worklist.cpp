@@ -36,7 +36,7 @@ void take_added(EditorState& state, std::vector<StudyCase> added) {
     cases.push_back(std::move(one));
     ++count;
   }
-  if (count > 0) ++models.shapes_revision, ++models.study_revision;
+  if (count > 0) ++models.kept.shapes_revision, ++models.kept.revision;
   std::string news = count == 0   ? "The scans of this folder are in the study already."
                      : count == 1 ? "1 scan was added."
                                   : std::to_string(count) + " scans were added.";
@@ -54,8 +54,8 @@ void take_fitted(EditorState& state, const WorklistDone& done) {
   if (one == nullptr || one->file != done.file) return;  // another study by now
   one->doubt = done.fault.empty() ? done.doubt : "Could not be fitted: " + done.fault;
   if (done.fault.empty()) one->state = CaseState::in_work;
-  ++state.models.shapes_revision;
-  ++state.models.study_revision;
+  ++state.models.kept.shapes_revision;
+  ++state.models.kept.revision;
 }
 
 /// A map holds several labels, and none was chosen: nothing more is done until one is. `template_file`: of the template
@@ -75,7 +75,7 @@ std::string counted_cases(std::size_t count) {
 
 /// `study`: that it was made for.
 void take_template(EditorState& state, const StudyTemplate& made, const fs::path& study) {
-  if (state.models.study_file == study) set_study_template(state.models, made.file);
+  if (state.models.kept.file == study) set_study_template(state.models, made.file);
   std::string news =
       "The template of " + counted_cases(made.subjects) + " was saved as " + made.file.filename().string() + ".";
   if (made.begun > 0)
@@ -85,8 +85,8 @@ void take_template(EditorState& state, const StudyTemplate& made, const fs::path
             (made.stays.size() == 1 ? "keeps its" : "keep their") + " own.";
   for (const std::string& warning : made.warnings) add_notice(state, warning, false);
   add_notice(state, std::move(news), false);
-  ++state.models.shapes_revision;
-  ++state.models.study_revision;
+  ++state.models.kept.shapes_revision;
+  ++state.models.kept.revision;
 }
 
 /// Where the case files of scans go: a folder of the study's own, "NAME-cases" beside it, or where those lie that it
@@ -94,7 +94,7 @@ void take_template(EditorState& state, const StudyTemplate& made, const fs::path
 fs::path case_folder(const ModelsState& models) {
   for (const StudyCase& one : models.study.cases)
     if (one.from_scan) return one.file.parent_path();
-  return models.study_file.parent_path() / (file_stem(models.study_file) + "-cases");
+  return models.kept.file.parent_path() / (file_stem(models.kept.file) + "-cases");
 }
 
 /// Once all that was asked for is done.
@@ -107,7 +107,7 @@ void tell_end(EditorState& state) {
                std::to_string(doubts) + (doubts == 1 ? " case is" : " cases are") +
                    " in doubt and listed first. N selects the next one.",
                false);
-  if (state.models.sorted_by != CaseColumn::study) sort_by(state.models, state.models.sorted_by);
+  if (state.models.list.sorted_by != CaseColumn::study) sort_by(state.models, state.models.list.sorted_by);
   select_next_case(state.models);
 }
 
@@ -120,7 +120,7 @@ void add_scans(Editing& editing, const std::vector<fs::path>& paths) {
   const auto& the_template = editing.shown.loaded_template();
   if (of_study.empty() && !the_template)
     return add_notice(editing.state, "Load the template first (Tab, then Template); every scan starts from it.");
-  if (models.study_file.empty()) start_new_study(editing.state);
+  if (models.kept.file.empty()) start_new_study(editing.state);
   std::error_code ignored;
   CaseStart start;
   start.cases = case_folder(models);
@@ -131,7 +131,7 @@ void add_scans(Editing& editing, const std::vector<fs::path>& paths) {
     start.template_source = of_study;
   }
   for (const StudyCase& one : models.study.cases) start.known.push_back(one.file);
-  editing.work.study_of_worklist = models.study_number;
+  editing.work.study_of_worklist = models.kept.number;
   if (paths.size() > 1) return editing.work.worklist.add(paths, std::move(start));
   const fs::path& one = paths.front();
   editing.work.worklist.add({fs::is_directory(one, ignored) ? one : one.parent_path()}, std::move(start));
@@ -155,7 +155,7 @@ void fit_waiting(Editing& editing, int label, bool all_labels) {
     add_notice(editing.state, "All labels of each map are fitted together.", false);
   else if (label != 0)
     add_notice(editing.state, "Label " + std::to_string(label) + " is fitted where a map holds several.", false);
-  editing.work.study_of_worklist = models.study_number;
+  editing.work.study_of_worklist = models.kept.number;
   editing.work.worklist.fit(waiting, settings);
 }
 
@@ -171,7 +171,7 @@ void make_study_template(Editing& editing, const fs::path& file, int label, bool
   FitSettings settings = editing.state.automatic.fit_settings;
   settings.label = label;
   settings.all_labels = all_labels;
-  editing.work.worklist.make_template(cases, settings, file, editing.state.models.study_file);
+  editing.work.worklist.make_template(cases, settings, file, editing.state.models.kept.file);
 }
 
 void cancel_worklist(Editing& editing) {
@@ -204,7 +204,7 @@ bool take_worklist(Editing& editing) {
       take_template(state, made, (*done)->study);
       continue;
     }
-    if (editing.work.study_of_worklist != state.models.study_number) {
+    if (editing.work.study_of_worklist != state.models.kept.number) {
       worklist.cancel();
       add_notice(state,
                  "Another study was opened, so adding and fitting scans was stopped. What was made is kept: open the "
@@ -219,10 +219,10 @@ bool take_worklist(Editing& editing) {
   }
   if (fitted && !worklist.busy()) tell_end(state);
   ModelsState& models = state.models;
-  const bool was_listing = std::exchange(models.listing, worklist.busy());
-  models.listing_what = worklist.what();
-  models.listing_fraction = worklist.fraction();
-  return any || models.listing || was_listing;
+  const bool was_listing = std::exchange(models.runs.listing, worklist.busy());
+  models.runs.listing_what = worklist.what();
+  models.runs.listing_fraction = worklist.fraction();
+  return any || models.runs.listing || was_listing;
 }
 
 void open_next_case(Editing& editing) {
@@ -234,13 +234,13 @@ void open_next_case(Editing& editing) {
     from = one - models.study.cases.data();
     one->state = CaseState::done;
     one->doubt.clear();
-    ++models.shapes_revision;
-    ++models.study_revision;
+    ++models.kept.shapes_revision;
+    ++models.kept.revision;
   }
   const std::ptrdiff_t next = models.study.next_case(from);
   if (next < 0) return add_notice(editing.state, "Every case of the study is done.", false);
-  models.selected = models.study.cases[static_cast<std::size_t>(next)].name;
-  editing.out.send(OpenCaseOfStudy{models.selected, {}});
+  models.list.selected = models.study.cases[static_cast<std::size_t>(next)].name;
+  editing.out.send(OpenCaseOfStudy{models.list.selected, {}});
 }
 
 void count_work(Editing& editing, std::uint64_t steps_before, double seconds) {
@@ -261,7 +261,7 @@ void count_work(Editing& editing, std::uint64_t steps_before, double seconds) {
   one->gestures += static_cast<std::int64_t>(steps - steps_before);
   one->seconds += std::exchange(count.seconds, 0);
   if (one->waits()) one->state = CaseState::in_work;
-  ++editing.state.models.study_revision;
+  ++editing.state.models.kept.revision;
 }
 
 }  // namespace homolog

@@ -92,35 +92,40 @@ using RemoveCase = Call<"remove case", "name", remove_case, &EditorState::models
 /// To do, in work, done, to do.
 using CycleCaseState = Call<"cycle case state", "name", cycle_case_state, &EditorState::models>;
 /// A text of the selected case while it is typed.
-using TypeCaseText = Setting<"type case text", "", &EditorState::models, &ModelsState::text_edit>;
+using TypeCaseText = Setting<"type case text", "", &EditorState::models, &ModelsState::list, &CaseList::text_edit>;
 /// Takes cases left for right, or as they lie where they were flipped.
 using FlipCases = Call<"flip cases", "names", flip_cases, &EditorState::models>;
 /// Every edited frame of a case's cine becomes a case.
 using AddFrames = Call<"add frames", "name", add_frames, &EditorState::models>;
-using FilterCases = Setting<"filter cases", "filter", &EditorState::models, &ModelsState::filter>;
+using FilterCases = Setting<"filter cases", "filter", &EditorState::models, &ModelsState::list, &CaseList::filter>;
 using SortCases = Call<"sort cases", "column", sort_by, &EditorState::models>;
 /// Which two landmarks the list of sizes shows the distance of: a row of landmark_pairs.
-using ShowDistance = Setting<"show distance", "pair", &EditorState::models, &ModelsState::distance_shown>;
+using ShowDistance =
+    Setting<"show distance", "pair", &EditorState::models, &ModelsState::list, &CaseList::distance_shown>;
 
 // The gallery and the model.
 
-using LookFromSideInGallery =
-    Call<"look from side in gallery", "side", look_from, &EditorState::models, &ModelsState::camera>;
+using LookFromSideInGallery = Call<"look from side in gallery", "side", look_from, &EditorState::models,
+                                   &ModelsState::gallery, &GalleryLook::camera>;
 using ShowAllShapes = PlainCall<"fit gallery", show_all_shapes, &EditorState::models>;
 /// From 0.
 using ShowGalleryPage = Call<"show gallery page", "page", show_gallery_page, &EditorState::models>;
 /// A turn or a pan ends.
-using LetGoOfGallery = Clearing<"let go of gallery", &EditorState::models, &ModelsState::turning>;
+using LetGoOfGallery =
+    Clearing<"let go of gallery", &EditorState::models, &ModelsState::gallery, &GalleryLook::turning>;
 using ZoomGallery = Call<"zoom gallery", "steps", zoom_gallery, &EditorState::models>;
 /// What the pointer is over.
-using PointAtVertex = SettingLogged<Logged::never, "point at vertex", "", &EditorState::models, &ModelsState::hover>;
-using ShowGalleryGlyphs = Setting<"show gallery glyphs", "shown", &EditorState::models, &ModelsState::glyphs>;
-using SpaceGalleryGlyphs =
-    Setting<"space gallery glyphs", "spacing_mm", &EditorState::models, &ModelsState::glyph_spacing_mm>;
+using PointAtVertex = SettingLogged<Logged::never, "point at vertex", "", &EditorState::models, &ModelsState::gallery,
+                                    &GalleryLook::hover>;
+using ShowGalleryGlyphs =
+    Setting<"show gallery glyphs", "shown", &EditorState::models, &ModelsState::gallery, &GalleryLook::glyphs>;
+using SpaceGalleryGlyphs = Setting<"space gallery glyphs", "spacing_mm", &EditorState::models, &ModelsState::gallery,
+                                   &GalleryLook::glyph_spacing_mm>;
 using ShowMean = PlainCall<"show mean", set_to_mean, &EditorState::models>;
 using ShowSample = PlainCall<"show sample", set_to_sample, &EditorState::models>;
-using ShowAllModes = Setting<"show all modes", "all", &EditorState::models, &ModelsState::all_modes>;
-using ChooseAlignment = Setting<"choose alignment", "alignment", &EditorState::models, &ModelsState::alignment>;
+using ShowAllModes = Setting<"show all modes", "all", &EditorState::models, &ModelsState::view, &ModelView::all_modes>;
+using ChooseAlignment =
+    Setting<"choose alignment", "alignment", &EditorState::models, &ModelsState::made, &StudyMade::alignment>;
 /// Shows the optimised shapes and their model, or those that were fitted.
 using ShowOptimised = Call<"show optimised", "shown", show_optimised, &EditorState::models>;
 using DiscardOptimised = PlainCall<"discard optimised", discard_optimised, &EditorState::models>;

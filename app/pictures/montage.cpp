@@ -6,6 +6,7 @@
 
 #include "app/pictures/pictures.h"
 #include "core/base/caption_sizes.h"
+#include "core/base/cell_grid.h"
 #include "core/mesh/colours.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"
@@ -122,19 +123,6 @@ struct Studio {
   }
 };
 
-/// Columns of a grid of `count` cells whose cells are as square as they can be.
-int columns_for(int count, const MontageOptions& options) {
-  int best = 1;
-  double best_side = 0;
-  for (int columns = 1; columns <= count; ++columns) {
-    const int rows = (count + columns - 1) / columns;
-    const double side =
-        std::min(static_cast<double>(options.width_px) / columns, static_cast<double>(options.height_px) / rows);
-    if (side > best_side) best_side = side, best = columns;
-  }
-  return best;
-}
-
 /// How high letters of captions are: 8 points in print, else by the picture.
 double caption_px(const MontageOptions& options, int columns) {
   if (options.width_mm > 0) return text_pt / 72 * 300;
@@ -224,8 +212,9 @@ struct MontagePlan {
 
  private:
   void lay_out(int count, int wanted_columns) {
-    if (options.width_mm == 0 && wanted_columns == 0) columns = columns_for(count, options);
-    rows = (count + columns - 1) / columns;
+    if (options.width_mm == 0 && wanted_columns == 0)
+      columns = columns_of_grid<double>(count, options.width_px, options.height_px);
+    rows = rows_of_grid(count, columns);
     text_px = caption_px(options, columns);
     above_px = options.captions ? static_cast<int>(std::round(1.75 * text_px)) : 0;
     strip_px = options.captions ? static_cast<int>(std::round(1.5 * text_px)) : 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/cell_grid.h"
 #include "render/renderer.h"
 
 namespace homolog {
@@ -50,19 +51,9 @@ CaptionRoom legend_room(const ModelsState& state, float scale) {
 }
 
 GalleryGrid gallery_grid(std::size_t shapes, const RectPx& area) {
-  GalleryGrid grid{area, 1, 1, shapes};
   const auto count = static_cast<int>(std::max<std::size_t>(shapes, 1));
-  float best = 0;
-  for (int columns = 1; columns <= count; ++columns) {
-    const int rows = (count + columns - 1) / columns;
-    const float side = std::min(area.width / static_cast<float>(columns), area.height / static_cast<float>(rows));
-    if (side > best) {
-      best = side;
-      grid.columns = columns;
-      grid.rows = rows;
-    }
-  }
-  return grid;
+  const int columns = columns_of_grid(count, area.width, area.height);
+  return {area, columns, rows_of_grid(count, columns), shapes};
 }
 
 GalleryGrid page_grid(const ModelsState& state, const RectPx& area) {

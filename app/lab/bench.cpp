@@ -8,12 +8,12 @@
 #include <thread>
 #include <vector>
 
-#include "app/editor/window/editor_frames.h"
 #include "app/lab/bench_case.h"
 #include "app/lab/bench_model.h"
 #include "app/lab/bench_pictures.h"
 #include "app/lab/bench_study.h"
 #include "app/lab/bench_templates.h"
+#include "app/lab/editor_frames.h"
 #include "app/lab/experiment.h"
 #include "app/lab/median.h"
 #include "core/base/process.h"

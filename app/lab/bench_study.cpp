@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/window/study_frames.h"
+#include "app/lab/study_frames.h"
 #include "app/verbs/case_of_fit.h"
 #include "core/base/json.h"
 #include "core/base/parallel.h"

@@ -1,4 +1,4 @@
-#include "app/editor/window/editor_frames.h"
+#include "app/lab/editor_frames.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/imgui_context.h"
-#include "app/editor/window/bench_hand.h"
+#include "app/lab/bench_hand.h"
 #include "core/base/process.h"
 #include "core/base/statistics.h"
 #include "core/case/actions/structures.h"
@@ -64,11 +64,11 @@ std::vector<double> drag_ms(EditorApp& app, BenchHand& hand, int tool, int frame
   return times;
 }
 
-struct Tool {
+struct StrokeTool {
   const char* name;
   int key;
 };
-constexpr std::array<Tool, 6> tools{
+constexpr std::array<StrokeTool, 6> tools{
     {{"pull", 'P'}, {"grab", 'G'}, {"slide", 'S'}, {"relax", 'R'}, {"stiffness brush", 'B'}, {"confirm brush", 'C'}}};
 
 Result<EditSession> demo_session(const fs::path& file) {

@@ -1,4 +1,4 @@
-#include "app/editor/window/bench_hand.h"
+#include "app/lab/bench_hand.h"
 
 #include <imgui.h>
 

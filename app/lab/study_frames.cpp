@@ -1,4 +1,4 @@
-#include "app/editor/window/study_frames.h"
+#include "app/lab/study_frames.h"
 
 #include <epoxy/gl.h>
 
@@ -9,7 +9,7 @@
 
 #include "app/editor/state/models/gallery.h"
 #include "app/editor/widgets/imgui_context.h"
-#include "app/editor/window/bench_hand.h"
+#include "app/lab/bench_hand.h"
 #include "core/base/memory.h"
 #include "core/base/statistics.h"
 

@@ -13,6 +13,7 @@
 
 #include "core/base/files.h"
 #include "core/case/document.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"

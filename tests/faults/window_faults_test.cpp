@@ -3,8 +3,8 @@
 #include <functional>
 #include <vector>
 
-#include "app/editor/state/preferences.h"
 #include "app/editor/update/controls.h"
+#include "app/editor/work/files/preferences.h"
 #include "tests/faults/disk.h"
 #include "tests/screens.h"
 #include "tests/wait.h"

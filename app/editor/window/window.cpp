@@ -11,12 +11,12 @@
 #include <thread>
 #include <utility>
 
-#include "app/editor/state/preferences.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/window/editor.h"
 #include "app/editor/window/editor_app.h"
 #include "app/editor/window/frame_rate.h"
 #include "app/editor/window/input_router.h"
+#include "app/editor/work/files/preferences.h"
 
 namespace homolog {
 

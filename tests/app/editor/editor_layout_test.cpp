@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/state/files/file_browser.h"
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/widgets.h"
+#include "app/editor/work/files/file_browsing.h"
 #include "core/catalogue/catalogue.h"
 #include "tests/driver.h"
 #include "tests/must.h"

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "app/editor/update/file_purposes.h"
+#include "app/editor/work/files/file_browsing.h"
 #include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"

@@ -1,12 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
-
-#include "core/base/result.h"
 
 namespace homolog {
 
@@ -17,7 +16,7 @@ struct FileKind {
   bool any_volume = false;              ///< DICOM files too, which often have no extension that tells
 };
 
-/// A folder as the file dialog shows it. Free of any interface.
+/// A folder as the file dialog shows it. It is read by app/editor/work/files/file_browsing.h.
 struct FileBrowser {
   struct Entry {
     std::string name;  ///< UTF-8
@@ -53,29 +52,12 @@ struct FileBrowser {
   bool is_chosen(int index) const;
 };
 
-FileBrowser browse(FileKind kind, const std::filesystem::path& folder, std::string name = {});
-/// Goes to another folder and reads it.
-void enter_folder(FileBrowser& browser, const std::filesystem::path& folder);
-void refresh(FileBrowser& browser);
-/// Takes a name as it is typed: filters the list when opening. Where a path is typed, its folder is listed, if there is
-/// such a one.
-void type_name(FileBrowser& browser, const std::string& name);
-/// Makes the folder whose name was typed in the one that is shown, and goes there; says in `error` where that fails.
-void make_folder(FileBrowser& browser);
-
 enum class BrowserKey { up, down, page_up, page_down, parent };
 /// How a click chooses, where several files may be taken: in place of all, one more or one less (Ctrl), or all from the
 /// one that was clicked last (Shift).
 enum class Choosing { alone, also, up_to };
 /// Selects the entry at a place in visible(); when saving, a file's name becomes the name.
 void select_entry(FileBrowser& browser, int index, Choosing how = Choosing::alone);
-/// `extends`: the selection grows by the files on the way.
-void press_key(FileBrowser& browser, BrowserKey key, bool extends = false);
-
-/// What accepting gives: a chosen path, or nothing where a folder was entered instead (or nothing is chosen).
-/// When saving, only the typed name counts (choosing a file copies its name), and the kind's extension is added
-/// where it has none that fits.
-std::optional<std::filesystem::path> accept(FileBrowser& browser);
 
 /// The files that are chosen together, in the order of the list; none where one alone is chosen.
 std::vector<std::filesystem::path> chosen_files(const FileBrowser& browser);

@@ -8,8 +8,8 @@
 #include "app/editor/update/editing.h"
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/results/quitting.h"
-#include "core/session/journal.h"
-#include "core/session/unsaved_cases.h"
+#include "app/editor/work/files/file_browsing.h"
+#include "app/editor/work/opening/recovery.h"
 
 namespace homolog {
 
@@ -29,15 +29,6 @@ bool takes_several(EditorState& state) {
 FileBrowser* open_browser(EditorState& state) {
   auto* files = open_dialog<FileDialog>(state);
   return files != nullptr ? &files->browser : nullptr;
-}
-
-/// Whether a person would look for files in a folder: it is there, and none of those in which the program keeps its
-/// own.
-bool is_for_people(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  if (folder.empty() || !std::filesystem::is_directory(folder, ignored)) return false;
-  const std::filesystem::path hidden = unsaved_folder();
-  return std::mismatch(hidden.begin(), hidden.end(), folder.begin(), folder.end()).first != hidden.end();
 }
 
 /// Where something of what is open was saved last, for what is written. Else the folder of what is open: in Models of
@@ -183,11 +174,7 @@ void DiscardCase::spell(Fields& line) {
   line.member("journal", journal);
 }
 void DiscardCase::run(EditorState& state) const {
-  std::error_code ignored;
-  if (Journal::in_use(journal))
-    add_notice(state, "That case is open in another window, so it was not deleted.");
-  else
-    std::filesystem::remove(journal, ignored);
+  if (!discard_journal(journal)) add_notice(state, "That case is open in another window, so it was not deleted.");
   auto* recover = open_dialog<RecoverDialog>(state);
   if (recover == nullptr) return;
   std::erase_if(recover->found, [&](const auto& found) { return found.journal == journal; });

@@ -6,7 +6,6 @@
 #include <set>
 #include <utility>
 
-#include "app/editor/state/files/file_browser.h"
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/work/opening/demo.h"
 #include "app/editor/work/opening/sample.h"

@@ -8,6 +8,7 @@
 
 #include "core/base/files.h"
 #include "core/base/json.h"
+#include "core/session/journal.h"
 #include "core/session/unsaved_cases.h"
 
 namespace homolog {
@@ -89,6 +90,13 @@ void Recovery::count(Found found) {
     found.counted = true;
     return std::move(found);
   });
+}
+
+bool discard_journal(const fs::path& journal) {
+  if (Journal::in_use(journal)) return false;
+  std::error_code ignored;
+  fs::remove(journal, ignored);
+  return true;
 }
 
 void remove_without_edits(const fs::path& journal) {

@@ -34,6 +34,9 @@ class Recovery {
   Worker<Found> work_;
 };
 
+/// Removes the journal of an unsaved case, whatever it holds. Gives false where another program has it open: it stays.
+bool discard_journal(const std::filesystem::path& journal);
+
 /// Removes a journal of an unsaved case that holds no edit: it was left as it was opened. Any other file stays.
 void remove_without_edits(const std::filesystem::path& journal);
 

@@ -1,4 +1,4 @@
-#include "app/editor/state/preferences.h"
+#include "app/editor/work/files/preferences.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -67,12 +67,13 @@ void draw_part_settings(const UiContext& ui, int label, TemplateSettings& settin
     changed = true;
   }
   constexpr std::size_t most_rows = 6;
-  constexpr float row = 26;
+  constexpr float row = 32;
   std::vector<int> others{0};
   std::ranges::copy_if(ui.labels().values, std::back_inserter(others), [&](int value) { return value != label; });
   auto& faced = settings.faced.values;
   ImGui::BeginChild("faced", {0, theme.px(row) * static_cast<float>(std::min(most_rows, others.size()))});
   for (const int value : others) {
+    const Part part("faced");
     ImGui::PushID(value);
     bool on = std::ranges::find(faced, value) != faced.end();
     const std::string name = value == 0 ? "Background" : ui.labels().label_name(value);

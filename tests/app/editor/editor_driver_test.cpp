@@ -410,6 +410,54 @@ TEST_CASE("a tube that leaves a part of its label out says how much in amber and
   CHECK(amber > 100);
 }
 
+TEST_CASE("a template of a part of a label is made by its neighbours, and fits to the map end there") {
+  const auto gl = test::context_or_skip();
+  if (!gl) return;
+  const Ball ball;
+  Driver driver(ball.document(), {1280, 1400, 1});
+  driver.state().preferences.sections_open = {{"Case", false}, {"Template", true}, {"Deform", false}, {"Place", true}};
+  Volume map = label_map(icosphere(4, 18), ball_grid(), 3);
+  auto& voxels = std::get<std::vector<std::uint8_t>>(map.data);
+  for (int k = 0; k < map.geometry.dims[2]; ++k)
+    for (int j = 0; j < map.geometry.dims[1]; ++j)
+      for (int i = 0; i < map.geometry.dims[0]; ++i)
+        if (auto& voxel = voxels[map.geometry.index(i, j, k)]; voxel == 0 && map.geometry.to_mm(Vec3(i, j, k)).z() > 8)
+          voxel = 5;
+  const fs::path labels = driver.folder() / "labels.nii", file = driver.folder() / "cup.ply";
+  REQUIRE(write_volume(map, labels));
+  driver.app().send(open_labels(labels));
+  driver.settle();
+  driver.click("Template/template kind/Part");
+  driver.settle();
+  CHECK_FALSE(driver.has("Template/faced/Label 3"));
+  driver.click("Template/part/Open at");
+  driver.settle();
+  driver.click("Template/faced/Label 5");
+  driver.settle();
+  driver.type_into("Template/Vertices/value", "600");
+  driver.press(key::enter);
+  driver.settle();
+  driver.click("Template/Make the template");
+  driver.wait_until("the template is made", [&] { return driver.has("Template/Save and use…"); });
+  CHECK(driver.shows("open, genus 0"));
+  driver.app().send(UseMadeTemplate{file});
+  driver.wait_until("the case has it",
+                    [&] { return driver.document().structure()->the_template->source == file.string(); });
+  const auto the_template = driver.document().structure()->the_template;
+  REQUIRE(the_template->faced);
+  CHECK(*the_template->faced == FacedNames{"5", false});
+  REQUIRE(the_template->topology->rims().size() == 1);
+  driver.click("Place/Fit to the label");
+  driver.wait_until("the fit is done", [&] { return driver.state().found.last_fit.has_value(); });
+  driver.settle();
+  CHECK_FALSE(driver.state().found.last_fit->doubtful);
+  const Points& fitted = *driver.document().view()->shape.points;
+  double height_mm = 0;
+  for (const std::int32_t i : the_template->topology->rims().front())
+    height_mm += fitted(i, 2) / static_cast<double>(the_template->topology->rims().front().size());
+  CHECK(height_mm == doctest::Approx(8).epsilon(0.1));
+}
+
 TEST_CASE("an image and its label map are opened together") {
   const Ball ball;
   Driver driver(ball.document());

@@ -5,11 +5,13 @@
 #include <utility>
 
 #include "app/editor/update/editing.h"
+#include "app/editor/update/file_purposes.h"
 #include "app/editor/update/results/imports.h"
 #include "app/editor/update/status.h"
 #include "core/base/listed.h"
 #include "core/base/picture_io.h"
 #include "core/base/text.h"
+#include "core/case/actions/fields.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"

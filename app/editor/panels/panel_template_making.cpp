@@ -248,7 +248,10 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   const int own = template_label(ui);
   int label = own;
   bool changed = label_choice(ui, label, settings.all_labels, "A template is made from one of its labels", out);
-  if (label != own) settings.label = label;
+  if (label != own) {
+    settings.label = label;
+    std::erase(settings.faced.values, label);
+  }
   caption(theme, "What the label is");
   int kind = settings.tube ? 2 : settings.part ? 1 : 0;
   if (choice(theme, "template kind", {"Organ", "Part", "Tube"}, kind,

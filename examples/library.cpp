@@ -48,7 +48,7 @@ Result<void> run(const std::filesystem::path& folder) {
               middle[1], middle[2]);
   auto session = create_case(document, folder / "library.homolog");
   if (!session) return fail(session.error());
-  const auto placed = session->apply(points_edit(*session->document().view(), fitted->mesh.points, by_fit));
+  const auto placed = session->apply(points_edit(*session->document().view(), fitted->mesh.points, FoundBy::fit));
   if (!placed) return fail(placed.error());
   ShapeMatrix shapes(3 * truth.points.rows(), 8);
   for (int k = 0; k < 8; ++k) {

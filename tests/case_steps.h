@@ -24,7 +24,7 @@ inline SetPoints random_snap(const Document& document, std::mt19937& random, dou
   Points points = *document.view()->shape.points;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
     if (chance(random) < share) points.row(i) += Eigen::RowVector3d(mm(random), mm(random), mm(random));
-  return points_edit(*document.view(), points, "snap");
+  return points_edit(*document.view(), points, FoundBy::snap);
 }
 
 inline Vec3 random_place(std::mt19937& random) {

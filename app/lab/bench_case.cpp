@@ -43,7 +43,7 @@ class Day {
       points.row(i) += Eigen::RowVector3d(wave, -wave, wave);
       for (double& x : points.row(i)) x += noise(random_);
     }
-    return points_edit(*document.view(), points, "snap");
+    return points_edit(*document.view(), points, FoundBy::snap);
   }
 
   std::mt19937 random_{1};

@@ -66,7 +66,7 @@ Result<void> adapt_without_hand(EditSession& session, const Mesh& target, Adapta
   const Document& document = session.document();
   SetPoints result;
   if (adaptation == Adaptation::projection) {
-    result = points_edit(*document.view(), closest_places(target, *document.view()->shape.points), "projection",
+    result = points_edit(*document.view(), closest_places(target, *document.view()->shape.points), FoundBy::projection,
                          document.view()->shape.placement);
   } else {
     FitOptions options;

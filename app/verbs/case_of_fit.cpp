@@ -41,7 +41,7 @@ Result<StudyCase> write_case_of_fit(const FittedCase& fitted, const fs::path& fo
     if (auto turned = session->apply(MirrorTemplate{}); !turned) return fail(turned.error());
   if (fitted.frame)
     if (auto shown = session->apply(SetFrame{*fitted.frame}); !shown) return fail(shown.error());
-  SetPoints edit = points_edit(*session->document().view(), fitted.points, by_fit, fitted.placement);
+  SetPoints edit = points_edit(*session->document().view(), fitted.points, FoundBy::fit, fitted.placement);
   if (fitted.doubt_mm.size() > 0) edit.doubt_mm = doubt_on_grid(fitted.doubt_mm);
   if (fitted.outlier.size() > 0) edit.outlier = std::make_shared<const VertexScalars>(fitted.outlier);
   FitFigures figures = fitted.figures.value_or(FitFigures{});

@@ -134,7 +134,7 @@ Result<ShapeView> shape_to(const std::string& what, const Document& document, co
 }
 
 SetPoints edit_of_fit(const ShapeView& shown, const FitResult& fit, bool partial) {
-  SetPoints edit = points_edit(shown, fit.mesh.points, by_fit, fit.placement);
+  SetPoints edit = points_edit(shown, fit.mesh.points, FoundBy::fit, fit.placement);
   edit.doubt_mm = doubt_on_grid(fit.doubt_mm);
   if (partial) edit.outlier = std::make_shared<const VertexScalars>(outlier_marks(fit));
   return edit;
@@ -201,7 +201,7 @@ Result<FitEdit> fit_shape_to_contours(const ShapeView& shown, const BetweenConto
   }
   FitEdit edit;
   // A placement says that it is the template, not the mesh, that went to the contours.
-  edit.action = points_edit(shown, fit->mesh.points, by_contours,
+  edit.action = points_edit(shown, fit->mesh.points, FoundBy::contours,
                             from_mesh ? std::nullopt : std::optional<Similarity>(fit->placement));
   if (fit->doubt_mm.size() > 0) edit.action.doubt_mm = doubt_on_grid(fit->doubt_mm);
   edit.result = std::move(*fit);
@@ -233,7 +233,7 @@ Result<SnapEdit> snap_shape(const Scan& scan, const ShapeView& shown, const std:
     learned.edges.appearance = appearance_of_frames(scan, shown);
   auto result = snap(*scan.image, shown.frame, start, learned);
   if (!result) return fail(result.error());
-  edit.action = points_edit(shown, result->points, by_snap);
+  edit.action = points_edit(shown, result->points, FoundBy::snap);
   edit.result = std::move(*result);
   edit.result.points = *edit.action.points;
   if (edit.far_landmarks > 0)
@@ -254,7 +254,7 @@ Result<RefineEdit> refine_shape(const ShapeView& shown, Progress* progress) {
   if (shape.confirmed) start.confirmed = *shape.confirmed;
   const auto refined = refine(shown.the_template(), start, progress);
   if (!refined) return fail(refined.error());
-  return RefineEdit{points_edit(shown, refined->points, by_refinement), refined->warnings};
+  return RefineEdit{points_edit(shown, refined->points, FoundBy::refinement), refined->warnings};
 }
 
 }  // namespace homolog

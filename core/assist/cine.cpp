@@ -34,14 +34,14 @@ Result<CineEdit> propagate_shape(const Scan& scan, const ShapeView& shown, const
   auto done = propagate(*scan.image, start.front(), mesh, *shown.paint().stiffness, from);
   if (!done) return fail(done.error());
   CineEdit edit;
-  const auto add = [&](int frame, const Points& points, const char* by) -> SetPoints& {
+  const auto add = [&](int frame, const Points& points, FoundBy by) -> SetPoints& {
     return edit.actions.emplace_back(points_edit(shown, frame, points, by));
   };
   // The mesh that all come from is a person's choice from now on.
-  if (!frame_is_known(*shown.structure.shape(start.front()))) add(start.front(), mesh.points, "start of the cine");
+  if (!frame_is_known(*shown.structure.shape(start.front()))) add(start.front(), mesh.points, FoundBy::start_of_cine);
   for (std::size_t f = 0; f < done->frames.size(); ++f) {
     if (from.known.contains(static_cast<int>(f))) continue;
-    SetPoints& carried = add(static_cast<int>(f), done->frames[f].points, by_propagation);
+    SetPoints& carried = add(static_cast<int>(f), done->frames[f].points, FoundBy::propagation);
     carried.doubt = done->frames[f].doubt;
     done->frames[f].points = *carried.points;
   }

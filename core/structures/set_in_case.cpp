@@ -47,7 +47,7 @@ SetStructure described(const std::string& id, const std::string& name, const Seg
 /// The mesh as an edit of a structure.
 SetPoints fitted_points(const Document& document, const Structure& structure, const FitResult& fit) {
   const Shape shape = shape_of_frame(structure, document.frame, document.frame);
-  SetPoints edit = points_edit({structure, shape, document.frame}, fit.mesh.points, by_set_fit, fit.placement);
+  SetPoints edit = points_edit({structure, shape, document.frame}, fit.mesh.points, FoundBy::set_fit, fit.placement);
   if (fit.doubt_mm.size() > 0) edit.doubt_mm = doubt_on_grid(fit.doubt_mm);
   return edit;
 }
@@ -108,7 +108,7 @@ std::optional<SetPoints> apart_from_others(const Document& document, const std::
   yields.front() = 1;
   keep_apart(meshes, pairs, gap_mm, yields);
   if (meshes.front().points == *shown->shape.points) return std::nullopt;
-  return points_edit(*shown, meshes.front().points, by_keep_apart);
+  return points_edit(*shown, meshes.front().points, FoundBy::keep_apart);
 }
 
 std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfTemplates& set, const SetInMap& subject,

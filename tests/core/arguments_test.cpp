@@ -38,7 +38,7 @@ TEST_CASE("a boundary of a frame, a grid or a template that cannot be is refused
 TEST_CASE("points of another mesh are refused when they are applied") {
   const auto the_template = test::must(load_template("built-in:kidney"));
   EditSession session(new_document("", nullptr, the_template));
-  const auto refused = session.apply(points_edit(*session.document().view(), Points::Zero(5, 3), by_fit));
+  const auto refused = session.apply(points_edit(*session.document().view(), Points::Zero(5, 3), FoundBy::fit));
   REQUIRE_FALSE(refused);
   CHECK(refused.error().what == "5 were given for 2500 vertices");
 }

@@ -53,7 +53,7 @@ Result<EditSession> case_of(const PropagateVerb& verb, const Document& initial, 
     if (auto done = apply(SetFrame{static_cast<int>(f)}); !done) return fail(done.error());
     const bool given = static_cast<int>(f) == verb.frame;
     SetPoints edit =
-        points_edit(*session.document().view(), frame.points, given ? "start of the cine" : by_propagation);
+        points_edit(*session.document().view(), frame.points, given ? FoundBy::start_of_cine : FoundBy::propagation);
     edit.doubt = frame.doubt;
     if (auto done = apply(std::move(edit)); !done) return fail(done.error());
     frame.points = *session.document().view()->shape.points;

@@ -17,6 +17,23 @@ namespace {
 
 constexpr double doubt_steps_per_mm = 256;
 
+constexpr Names<FoundBy, 10> finder_names{{{"fit", FoundBy::fit},
+                                           {"fit of the set", FoundBy::set_fit},
+                                           {"model help", FoundBy::model},
+                                           {"refine", FoundBy::refinement},
+                                           {"snap", FoundBy::snap},
+                                           {"contours", FoundBy::contours},
+                                           {"keep apart", FoundBy::keep_apart},
+                                           {"propagate", FoundBy::propagation},
+                                           {"start of the cine", FoundBy::start_of_cine},
+                                           {"projection", FoundBy::projection}}};
+
+void spell_finder(Fields& line, PointsFinder& by) {
+  std::string word = by.word();
+  line.optional("by", word);
+  if (line.reads()) by = PointsFinder(word);
+}
+
 void spell_doubt_mm(Fields& line, std::size_t vertices, std::shared_ptr<const VertexScalars>& doubt_mm) {
   std::string text;
   if (doubt_mm) {
@@ -54,7 +71,7 @@ void spell_points(Fields& line, SetPoints& set) {
   if (set.points) numbers.assign(set.points->data(), set.points->data() + set.points->size());
   line.member("points", numbers);
   if (numbers.size() % 3 != 0) throw Unreadable{"\"points\" is not x, y, z of every vertex"};
-  line.optional("by", set.by);
+  spell_finder(line, set.by);
   line.optional("placement", set.placement);
   line.optional("of_frame", set.of_frame);
   line.optional("doubt", set.doubt, !set.doubt.empty());
@@ -66,7 +83,7 @@ void spell_points(Fields& line, SetPoints& set) {
 }
 
 void spell_moves(Fields& line, MovePoints& move) {
-  line.optional("by", move.by);
+  spell_finder(line, move.by);
   line.optional("placement", move.placement);
   line.optional("of_frame", move.of_frame);
   line.optional("doubt", move.doubt, !move.doubt.empty());
@@ -86,26 +103,26 @@ void spell_moves(Fields& line, MovePoints& move) {
 }
 
 /// Whether such an edit leaves vertices where the fit put them along the surface. Only then does its doubt still hold.
-bool keeps_doubt(const std::string& by) {
-  return by == by_model || by == by_snap || by == by_keep_apart;
+bool keeps_doubt(const PointsFinder& by) {
+  return by == FoundBy::model || by == FoundBy::snap || by == FoundBy::keep_apart;
 }
 
 /// A fit of the template to contours, not of the mesh that is there.
 bool is_drawn_anew(const SetPoints& action) {
-  return action.by == by_contours && action.placement;
+  return action.by == FoundBy::contours && action.placement;
 }
 
 /// Whether what was pulled before such an edit is still held: a person's place for it goes before that of the image.
 bool keeps_pulls(const SetPoints& action) {
-  const std::string& by = action.by;
-  return by == by_model || by == by_snap || by == by_refinement || by == by_keep_apart ||
-         (by == by_contours && !is_drawn_anew(action));
+  const PointsFinder& by = action.by;
+  return by == FoundBy::model || by == FoundBy::snap || by == FoundBy::refinement || by == FoundBy::keep_apart ||
+         (by == FoundBy::contours && !is_drawn_anew(action));
 }
 
 /// What an edit by `action`, which is not yet done, leaves of what was pulled and of the shape without snaps.
 void keep_unsnapped(const SetPoints& action, Shape& shape) {
   if (!keeps_pulls(action)) return forget_pulls_and_snaps(shape);
-  if (action.by == by_snap) {
+  if (action.by == FoundBy::snap) {
     if (!shape.unsnapped) shape.unsnapped = shape.points;
   } else if (shape.unsnapped) {
     shape.unsnapped = std::make_shared<const Points>(*shape.unsnapped + *action.points - *shape.points);
@@ -114,13 +131,13 @@ void keep_unsnapped(const SetPoints& action, Shape& shape) {
 
 /// What an edit by `action` leaves of the shape without the model's help.
 std::shared_ptr<const Points> unaided_by(const SetPoints& action, const Shape& shape) {
-  if (action.by == by_model) {
+  if (action.by == FoundBy::model) {
     Points unaided = unaided_points(shape);
     const bool taken_back = (unaided - *action.points).cwiseAbs().maxCoeff() <= 1 / steps_per_mm;
     return taken_back ? nullptr : std::make_shared<const Points>(std::move(unaided));
   }
   if (!shape.unaided) return nullptr;
-  if (action.by == by_refinement)
+  if (action.by == FoundBy::refinement)
     return std::make_shared<const Points>(*shape.unaided + *action.points - *shape.points);
   Points unaided = unaided_after(*shape.unaided, *shape.points, *action.points);
   return unaided == *action.points ? nullptr : std::make_shared<const Points>(std::move(unaided));
@@ -148,14 +165,14 @@ Result<EditReport> apply_points(const SetPoints& action, StructureEdit& edit) {
     shape.reference = shape.placed = std::make_shared<const Points>(action.placement->apply(the_template.points));
   }
   shape.unaided = unaided_by(action, shape);
-  if (action.by != by_model && action.by != by_refinement) {
+  if (action.by != FoundBy::model && action.by != FoundBy::refinement) {
     const auto moved_mm2 = (*action.points - *shape.points).rowwise().squaredNorm().array();
     decide(shape, std::make_shared<const VertexScalars>((moved_mm2 > 0).cast<double>()));
   }
   keep_unsnapped(action, shape);
   shape.points = action.points;
   shape.carried.reset();
-  if (action.by == by_propagation) shape.carried = action.points;
+  if (action.by == FoundBy::propagation) shape.carried = action.points;
   shape.doubt = action.doubt;
   if (!keeps_doubt(action.by)) {
     shape.doubt_mm = action.doubt_mm;
@@ -174,11 +191,22 @@ Result<EditReport> apply_moves(const MovePoints& action, StructureEdit& edit) {
   return apply_points(*points, edit);
 }
 
-std::string name_of_points(const std::string& by) {
-  return by.empty() ? "points" : by;
+std::string name_of_points(const PointsFinder& by) {
+  const std::string word = by.word();
+  return word.empty() ? "points" : word;
 }
 
 }  // namespace
+
+PointsFinder::PointsFinder(const std::string& word) : PointsFinder() {
+  for (const auto& [name, known] : finder_names)
+    if (word == name) by_ = known;
+  if (by_ == FoundBy::other) unknown_ = word;
+}
+
+std::string PointsFinder::word() const {
+  return by_ == FoundBy::other ? unknown_ : name_of(finder_names, by_);
+}
 
 const ActionKind<SetPoints>& action_kind(const SetPoints&) {
   static constexpr ActionKind<SetPoints> kind{
@@ -215,7 +243,7 @@ std::shared_ptr<const VertexScalars> doubt_on_grid(const VertexScalars& doubt_mm
       (doubt_mm * doubt_steps_per_mm).array().max(0).min(most_steps).round().matrix() / doubt_steps_per_mm);
 }
 
-SetPoints points_edit(const ShapeView& shown, const Points& points, std::string by,
+SetPoints points_edit(const ShapeView& shown, const Points& points, PointsFinder by,
                       const std::optional<Similarity>& placement) {
   SetPoints edit = points_edit(shown, shown.frame, points, std::move(by));
   edit.placement = placement;
@@ -223,7 +251,7 @@ SetPoints points_edit(const ShapeView& shown, const Points& points, std::string 
   return edit;
 }
 
-SetPoints points_edit(const ShapeView& shown, int frame, const Points& points, std::string by) {
+SetPoints points_edit(const ShapeView& shown, int frame, const Points& points, PointsFinder by) {
   Points rounded = *shape_of_frame(shown.structure, shown.frame, frame).points;
   if (points.rows() != rounded.rows()) rounded = points;  // applying it says what is wrong
   for (Eigen::Index k = 0; k < rounded.size(); ++k)

@@ -11,24 +11,40 @@
 
 namespace homolog {
 
-inline constexpr const char* by_fit = "fit";
-inline constexpr const char* by_set_fit = "fit of the set";
-/// Values of SetPoints::by that say nothing of where the boundary is: a study's shape model moved the vertices, or they
-/// moved along the surface.
-inline constexpr const char* by_model = "model help";
-inline constexpr const char* by_refinement = "refine";
-/// Vertices went along their normals to the edge in the image.
-inline constexpr const char* by_snap = "snap";
-/// The mesh as it was went to contours that were drawn: what was pulled before is kept.
-inline constexpr const char* by_contours = "contours";
-/// Vertices went out of a neighbour.
-inline constexpr const char* by_keep_apart = "keep apart";
-/// The mesh came from other frames of a cine: it does not make the frame a known one.
-inline constexpr const char* by_propagation = "propagate";
+/// What found the points of an edit. Two say nothing of where the boundary is: `model` and `refinement`.
+enum class FoundBy {
+  other,  ///< what PointsFinder::word says
+  fit,
+  set_fit,
+  model,       ///< a study's shape model moved the vertices
+  refinement,  ///< vertices moved along the surface
+  snap,        ///< vertices went along their normals to the edge in the image
+  /// The mesh as it was went to contours that were drawn: what was pulled before is kept.
+  contours,
+  keep_apart,     ///< vertices went out of a neighbour
+  propagation,    ///< the mesh came from other frames of a cine: it does not make the frame a known one
+  start_of_cine,  ///< the mesh that went to the other frames
+  projection      ///< vertices went to the closest places of a surface
+};
+
+/// FoundBy and its word in a case. A word that is not known is kept: a script or an older version wrote it.
+class PointsFinder {
+ public:
+  PointsFinder(FoundBy by = FoundBy::other) : by_(by) {}
+  explicit PointsFinder(const std::string& word);
+  /// What a case has, and the words after "Undo".
+  std::string word() const;
+  bool operator==(const PointsFinder&) const = default;
+
+ private:
+  FoundBy by_;
+  std::string unknown_;  ///< the word of FoundBy::other
+};
+
 /// Puts every vertex where an automatic step found it: a fit, a snap, a shape model. The points themselves are kept, so
 /// replaying needs neither that step nor its image.
 struct SetPoints {
-  std::string by;                         ///< what found them: one of those above
+  PointsFinder by;                        ///< what found them
   std::optional<Similarity> placement;    ///< the reference moves there; unwarped then
   SharedValue<Points> points;             ///< n×3, LPS mm
   std::optional<int> of_frame{};          ///< of a cine, where it is not the one that is shown
@@ -41,7 +57,7 @@ const ActionKind<SetPoints>& action_kind(const SetPoints&);
 
 /// SetPoints as a case keeps it: how far each coordinate moved, in steps of 2⁻¹⁶ mm [moved_points.h].
 struct MovePoints {
-  std::string by;
+  PointsFinder by;
   std::optional<Similarity> placement;
   SharedValue<std::vector<std::uint32_t>> moves;  ///< 3n, vertex by vertex; 0 stays
   std::optional<int> of_frame{};
@@ -56,9 +72,9 @@ std::shared_ptr<const VertexScalars> doubt_on_grid(const VertexScalars& doubt_mm
 
 /// The edit that gives the shown mesh these points (n×3, LPS mm); coordinates that differ from those that it has are
 /// rounded to 2⁻¹⁶ mm [moved_points.h].
-SetPoints points_edit(const ShapeView& shown, const Points& points, std::string by,
+SetPoints points_edit(const ShapeView& shown, const Points& points, PointsFinder by,
                       const std::optional<Similarity>& placement = std::nullopt);
 /// The same for another frame of a cine.
-SetPoints points_edit(const ShapeView& shown, int frame, const Points& points, std::string by);
+SetPoints points_edit(const ShapeView& shown, int frame, const Points& points, PointsFinder by);
 
 }  // namespace homolog

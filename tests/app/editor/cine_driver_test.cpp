@@ -157,7 +157,8 @@ TEST_CASE("why a frame is in doubt is said where a person sees it also where the
   Document document = BeatingBall::document();
   EditSession session(document);
   for (const int frame : {1, 2, 3, 4}) {
-    SetPoints carried = points_edit(*session.document().view(), frame, *document.view()->shape.points, by_propagation);
+    SetPoints carried =
+        points_edit(*session.document().view(), frame, *document.view()->shape.points, FoundBy::propagation);
     if (frame == 3) carried.doubt = "does not show the boundary; its mesh is taken from the frames around it";
     REQUIRE(session.apply(carried));
   }
@@ -192,8 +193,8 @@ TEST_CASE("a cine that starts from a template that lacks a part of its label is 
   CHECK_FALSE(driver.state().found.volume_curve.ejection);
   CHECK(driver.document().structure()->shape(3)->doubt == why);
   // The mesh is corrected: its frame is in no doubt.
-  driver.app().send(ApplyEdit{
-      points_edit(*driver.document().view(), 0, 1.06 * *driver.document().structure()->shape(0)->points, by_fit)});
+  driver.app().send(ApplyEdit{points_edit(*driver.document().view(), 0,
+                                          1.06 * *driver.document().structure()->shape(0)->points, FoundBy::fit)});
   driver.wait_until("frame 0 is known", [&] { return driver.shows("5 of 6"); });
 }
 
@@ -202,7 +203,7 @@ TEST_CASE("frames in doubt are shown one after the other and volumes are written
   EditSession session(document);
   for (const int frame : {1, 2, 3, 4}) {
     SetPoints carried = points_edit(*session.document().view(), frame,
-                                    (1 - 0.05 * frame) * *document.view()->shape.points, by_propagation);
+                                    (1 - 0.05 * frame) * *document.view()->shape.points, FoundBy::propagation);
     if (frame % 2 == 0) carried.doubt = "shows less of the boundary than other frames";
     REQUIRE(session.apply(carried));
   }

@@ -214,7 +214,7 @@ TEST_CASE("a curve that is drawn after a fit changes the mesh where it lies and 
   for (Eigen::Index i = 0; i < fitted.rows(); ++i)
     fitted.row(i) *= 1 + 0.3 * std::exp(-(fitted.row(i).transpose() - Vec3(0, 0, radius_mm)).squaredNorm() / 40);
   fitted.rowwise() += middle.transpose();
-  driver.app().send(ApplyEdit{SetPoints{by_fit, std::nullopt, std::make_shared<const Points>(fitted)}});
+  driver.app().send(ApplyEdit{SetPoints{FoundBy::fit, std::nullopt, std::make_shared<const Points>(fitted)}});
   driver.settle();
   draw_circle(driver, ViewKind::axial, -16);
   const auto top_mm = [&] { return mesh_of(driver).col(2).maxCoeff() - middle.z(); };

@@ -214,7 +214,7 @@ TEST_CASE("the model's help does not add up and can be taken back") {
   blend(0.5);
   CHECK((points() - aided).norm() < 1e-4);
   REQUIRE(session.apply(
-      points_edit(*session.document().view(), unaided_points(session.document().view()->shape), by_model)));
+      points_edit(*session.document().view(), unaided_points(session.document().view()->shape), FoundBy::model)));
   CHECK((points() - unaided).cwiseAbs().maxCoeff() < 2e-5);  // computed edits are rounded to 2⁻¹⁶ mm
   CHECK((unaided - aided).norm() > 0.05);
 }

@@ -102,7 +102,7 @@ TEST_CASE("a repaired map is written as proposed, but for what was taken back or
   repaired.work_on(0);
   const Points moved =
       driver.document().structure(repaired.id_of(0))->shape(0)->points->rowwise() + Eigen::RowVector3d(5, 0, 0);
-  driver.app().send(ApplyEdit{SetPoints{by_fit, std::nullopt, std::make_shared<const Points>(moved)}});
+  driver.app().send(ApplyEdit{SetPoints{FoundBy::fit, std::nullopt, std::make_shared<const Points>(moved)}});
   driver.settle();
   const VolumeRead by_hand = repaired.written("by-hand.seg.nrrd");
   CHECK(different(by_hand, stones.map, {2, 3, 4, 5, 9}) == 0);

@@ -161,7 +161,7 @@ TEST_CASE("a second fit of a set gives its structures new meshes and leaves lock
     driver.settle();
     const Shape& shape = *driver.document().structure(id)->shape(0);
     const Points moved = shape.points->rowwise() + Eigen::RowVector3d(0, 4, 0);
-    driver.app().send(ApplyEdit{SetPoints{by_fit, std::nullopt, std::make_shared<const Points>(moved)}});
+    driver.app().send(ApplyEdit{SetPoints{FoundBy::fit, std::nullopt, std::make_shared<const Points>(moved)}});
     driver.settle();
   };
   move_away("s1");

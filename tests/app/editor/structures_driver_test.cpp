@@ -140,7 +140,7 @@ TEST_CASE("after a stroke the structure goes out of its neighbour, and both are 
   Points moved = points_of(driver, "s2");
   for (int steps = 0; steps < 60 && depth_mm({topology, moved}, {topology, points_of(driver, "s1")}, 5) < 3; ++steps)
     moved.rowwise() += way.normalized().transpose();
-  driver.app().send(ApplyEdit{SetPoints{by_fit, std::nullopt, std::make_shared<const Points>(moved)}});
+  driver.app().send(ApplyEdit{SetPoints{FoundBy::fit, std::nullopt, std::make_shared<const Points>(moved)}});
   driver.settle();
   const double within_mm = depth();
   REQUIRE(within_mm > 2);

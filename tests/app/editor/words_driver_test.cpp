@@ -129,8 +129,8 @@ TEST_CASE("of a cine all meshes are written with their frames' numbers or the on
   Document document = BeatingBall::document();
   EditSession session(document);
   for (const int frame : {1, 2, 3, 4, 5})
-    REQUIRE(session.apply(
-        points_edit(*session.document().view(), frame, (1 - 0.05 * frame) * *document.view()->shape.points, "test")));
+    REQUIRE(session.apply(points_edit(*session.document().view(), frame,
+                                      (1 - 0.05 * frame) * *document.view()->shape.points, PointsFinder("test"))));
   Driver driver(session.document(), {1280, 1400, 1});
   driver.click("side panel/Export");
   const fs::path out = driver.folder() / "out";

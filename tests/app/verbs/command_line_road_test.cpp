@@ -83,7 +83,7 @@ TEST_CASE("a folder of label maps becomes meshes and cases and a study that goes
     auto opened = test::must(open_case(one.file));
     Points moved = *opened.session.document().view()->shape.points;
     moved.col(0).array() += 5;
-    REQUIRE(opened.session.apply(points_edit(*opened.session.document().view(), moved, by_fit)));
+    REQUIRE(opened.session.apply(points_edit(*opened.session.document().view(), moved, FoundBy::fit)));
     opened.session.close_journal();
     const Json sizes = run(folder, "measure fits --json").json();
     CHECK(sizes["cases"].size() == 3);

@@ -53,7 +53,7 @@ TEST_CASE("a cine is propagated in one step and a corrected frame stays as it is
   // A person makes frame 2 larger than the image shows it.
   REQUIRE(session.apply(SetFrame{2}));
   const Points larger = 1.1 * *session.document().view()->shape.points;
-  REQUIRE(session.apply(points_edit(*session.document().view(), larger, "fit")));
+  REQUIRE(session.apply(points_edit(*session.document().view(), larger, FoundBy::fit)));
   const Points corrected = *session.document().view()->shape.points;
   CHECK(starting_frames(*session.document().view()) == std::vector<int>{0, 2});
   const CineEdit again = propagated(session);
@@ -87,7 +87,7 @@ TEST_CASE("what was carried through a cine and its doubts come back from the cas
   const TemporaryFolder folder;
   const Document start = BeatingBall::document();
   EditSession session(start);
-  SetPoints carried = points_edit(*start.view(), 3, 0.8 * *start.view()->shape.points, by_propagation);
+  SetPoints carried = points_edit(*start.view(), 3, 0.8 * *start.view()->shape.points, FoundBy::propagation);
   carried.doubt = "shows less of the boundary than other frames";
   REQUIRE(session.apply(carried));
   const std::string line = action_line({carried});
@@ -107,8 +107,8 @@ TEST_CASE("what was carried through a cine and its doubts come back from the cas
 
   // A person edits it: it is known, and in no doubt.
   REQUIRE(session.apply(SetFrame{3}));
-  REQUIRE(
-      session.apply(points_edit(*session.document().view(), 1.01 * *session.document().view()->shape.points, "snap")));
+  REQUIRE(session.apply(
+      points_edit(*session.document().view(), 1.01 * *session.document().view()->shape.points, FoundBy::snap)));
   CHECK(frame_is_known(*session.document().structure()->shape(3)));
   CHECK(volume_curve(session.document(), *session.document().structure()).frames.at(3).doubt.empty());
   SetPoints nowhere = carried;

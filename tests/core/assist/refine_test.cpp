@@ -33,7 +33,7 @@ EditSession flowed_kidney() {
     flowed.row(i) += Eigen::RowVector3d(0, 3, 4) * (1 - 4 * height * height);
     flowed.row(i) = surface.nearest(Vec3(flowed.row(i))).position.transpose();
   }
-  test::must(session.apply(points_edit(*session.document().view(), flowed, "test")));
+  test::must(session.apply(points_edit(*session.document().view(), flowed, PointsFinder("test"))));
   return session;
 }
 
@@ -87,7 +87,7 @@ TEST_CASE("the rim of an open mesh stays where it is") {
   const auto the_template = test::must(load_template("built-in:ventricle"));
   const MeshFile truth = phantom_truth(Organ::ventricle, 1).front();
   EditSession session(new_document("", nullptr, the_template));
-  test::must(session.apply(points_edit(*session.document().view(), truth.points, "test")));
+  test::must(session.apply(points_edit(*session.document().view(), truth.points, PointsFinder("test"))));
   const Mesh before = session.document().view()->mesh();
   const Points after = *test::must(refine_shape(*session.document().view())).action.points;
   CHECK((after - before.points).rowwise().norm().maxCoeff() > 0.5);

@@ -181,7 +181,7 @@ TEST_CASE("a snap holds what was pulled since the last fit and lets go of what i
     const SnapEdit released = snap_all(session);
     CHECK(released.pulls == 2);  // the other one is held still
     CHECK(std::abs(reach(session, up) - edge_mm) < 2);
-    REQUIRE(session.apply(points_edit(*session.document().view(), before, by_fit)));
+    REQUIRE(session.apply(points_edit(*session.document().view(), before, FoundBy::fit)));
     CHECK(session.document().view()->shape.pulls == 0);
     CHECK(snap_all(session).pulls == 0);
     CHECK(std::abs(reach(session, out) - edge_mm) < 2);

@@ -44,11 +44,12 @@ std::vector<KnownLine> edits_of_the_mesh() {
   const auto moves = std::make_shared<Moves>(Moves{0, 65537, 4, 0, 0, 4294967295U});
   return {
       {SetPlacement{placement}, "{" + placed + "}", "placement"},
-      {SetPoints{"fit", placement, points}, "{" + numbers + R"(,"by":"fit",)" + placed + "}", "fit"},
-      {SetPoints{"", {}, points}, "{" + numbers + R"(,"by":""})", "points"},
-      {MovePoints{"snap", {}, moves},
+      {SetPoints{FoundBy::fit, placement, points}, "{" + numbers + R"(,"by":"fit",)" + placed + "}", "fit"},
+      {SetPoints{FoundBy::other, {}, points}, "{" + numbers + R"(,"by":""})", "points"},
+      {SetPoints{PointsFinder("a hand"), {}, points}, "{" + numbers + R"(,"by":"a hand"})", "a hand"},
+      {MovePoints{FoundBy::snap, {}, moves},
        R"({"by":"snap","moved":{"landmarks":2,"steps":"eAEVwYEJAAAMAiCD/f9yI5WjpoKaPihqBAM="}})", "snap"},
-      {MovePoints{"fit", {}, moves, {}, {}, doubt_on_grid(VertexScalars{{0.5, 3.001}})},
+      {MovePoints{FoundBy::fit, {}, moves, {}, {}, doubt_on_grid(VertexScalars{{0.5, 3.001}})},
        R"({"by":"fit","moved":{"landmarks":2,"steps":"eAEVwYEJAAAMAiCD/f9yI5WjpoKaPihqBAM="},"doubt_mm":"eAFrYGBgZgACAAQXAIQ="})",
        "fit"},
       {PlaceLandmark{"x", here}, R"({"landmark":{"name":"x",)" + written_here + "}}", "landmark x"},
@@ -158,6 +159,30 @@ TEST_CASE("the lines of a case file keep their bytes and actions keep their name
       REQUIRE_MESSAGE(read, known.line);
       CHECK_MESSAGE(read->action == known.action, known.line);
     }
+}
+
+TEST_CASE("what finds points has a word in a case and a word that is not known stays") {
+  const std::vector<std::pair<FoundBy, std::string>> words{{FoundBy::fit, "fit"},
+                                                           {FoundBy::set_fit, "fit of the set"},
+                                                           {FoundBy::model, "model help"},
+                                                           {FoundBy::refinement, "refine"},
+                                                           {FoundBy::snap, "snap"},
+                                                           {FoundBy::contours, "contours"},
+                                                           {FoundBy::keep_apart, "keep apart"},
+                                                           {FoundBy::propagation, "propagate"},
+                                                           {FoundBy::start_of_cine, "start of the cine"},
+                                                           {FoundBy::projection, "projection"},
+                                                           {FoundBy::other, ""}};
+  for (const auto& [by, word] : words) {
+    CAPTURE(word);
+    CHECK(PointsFinder(by).word() == word);
+    CHECK(PointsFinder(word) == by);
+  }
+  const PointsFinder hand("a hand");
+  CHECK(hand.word() == "a hand");
+  CHECK(hand == PointsFinder("a hand"));
+  CHECK(hand != FoundBy::other);
+  CHECK(hand != PointsFinder("another hand"));
 }
 
 TEST_CASE("every action reads its example of the docs and writes it again") {

@@ -43,9 +43,9 @@ std::vector<Action> some_of_every_kind() {
       pull(Vec3(0, -40, 0), Vec3(0, -44, 0)),
       SetScheme{Scheme::anchored, 1},
       Confirm{Vec3(0, 0, -40), 12, false},
-      SetPoints{"fit", Similarity{Eigen::Quaterniond::Identity(), 1.3, Vec3(0.1, 0, 7)}, found_points(1.3)},
+      SetPoints{FoundBy::fit, Similarity{Eigen::Quaterniond::Identity(), 1.3, Vec3(0.1, 0, 7)}, found_points(1.3)},
       pull(Vec3(0, 0, 52), Vec3(1, 2, 55)),
-      SetPoints{"snap", std::nullopt, found_points(1.1)},
+      SetPoints{FoundBy::snap, std::nullopt, found_points(1.1)},
       Note{"naïve, “quoted” \\ note"},
       SetPlacement{{Eigen::Quaterniond::Identity(), 1.2, Vec3(1, 2, 3)}},
       Undo{},
@@ -176,14 +176,14 @@ TEST_CASE("points that were found are taken as they are and lines with other cou
   const CaseFolder folder;
   EditSession session(folder.document());
   const auto found = found_points(1.2);
-  REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found}));
+  REQUIRE(session.apply(SetPoints{FoundBy::fit, std::nullopt, found}));
   CHECK(*session.document().view()->shape.points == *found);
   CHECK(*session.document().view()->shape.reference == session.document().structure()->the_template->points);
   CHECK(session.undo_name() == "fit");
-  CHECK(!session.apply(SetPoints{"fit", std::nullopt, std::make_shared<const Points>(Points::Zero(5, 3))}));
+  CHECK(!session.apply(SetPoints{FoundBy::fit, std::nullopt, std::make_shared<const Points>(Points::Zero(5, 3))}));
   Points broken = *found;
   broken(7, 1) = std::nan("");
-  CHECK(!session.apply(SetPoints{"fit", std::nullopt, std::make_shared<const Points>(broken)}));
+  CHECK(!session.apply(SetPoints{FoundBy::fit, std::nullopt, std::make_shared<const Points>(broken)}));
   CHECK(!parse_action(R"({"points":[1,2],"by":"fit"})"));
   CHECK(!parse_action(R"({"points":[1,2,"x"],"by":"fit"})"));
 }
@@ -202,7 +202,7 @@ TEST_CASE("a preview goes on with what is computed of it and says where that is 
   const CaseFolder folder;
   EditSession session(folder.document());
   const Compute twice = [](const Document& document, const std::string&) -> Result<std::optional<Action>> {
-    return SetPoints{by_model, std::nullopt, std::make_shared<const Points>(2 * *document.view()->shape.points)};
+    return SetPoints{FoundBy::model, std::nullopt, std::make_shared<const Points>(2 * *document.view()->shape.points)};
   };
   const Compute nothing = [](const Document&, const std::string&) -> Result<std::optional<Action>> {
     return std::optional<Action>();
@@ -230,12 +230,12 @@ TEST_CASE("what strokes and fits decide is known until it is undone and what a m
   EditSession session(std::move(document));
   const auto known = [&] { return known_vertices(session.document().view()->shape); };
   CHECK(known().isZero());
-  REQUIRE(session.apply(SetPoints{by_model, std::nullopt, found_points(1.1)}));
+  REQUIRE(session.apply(SetPoints{FoundBy::model, std::nullopt, found_points(1.1)}));
   CHECK(known().isZero());
   REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
   CHECK(known().maxCoeff() == 1);
   CHECK(known().mean() < 0.3);
-  SetPoints fit{by_fit, std::nullopt, session.document().view()->shape.points};
+  SetPoints fit{FoundBy::fit, std::nullopt, session.document().view()->shape.points};
   fit.doubt_mm = doubt_on_grid(VertexScalars::Ones(known().size()));
   fit.outlier = std::make_shared<const VertexScalars>(VertexScalars::Ones(known().size()));
   REQUIRE(session.apply(fit));
@@ -246,7 +246,7 @@ TEST_CASE("what strokes and fits decide is known until it is undone and what a m
   CHECK(known().isZero());
   CHECK_FALSE(session.document().view()->shape.doubt_mm);  // it was of the other frame
   CHECK_FALSE(session.document().view()->shape.outlier);
-  REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found_points(1.2)}));
+  REQUIRE(session.apply(SetPoints{FoundBy::fit, std::nullopt, found_points(1.2)}));
   CHECK(known().minCoeff() == 1);
   for (int step = 0; step < 5; ++step) REQUIRE(session.apply(Undo{}));
   CHECK(known().isZero());
@@ -260,7 +260,7 @@ TEST_CASE("what edits alone made of a shape goes along with edits of the aided o
   const Points begun = *shape().points;
   const auto aided = found_points(1.2);
   CHECK(unaided_points(shape()) == begun);
-  REQUIRE(session.apply(SetPoints{by_model, std::nullopt, aided}));
+  REQUIRE(session.apply(SetPoints{FoundBy::model, std::nullopt, aided}));
   CHECK(unaided_points(shape()) == begun);
 
   // Relax takes out of the mesh what it takes out, not as much again of what the edits made.
@@ -277,7 +277,7 @@ TEST_CASE("what edits alone made of a shape goes along with edits of the aided o
   // A refinement moves both alike, a placement carries both.
   Points along = *aided;
   along.col(0).array() += 2;
-  REQUIRE(session.apply(SetPoints{by_refinement, std::nullopt, std::make_shared<const Points>(along)}));
+  REQUIRE(session.apply(SetPoints{FoundBy::refinement, std::nullopt, std::make_shared<const Points>(along)}));
   CHECK(largest(unaided_points(shape()), begun.rowwise() + Eigen::RowVector3d(2, 0, 0)) < 1e-9);
   Similarity moved = shape().placement;
   moved.translation += Vec3(0, 0, 100);
@@ -288,7 +288,7 @@ TEST_CASE("what edits alone made of a shape goes along with edits of the aided o
 
   // Replayed it is the same, and what something else put somewhere is no help.
   CHECK(*read_case(folder.case_path)->session.document().view()->shape.unaided == *shape().unaided);
-  REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found_points(1.1)}));
+  REQUIRE(session.apply(SetPoints{FoundBy::fit, std::nullopt, found_points(1.1)}));
   CHECK(shape().unaided == nullptr);
 }
 
@@ -297,12 +297,12 @@ TEST_CASE("the doubt of a fit is kept until vertices are put elsewhere along the
   EditSession session = folder.create();
   const auto shape = [&]() -> const Shape& { return session.document().view()->shape; };
   const Eigen::Index n = shape().points->rows();
-  SetPoints fit{"fit", std::nullopt, found_points(1.1)};
+  SetPoints fit{FoundBy::fit, std::nullopt, found_points(1.1)};
   fit.doubt_mm = doubt_on_grid(VertexScalars::LinSpaced(n, 0.2, 4));
   CHECK(doubt_left_mm(shape()).size() == 0);
   REQUIRE(session.apply(fit));
   CHECK((doubt_left_mm(shape()) - VertexScalars::LinSpaced(n, 0.2, 4)).cwiseAbs().maxCoeff() < 0.002);
-  REQUIRE(session.apply(SetPoints{by_snap, std::nullopt, found_points(1.12)}));
+  REQUIRE(session.apply(SetPoints{FoundBy::snap, std::nullopt, found_points(1.12)}));
   REQUIRE(session.apply(Confirm{Vec3(0, 0, -40), 12, true}));
 
   const VertexScalars left = doubt_left_mm(shape());
@@ -312,7 +312,7 @@ TEST_CASE("the doubt of a fit is kept until vertices are put elsewhere along the
   CHECK(*to_mesh_file(*session.document().view(), false).doubt_mm == left);
   CHECK(doubt_left_mm(read_case(folder.case_path)->session.document().view()->shape) == left);
 
-  REQUIRE(session.apply(SetPoints{by_propagation, std::nullopt, found_points(1)}));
+  REQUIRE(session.apply(SetPoints{FoundBy::propagation, std::nullopt, found_points(1)}));
   CHECK(doubt_left_mm(shape()).size() == 0);
   REQUIRE(session.apply(Undo{}));
   CHECK(doubt_left_mm(shape()) == left);
@@ -344,7 +344,7 @@ TEST_CASE("a mirrored template lies where the mesh lay as its mirror image and o
   placement.scale = 1.1;
   placement.translation = Vec3(20, -5, 8);
   const auto fitted = std::make_shared<const Points>(placement.apply(far.points));
-  REQUIRE(session.apply(SetPoints{by_fit, placement, fitted}));
+  REQUIRE(session.apply(SetPoints{FoundBy::fit, placement, fitted}));
   const Eigen::RowVector3d centre = fitted->colwise().mean();
 
   REQUIRE(session.apply(MirrorTemplate{}));
@@ -368,10 +368,10 @@ TEST_CASE("what a scan lacks is kept with the fit and goes into files") {
   const auto shape = [&]() -> const Shape& { return session.document().view()->shape; };
   VertexScalars marks = VertexScalars::Zero(shape().points->rows());
   marks.head(5).setOnes();
-  SetPoints fit{"fit", std::nullopt, found_points(1.1)};
+  SetPoints fit{FoundBy::fit, std::nullopt, found_points(1.1)};
   fit.outlier = std::make_shared<const VertexScalars>(marks);
   REQUIRE(session.apply(fit));
-  REQUIRE(session.apply(SetPoints{by_snap, std::nullopt, found_points(1.12)}));
+  REQUIRE(session.apply(SetPoints{FoundBy::snap, std::nullopt, found_points(1.12)}));
   REQUIRE(shape().outlier);
   CHECK(*shape().outlier == marks);
   CHECK(*to_mesh_file(*session.document().view(), false).outlier == marks);
@@ -379,7 +379,7 @@ TEST_CASE("what a scan lacks is kept with the fit and goes into files") {
   REQUIRE(again);
   CHECK(*again->session.document().view()->shape.outlier == marks);
 
-  REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found_points(1)}));
+  REQUIRE(session.apply(SetPoints{FoundBy::fit, std::nullopt, found_points(1)}));
   CHECK_FALSE(shape().outlier);
   REQUIRE(session.apply(Undo{}));
   CHECK(*shape().outlier == marks);

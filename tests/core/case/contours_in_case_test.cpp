@@ -148,7 +148,7 @@ TEST_CASE("a mesh that was pulled goes on to contours from where it is and a fit
                 anew = test::must(fit_shape_to_contours(shown, {}, false, {}));
   CHECK(lowest(goes_on) < -47);
   CHECK(lowest(anew) > -46);
-  CHECK(goes_on.action.by == by_contours);
+  CHECK(goes_on.action.by == FoundBy::contours);
   CHECK_FALSE(goes_on.action.placement);
   // What was pulled is still known to be after it.
   REQUIRE(session.apply(goes_on.action));

@@ -55,7 +55,7 @@ struct ShapeFolder : TemporaryFolder {
     const fs::path reference = write(lopsided_organ(0), "template.ply");
     EditSession session =
         create_case(new_document("", nullptr, load_template(reference.string()).value()), path / name).value();
-    REQUIRE(session.apply(SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(number).points)}));
+    REQUIRE(session.apply(SetPoints{FoundBy::fit, {}, std::make_shared<const Points>(lopsided_organ(number).points)}));
     return path / name;
   }
 };
@@ -78,7 +78,7 @@ TEST_CASE("of a cine the frames that were edited are shapes and without asking t
   EditSession session(std::move(document));
   for (const int frame : {1, 3}) {
     REQUIRE(session.apply(SetFrame{frame}));
-    REQUIRE(session.apply(SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(frame).points)}));
+    REQUIRE(session.apply(SetPoints{FoundBy::fit, {}, std::make_shared<const Points>(lopsided_organ(frame).points)}));
   }
   REQUIRE(session.apply(SetFrame{2}));
   REQUIRE(session.apply(SetFrame{3}));
@@ -102,7 +102,8 @@ TEST_CASE("each structure of a case gives its own shapes") {
                    other = files.write(lopsided_organ(5), "other.ply");
     EditSession made = test::must(create_case(new_document("", nullptr, load_template(organ.string()).value()), path));
     REQUIRE(made.apply(SetStructure{.id = "s2", .name = "other", .source = other.string()}));
-    REQUIRE(made.apply(SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(6).points)}, false, "s2"));
+    REQUIRE(
+        made.apply(SetPoints{FoundBy::fit, {}, std::make_shared<const Points>(lopsided_organ(6).points)}, false, "s2"));
   }
   const ShapesOfFile shapes = test::must(read_shapes_of(path));
   CHECK(shapes.structure("s2")->edited == std::vector<int>{0});
@@ -138,7 +139,7 @@ TEST_CASE("the shapes of a cine's case need no voxel of its image") {
       EditSession session =
           create_case(new_document(image.string(), whole, load_template(reference.string()).value()), file).value();
       REQUIRE(session.apply(SetFrame{3}));
-      REQUIRE(session.apply(SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(3).points)}));
+      REQUIRE(session.apply(SetPoints{FoundBy::fit, {}, std::make_shared<const Points>(lopsided_organ(3).points)}));
     }
     fs::resize_file(image, fs::file_size(image) - 8);
     CHECK_FALSE(read_case(file));
@@ -159,12 +160,13 @@ TEST_CASE("a case with edits of a hand was worked on, also where it has no fit, 
     CHECK_FALSE(was_worked_on(file));
     REQUIRE(session.apply(Note{"the window", {}, {}}));
     CHECK_FALSE(was_worked_on(file));
-    REQUIRE(session.apply(SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(3).points)}));
+    REQUIRE(session.apply(SetPoints{FoundBy::fit, {}, std::make_shared<const Points>(lopsided_organ(3).points)}));
     CHECK(was_worked_on(file));
     CHECK_FALSE(goes_on_after_fit(file));
     REQUIRE(session.apply(Note{"fit", {}, {}}));
     CHECK_FALSE(was_worked_on(file));
-    REQUIRE(session.apply(SetPoints{"hand", {}, std::make_shared<const Points>(lopsided_organ(2).points)}));
+    REQUIRE(
+        session.apply(SetPoints{PointsFinder("hand"), {}, std::make_shared<const Points>(lopsided_organ(2).points)}));
   }
   CHECK(was_worked_on(file));
   CHECK(goes_on_after_fit(file));
@@ -184,7 +186,7 @@ TEST_CASE("all frames of a study's cines keep the groups of their cases") {
     for (const int frame : {1, 3}) {
       REQUIRE(session.apply(SetFrame{frame}));
       REQUIRE(session.apply(
-          SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(1 + 2 * k + frame).points)}));
+          SetPoints{FoundBy::fit, {}, std::make_shared<const Points>(lopsided_organ(1 + 2 * k + frame).points)}));
     }
     study.cases.push_back({name, file, {}, k == 0 ? "healthy" : "ill"});
   }

@@ -91,7 +91,7 @@ TEST_CASE("a case goes on from its last checkpoint as if every line were played"
     REQUIRE(session.apply(PaintRegion{"hilum", pole, 15, 0.5}));
     work(session, random, 25);
     REQUIRE(session.apply(
-        points_edit(*session.document().view(), 1.01 * *session.document().view()->shape.points, by_model)));
+        points_edit(*session.document().view(), 1.01 * *session.document().view()->shape.points, FoundBy::model)));
     REQUIRE(session.apply(SetEvenSpacing{0.5}));
     work(session, random, 25);
     REQUIRE(session.apply(Undo{}));

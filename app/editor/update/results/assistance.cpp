@@ -14,13 +14,13 @@ namespace {
 Result<std::optional<Action>> without_help(const Document& document, const std::string& of) {
   const auto shown = document.view(of);
   if (!shown || !shown->shape.unaided) return std::optional<Action>();
-  return std::optional<Action>(points_edit(*shown, unaided_points(shown->shape), by_model));
+  return std::optional<Action>(points_edit(*shown, unaided_points(shown->shape), FoundBy::model));
 }
 
 void take_fit(Editing& editing, Fitted fitted) {
   EditorState& state = editing.state;
   if (editing.refuses_edits()) return editing.shown.session().preview(std::nullopt);  // it was locked meanwhile
-  if (fitted.edit.by == by_refinement) {
+  if (fitted.edit.by == FoundBy::refinement) {
     for (const std::string& remark : fitted.figures.remarks) add_notice(state, remark, false);
     state.found.last_refinement = fitted;
     editing.log.is_done(RefineAlongSurface{});
@@ -29,7 +29,7 @@ void take_fit(Editing& editing, Fitted fitted) {
     state.found.last_fit = fitted;
     if (editing.work.started_fit) editing.log.is_done(*editing.work.started_fit);
   }
-  const bool is_fit = fitted.edit.by == by_fit;
+  const bool is_fit = fitted.edit.by == FoundBy::fit;
   Note figures{"fit", {}, {}, fitted.figures};
   editing.apply(std::move(fitted.edit));
   if (is_fit) editing.apply(std::move(figures), true);
@@ -88,7 +88,7 @@ void update_fit(Editing& editing) {
   if (auto step = fitter.take_step(); step && fitter.busy()) {
     // The organ may be far from where the template was.
     if (!std::exchange(editing.work.fit_seen, true)) look_at_mesh(editing.state, *step);
-    session.preview(SetPoints{by_fit, std::nullopt, std::move(step)}, {}, fitter.of());
+    session.preview(SetPoints{FoundBy::fit, std::nullopt, std::move(step)}, {}, fitter.of());
   }
   if (auto done = fitter.take()) {
     if (*done) return take_fit(editing, std::move(**done));
@@ -126,7 +126,7 @@ void update_propagation(Editing& editing) {
   for (auto& [structure, edit] : **done)
     for (SetPoints& action : edit.actions) {
       in_doubt += action.doubt.empty() ? 0 : 1;
-      carried += action.by == by_propagation ? 1 : 0;
+      carried += action.by == FoundBy::propagation ? 1 : 0;
       editing.shown.session().apply(std::move(action), std::exchange(joined, true), structure);
     }
   const std::size_t structures = (**done).size();

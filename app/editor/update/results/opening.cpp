@@ -169,7 +169,7 @@ std::optional<KeptFit> kept_fit(const Snapshot& snapshot) {
   for (const auto& structure : snapshot.document->structures)
     for (const auto& [frame, shape] : structure->shapes)
       if (mesh_hash(*shape->points) == kept->mesh)
-        return KeptFit{structure->id, frame, {.edit = {.by = by_fit, .points = shape->points}, .figures = *kept}};
+        return KeptFit{structure->id, frame, {.edit = {.by = FoundBy::fit, .points = shape->points}, .figures = *kept}};
   return std::nullopt;
 }
 

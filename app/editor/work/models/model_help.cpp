@@ -71,7 +71,7 @@ struct ModelHelp::Completer {
     auto done = completed(model, unaided, known_vertices(shape), known_noise_mm, strength, stiffness, *solver);
     if (!done) return fail(done.error());
     if (flipped) done->points.col(0) *= -1;
-    return std::optional<Action>(points_edit(*shown, done->points, by_model));
+    return std::optional<Action>(points_edit(*shown, done->points, FoundBy::model));
   }
 };
 

@@ -15,7 +15,7 @@ struct AllowedShape {
   Points posed;  ///< the same, shifted, turned and sized to lie best on what it was looked for
 };
 
-/// What shapes an organ may have, as far as somebody knows: a shape model [core/model/model_prior.h].
+/// The shapes that an organ may have, as far as they are known: a shape model [core/model/model_prior.h].
 struct AllowedShapes {
   Points mean;  ///< n×3, in a frame of its own
   /// The allowed shape nearest to targets (n×3, in that frame): each counts by its weight 0…1, `noise` (of the frame)

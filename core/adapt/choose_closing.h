@@ -30,9 +30,9 @@ double usual_closing_mm(const Volume& mask, int label, int frame);
 std::vector<double> wider_closings_mm(const Volume& mask, int label, int frame, Eigen::Index vertices);
 
 /// The closing radius for a template of a label, tried on the label itself: a template without its clefts, closed by
-/// 1.5 edges, stands in for another subject's. Where it cannot be fitted into the clefts that the usual radius leaves,
+/// 1.5 edges, stands in for another subject's. If it cannot be fitted into the clefts that the usual radius leaves,
 /// others' templates cannot either; then the widest radius is taken with which the fit is sound and its Dice to the raw
-/// label next to the same. Where it can, one edge is taken if that costs at most 0.001 of this Dice: others' clefts may
+/// label next to the same. If it can, one edge is taken if that costs at most 0.001 of this Dice: others' clefts may
 /// be deeper. Falls back to the usual radius, also where the closed label gets tunnels.
 ClosingChoice choose_template_closing(const Volume& mask, const MaskTemplateOptions& options, Progress* progress);
 
@@ -61,8 +61,8 @@ struct MoreClosing {
 MoreClosing try_more_closing(const Template& the_template, const Volume& mask, int label, int frame,
                              const LabelParts& parts, const FitOptions& options, const OtherClosing& first);
 
-/// What the report and the warning say: why this radius, which is a wider one than the first of those that were tried,
-/// or was kept with the template; and what was tried for a fit that stays doubtful.
+/// The words of the report and of the warning: why this radius, which is a wider one than the first of those that were
+/// tried, or was kept with the template; and what was tried for a fit that stays doubtful.
 std::string why_closing(const std::vector<TriedClosing>& tried, bool widened, bool kept);
 std::string tried_in_vain(const std::vector<TriedClosing>& tried);
 

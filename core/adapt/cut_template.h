@@ -9,8 +9,8 @@
 namespace homolog {
 
 /// The planes at which a template is cut off, where its vertices lie at `points` (n×3, LPS mm): one for each patch of
-/// its region cut_region with at least one in a hundred vertices. What lies beyond them, and the flat faces themselves,
-/// are no target and do not count. Empty for a template of a whole organ.
+/// its region cut_region with at least one in a hundred vertices. Everything beyond them, and the flat faces
+/// themselves, are no target and do not count. Empty for a template of a whole organ.
 std::vector<ScanBorder> cut_borders(const Template& the_template, const Points& points);
 
 /// The boundary as such a template shows it: cut off there too.

@@ -11,7 +11,7 @@ namespace homolog {
 /// From a template that is placed.
 inline constexpr Annealing from_placement{.steps = 16, .softest_edges = 1};
 
-/// What the steps made of a start.
+/// The result of the steps from a start.
 struct Adapted {
   Adapting shape;
   double strain;   ///< see FitSteps::strain
@@ -56,7 +56,7 @@ class FitSteps {
   /// Says how far the shape strains the template under its nearest similarity [strain_share].
   double strain(const Adapting& shape) const;
 
-  /// Where a way ends off the target by such an `off_mm2`, another that ends farther off than this, as root mean
+  /// If a way ends off the target by such an `off_mm2`, another that ends farther off than this, as root mean
   /// square, does not lie on it. A share of the organ, so that it does not depend on how fine the mesh is.
   double most_off_mm(double left_mm2) const;
 

@@ -25,7 +25,7 @@ class Fitting {
   /// The template's own form under the similarity nearest to the mesh, n×3, LPS mm.
   Points form_placed() const;
 
-  /// What came of it. Once, at the end: the mesh moves out.
+  /// Returns the result. Call it once, at the end: the mesh moves out.
   FitResult finish();
 
   /// First the nearest of the allowed shapes; what follows keeps to that. `lacking`: what the boundary is known to
@@ -33,10 +33,11 @@ class Fitting {
   Result<FitResult> among_allowed(std::vector<std::int32_t> lacking);
 
  private:
-  /// What the boundary lacks of an allowed shape: it is far off there for the noise with which it lies on the rest.
+  /// The vertices of an allowed shape that the boundary lacks: it is far off there for the noise with which it lies on
+  /// the rest.
   std::vector<std::int32_t> beyond_noise(const Mesh& mesh);
 
-  /// Where the target lacks the organ this mesh is the better guess: a patch over the hole, or its rim, is no target.
+  /// Where the target lacks the organ, this mesh is the better guess: a patch over the hole, or its rim, is no target.
   /// Around it the shape goes over to what the boundary asks.
   void keep_where_lacking(const Points& likely);
 

@@ -4,7 +4,8 @@
 
 namespace homolog {
 
-/// Where a target draws the vertices of a mesh: force targets s_i of Eq. 2, and how far each is to be trusted.
+/// The places to which a target draws the vertices of a mesh: force targets s_i of Eq. 2, and how far each is to be
+/// trusted.
 struct TargetPull {
   Points targets;         ///< n×3, LPS mm; where nothing pulls, the vertex itself
   VertexScalars weights;  ///< 0: nothing is known here; 1: as a place on the boundary; a named place may weigh more

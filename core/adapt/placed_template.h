@@ -24,7 +24,7 @@ struct PlacedTemplate {
   KnownMatches known_on(const Topology& topology, const Points& points) const;
 };
 
-/// Places a template: as the options say, else where it is likeliest [find_placement]. Where the boundary shows all of
+/// Places a template: as the options say, else where it is likeliest [find_placement]. If the boundary shows all of
 /// the organ, landmarks of a symmetric one say where their mirror images belong. Errors: the placement given does not
 /// reach the boundary.
 Result<PlacedTemplate> place_template(const Template& the_template, const Boundary& boundary,

@@ -15,7 +15,7 @@ namespace homolog {
 struct PropagateOptions {
   double reach_mm = 6;          ///< how far the boundary may move from one frame to the next
   std::map<int, Points> known;  ///< meshes of further frames that are right (n×3, LPS mm): they stay as they are
-  /// What the meshes lack of the label that they come from. Where they lack some, every frame is in doubt.
+  /// The share of the label that the meshes lack. If they lack some, every frame is in doubt.
   double missing_share = 0;
   Progress* progress = nullptr;
 };
@@ -46,7 +46,7 @@ struct Propagation {
   Ejection ejection;       ///< doubtful frames left out; of all where all are in doubt
 };
 
-/// What is in doubt of a mesh that lacks a share of its label, as PropagatedFrame::doubt.
+/// The doubt about a mesh that lacks a share of its label, as PropagatedFrame::doubt.
 std::string missing_doubt(double missing_share);
 
 /// Carries the mesh of one frame through all frames of a cine, in both directions: each frame starts from the one

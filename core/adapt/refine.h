@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// What a refinement starts from. All n×3 in LPS mm.
+/// The start of a refinement. All n×3 in LPS mm.
 struct RefineStart {
   Points points;                          ///< of the mesh, in the template's numbering; its surface stays
   Points placed;                          ///< the template as placed: what "turned" is measured against

@@ -18,7 +18,7 @@ struct SnapOptions {
   Progress* progress = nullptr;
 };
 
-/// What a snap starts from. All n×3 in LPS mm.
+/// The start of a snap. All n×3 in LPS mm.
 struct SnapStart {
   Mesh mesh;                ///< P⁰
   Points placed;            ///< the template as placed: what "turned" is measured against
@@ -40,7 +40,7 @@ struct SnapResult {
 
 /// Draws a mesh to the boundary that an image shows. Force targets are looked for along the normals and weighed by
 /// their confidence. Eq. 3 [Erdt 2009, §2.2] is solved repeatedly while the stiffness falls; its reference is P⁰,
-/// carried along by a similarity and one-ring rotations. Where the image shows no edge the shape decides. No triangle
+/// carried along by a similarity and one-ring rotations. Where the image shows no edge, the shape decides. No triangle
 /// turns. Deviates from Eq. 2 in the weights, and in a second force that keeps vertices at P⁰ where `strength` is
 /// below 1. Errors: the mesh lies outside the image; the image is the same everywhere around it; cancelled.
 Result<SnapResult> snap(const Volume& image, int frame, const SnapStart& start, const SnapOptions& options);

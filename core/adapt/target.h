@@ -5,14 +5,14 @@
 
 namespace homolog {
 
-/// What a mesh is drawn to: a surface [surface_target.h], or the boundary that an image shows [image_target.h]. What
-/// draws a mesh to a target knows no more of it than this.
+/// The thing that a mesh is drawn to: a surface [surface_target.h], or the boundary that an image shows
+/// [image_target.h]. Code that draws a mesh to a target knows no more of it than this.
 class Target {
  public:
   virtual ~Target() = default;
 
-  /// Where it draws the vertices of a mesh as it is now [Erdt 2009, Eq. 2]. `share`: of the way there, 0 at the first
-  /// step and 1 at the last; a target may look the nearer the larger it is.
+  /// The places to which it draws the vertices of a mesh as it is now [Erdt 2009, Eq. 2]. `share`: of the way there, 0
+  /// at the first step and 1 at the last; a target may look the nearer the larger it is.
   virtual TargetPull pull(const Mesh& mesh, double share) = 0;
   /// The place of the target to which each vertex belongs; the weight is the agreement.
   virtual TargetPull nearest(const Mesh& mesh) = 0;

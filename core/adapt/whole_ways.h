@@ -22,7 +22,7 @@ KnownMatches with_rims(KnownMatches known, const Mesh& mesh, RimsLie rims_lie, c
                        const Boundary& boundary, Target& target);
 
 /// Ways of a template onto the boundary of a whole organ: from where it is placed, and from matches of it with the
-/// boundary as a whole. What is kept is the plain way, the mean of those from matches, or a mean of both.
+/// boundary as a whole. It keeps the plain way, the mean of those from matches, or a mean of both.
 class WholeWays {
  public:
   /// `roundness`: of the template [roundness.h]. All outlive this.
@@ -32,7 +32,7 @@ class WholeWays {
   /// Goes them all. `start`: the template as placed or, with landmarks, warped (n×3, LPS mm). `match`: also those from
   /// matches.
   Result<void> go(const Points& start, bool match);
-  /// What is made of them.
+  /// Returns the way that is kept of them.
   Result<Adapting> kept();
 
   /// All that were gone, the plain one first.
@@ -41,7 +41,7 @@ class WholeWays {
   double smooth() const { return smooth_; }
 
  private:
-  /// Where a way begins.
+  /// The beginning of a way.
   struct Start {
     Points points;         ///< n×3, LPS mm
     bool matched = false;  ///< with the boundary as a whole, so that it is near and its own reference

@@ -11,7 +11,7 @@ namespace homolog {
 
 // The case file's spelling of actions and their values; see docs/case-file.md.
 
-/// What a line with this key is to the history; none where the key is no action's.
+/// The role of a line with this key in the history; none where the key is no action's.
 std::optional<LineRole> role_of_key(std::string_view key);
 
 nlohmann::ordered_json to_json(const Action& action);

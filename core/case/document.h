@@ -13,7 +13,7 @@
 
 namespace homolog {
 
-/// What was scanned.
+/// The scan.
 struct Scan {
   std::string source;                   ///< path, or the name of a phantom [core/catalogue]; empty without an image
   std::shared_ptr<const Volume> image;  ///< null: none

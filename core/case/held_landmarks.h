@@ -22,11 +22,11 @@ LandmarkHold landmark_hold(const Template& the_template, std::size_t landmark, c
 /// Holds the mesh at a landmark, or lets it go again; what else is confirmed around it stays.
 void hold_landmark(const Template& the_template, std::size_t landmark, bool hold, Shape& shape);
 
-/// What is confirmed without the triangles that landmarks hold; null: nothing is.
+/// The confirmed vertices without the triangles that landmarks hold; null: nothing is.
 std::shared_ptr<const VertexScalars> confirmed_without_landmarks(const ShapeView& view);
 
 /// After an edit of a structure, at the shown frame: holds the mesh at every landmark that it has come to meet, and
-/// lets it go where it no longer does. What was released by hand stays free.
+/// lets it go where it no longer does. A landmark that was released by hand stays free.
 void settle_landmarks(const Structure& before, Structure& after, int frame);
 
 }  // namespace homolog

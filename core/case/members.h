@@ -10,7 +10,7 @@ namespace homolog {
 // The members of a document and of what it holds, each named once. Equality, checkpoints, the count of memory and a new
 // beginning are made from these lists. A new member does not compile until it is in its list.
 
-/// Where the value of a member comes from.
+/// The origin of a member's value.
 enum class Origin {
   first_line,  ///< the first line of the case says it
   derived,     ///< it follows from the template and the placement

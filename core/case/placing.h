@@ -9,7 +9,7 @@ Result<void> check_placement(const Similarity& placement);
 /// The same, and a mesh that lies beyond farthest_mm then. `rest`: the template's points.
 Result<void> check_placement(const Similarity& placement, const Points& rest);
 
-/// Where a template lies that nobody placed: in the middle of the image, upright, at its own size.
+/// The place of a template that nobody placed: in the middle of the image, upright, at its own size.
 Similarity in_the_middle(const Scan& scan, const Template& the_template);
 
 /// The shape as it is before any edit: the template at the shape's placement.

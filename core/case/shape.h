@@ -22,7 +22,7 @@ struct Shape {
   int strokes = 0;                                 ///< edits of P since it was last equal to R
   int drawn_strokes = 0;  ///< of them up to the last fit of the template to contours; as many: P is by contours alone
   /// How far strokes have carried each vertex since the last fit, 0 … 1: so far a snap holds it. Null: nothing is
-  /// held. What is released is let go.
+  /// held. A released vertex is let go.
   std::shared_ptr<const VertexScalars> pulled;
   int pulls = 0;  ///< how many strokes that were
   /// P without what snaps moved since the last fit or stroke: the shape that a snap keeps to, so that snaps do not
@@ -36,7 +36,8 @@ struct Shape {
   std::shared_ptr<const VertexScalars> outlier;
 };
 
-/// What is still in doubt of `doubt_mm`: nothing where a vertex is confirmed. Empty where there is no doubt_mm.
+/// The part of `doubt_mm` that is still in doubt: nothing where a vertex is confirmed. Empty where there is no
+/// doubt_mm.
 VertexScalars doubt_left_mm(const Shape& shape);
 
 /// The share of its label that a frame's mesh still lacks, since the template that it is lacks it [Template]: 0 once

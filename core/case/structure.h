@@ -28,7 +28,7 @@ enum class LandmarkRule {
   by_size       ///< the same, and the warp's lengths are shares of the organ's size
 };
 
-/// What landmarks placed in the image do to a structure.
+/// The rules by which landmarks placed in the image change a structure.
 struct LandmarkRules {
   LandmarkPull pull = LandmarkPull::warp;
   LandmarkRule rule = LandmarkRule::by_size;

@@ -7,7 +7,7 @@
 
 namespace homolog {
 
-/// What a shape model expects of the whole shape where some of its vertices are known.
+/// The whole shape that a shape model expects where some of its vertices are known.
 struct Prediction {
   Eigen::VectorXd b;           ///< t expected coefficients, mm; not clamped
   Points points;               ///< n×3 expected shape, mm

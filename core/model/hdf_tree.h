@@ -12,8 +12,8 @@
 
 namespace homolog {
 
-/// What the files of statismo and scalismo are made of: groups named by paths ("/model"), which hold text attributes
-/// and datasets.
+/// The tree that files of statismo and scalismo are made of: groups named by paths ("/model"), which hold text
+/// attributes and datasets.
 struct HdfTree {
   struct Dataset {
     std::vector<std::size_t> dims;  ///< row-major; empty for a single value

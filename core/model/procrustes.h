@@ -16,7 +16,7 @@ inline Eigen::Map<const Points> points_of(const Eigen::VectorXd& shape) {
   return {shape.data(), shape.size() / 3, 3};
 }
 
-/// What generalised Procrustes analysis takes out of the shapes.
+/// The differences that generalised Procrustes analysis takes out of the shapes.
 enum class Alignment {
   similarity,  ///< translation, rotation and scale: every centroid size becomes their mean
   rigid,       ///< translation and rotation; size stays

@@ -34,7 +34,8 @@ class Lenders {
   std::vector<std::shared_ptr<const Template>> lenders_;
 };
 
-/// That a template lends nothing, a sentence. `what`: that it has other faces than, as "the shapes".
+/// A sentence that says that a template lends nothing. `what`: the thing whose faces differ from its own, as "the
+/// shapes".
 std::string unsuited_template(const std::string& the_template, const std::string& what);
 
 /// A shape of a model as what is measured: of a joint model each structure by its name. `points`: n×3 of the model.

@@ -7,7 +7,7 @@
 
 namespace homolog {
 
-/// Where the mirror image of each vertex lies on the same surface: which places of an organ that is symmetric in
+/// The place of each vertex's mirror image on the same surface: which places of an organ that is symmetric in
 /// itself, as a vertebra, are each other's counterparts.
 struct SelfMirror {
   std::shared_ptr<const Topology> topology;

@@ -44,7 +44,7 @@ struct ShapesOfFile {
 };
 
 /// The meshes of a case that is open. A landmark that was placed in the image lies there; the template's others where
-/// the mesh has them. What is confirmed is the array `confirmed`, 0 free … 1 held.
+/// the mesh has them. The array `confirmed` says what is confirmed, 0 free … 1 held.
 ShapesOfFile shapes_of(const Document& document);
 /// Reads a mesh (PLY, VTK, VTP, OBJ), `.particles`, or the meshes of a case file. Errors: read_mesh_file's,
 /// read_case's, an STL file, which keeps no vertices.
@@ -63,14 +63,14 @@ class KnownParts {
   std::vector<std::shared_ptr<const VertexScalars>> stiffness_;
 };
 
-/// What threads share that read many files.
+/// Data shared by threads that read many files.
 struct ReadTogether {
   std::mutex one_image;  ///< held while a case is read with its image: images of several would take much memory
   KnownParts parts;      ///< of the meshes that were read
 };
 Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file, ReadTogether& together);
 
-/// Where a shape of a training set comes from.
+/// The source of a shape of a training set.
 struct ShapeSource {
   std::filesystem::path file;
   std::optional<int> frame;  ///< of a cine case; the one it shows where absent
@@ -81,7 +81,7 @@ struct ShapeSource {
   std::string structure{};   ///< of a case, by its id; empty: the first
   std::string study_case{};  ///< of a study's case, its name there; empty: of none
 
-  /// What tells a study's case from all others, whichever of its frames is taken; empty: of none.
+  /// The key that tells a study's case from all others, whichever of its frames is taken; empty: of none.
   std::string study_key() const { return study_case.empty() ? std::string() : file.string() + '\n' + study_case; }
   /// "case_3.homolog", with its structure and its frame where one of several is taken.
   std::string name(const std::optional<int>& of_frame) const {
@@ -114,9 +114,9 @@ struct ShapeReading {
   bool all_frames = false;  ///< takes every edited frame of a cine case that names no frame
   bool doubts = false;      ///< looks for what is in doubt: what the study says of it, else `doubt_of_shape`
 };
-/// Reads sources, several at a time, and hands their shapes to `take` one after the other in the sources' order. What
-/// cannot be read is left out; gives the sentences that say so. Errors: take's, an STL file, nothing that could be
-/// read, cancelled.
+/// Reads sources, several at a time, and hands their shapes to `take` one after the other in the sources' order. A
+/// source that cannot be read is left out; gives the sentences that say so. Errors: take's, an STL file, nothing that
+/// could be read, cancelled.
 Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sources, const ShapeReading& reading,
                                              const TakeShape& take, Progress* progress = nullptr);
 

@@ -37,7 +37,7 @@ struct PrincipalComponents {
 /// Takes the shapes over. Beside them only the smaller of M×M and 3n×3n numbers is needed. Without shapes there are no
 /// axes.
 PrincipalComponents principal_components(ShapeMatrix shapes);
-/// The leading `count` components, by Lanczos' method with restarts. Where `count` is no small part of all, or the
+/// The leading `count` components, by Lanczos' method with restarts. If `count` is no small part of all, or the
 /// shapes are few, it gives all: they are known as soon.
 PrincipalComponents leading_components(ShapeMatrix shapes, Eigen::Index count);
 

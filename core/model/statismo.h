@@ -13,7 +13,7 @@ namespace homolog {
 /// Whether the name ends as a model's does: .h5 or .h5.json.
 bool is_model_name(const std::filesystem::path& path);
 
-/// What read_model reads of a file.
+/// The parts of a file that read_model reads.
 HdfParts model_parts();
 
 /// Writes a model in the layout of statismo and scalismo 0.9 (docs/models.md), `.h5.json` or `.h5` by extension, whole

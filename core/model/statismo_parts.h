@@ -9,8 +9,8 @@ namespace homolog::statismo {
 /// programs pass over. Adds nothing of any other model.
 void add_structures(const ShapeModel& model, HdfTree& tree);
 
-/// Reads them into a model whose mean, faces and names are read. What does not fit the model is left out, since the
-/// model is whole without it.
+/// Reads them into a model whose mean, faces and names are read. A part that does not fit the model is left out, since
+/// the model is whole without it.
 void read_structures(const HdfTree& tree, ShapeModel& model);
 
 /// Adds what read_structures needs of a file to `parts`.

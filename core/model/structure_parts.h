@@ -16,7 +16,7 @@ struct StructurePart {
   Eigen::Index first_triangle = 0, triangles = 0;  ///< no triangles where the shapes are points alone
 };
 
-/// Where structures lie in M shapes: against the mean place of each, in the frame of the aligned shapes. A turn is
+/// The poses of structures in M shapes: against the mean place of each, in the frame of the aligned shapes. A turn is
 /// about the structure's middle.
 struct StructurePoses {
   /// A structure of a shape: middle, turn and size against the mean place.

@@ -74,8 +74,8 @@ struct StudyRead {
 Result<StudyRead> read_study(const std::filesystem::path& path);
 
 /// Whole or not at all, and only where the file does not hold the same already. Fields that were read and are not known
-/// here are written again. `record`: of how the file is made [file_record.h]. That which it has is not written again,
-/// for a study that was changed.
+/// here are written again. `record`: of how the file is made [file_record.h]. A record that it has is not written
+/// again, for a study that was changed.
 Result<void> write_study(const Study& study, const std::filesystem::path& path, const std::string& record = {});
 
 /// Whether a file is called as studies are.

@@ -76,8 +76,8 @@ Result<TrainingSetRead> read_training_set(const std::vector<std::filesystem::pat
 /// The error that a set is too small, with the first of the set's warnings: it says which shape was left out and why.
 Error too_small(Error error, const std::vector<std::string>& warnings);
 
-/// What looks wrong in a set that can be computed with, a sentence each: sizes 10, 100 or 1000 times those of most
-/// others, shapes given twice.
+/// Things that look wrong in a set that can be computed with, a sentence each: sizes 10, 100 or 1000 times those of
+/// most others, shapes given twice.
 std::vector<std::string> oddities(const TrainingSet& set);
 
 /// Whether a shape is nearly the mirror image of another one, n×3 both.

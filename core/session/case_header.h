@@ -28,7 +28,8 @@ Result<std::string> moved_header(const std::string& line, const Document& docume
 Result<std::filesystem::path> labels_in_header(const nlohmann::ordered_json& header,
                                                const std::filesystem::path& folder);
 
-/// What the lines behind a header name: to which folder, and whether they name any. Errors: the folder is no text.
+/// The templates that the lines behind a header name: relative to which folder, and whether they name any. Errors: the
+/// folder is no text.
 Result<CaseTemplates> templates_in_header(const nlohmann::ordered_json& header, const std::filesystem::path& folder);
 
 /// How a header's image is taken.

@@ -25,10 +25,10 @@ class CaseTemplates {
   bool named() const { return named_; }
   void set_named(bool named) { named_ = named; }
 
-  /// Where the case is, and where its templates are looked for that are not in their place.
+  /// Sets the folder of the case; templates that are not in their place are looked for there too.
   void set_case_folder(std::filesystem::path folder) { case_folder_ = std::move(folder); }
 
-  /// The template of a source, read where it is not known yet. Where the file is gone, as after a folder was moved, the
+  /// The template of a source, read where it is not known yet. If the file is gone, as after a folder was moved, the
   /// end of its path is looked for under the case's folder and the one above. Errors: load_template's.
   Result<std::shared_ptr<const Template>> load(const std::string& source) const;
   /// One that is read already.
@@ -40,7 +40,7 @@ class CaseTemplates {
   /// A step as it can be applied: a new structure has its template and its mark. Errors: load's; the template is not
   /// the one that the step was made with.
   Result<void> complete(EditStep& step) const;
-  /// What is said of the templates that steps were completed with, each once.
+  /// The warnings about templates that steps were completed with, each once.
   std::vector<std::string> take_warnings() const { return std::exchange(known_->warnings, {}); }
   /// A step of a line, whose source becomes that from here. And the step as its line has it.
   EditStep from_line(EditStep step) const;

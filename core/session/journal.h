@@ -14,7 +14,7 @@
 
 namespace homolog {
 
-/// An append-only file of lines, locked against other programs while open. What is appended is on the disk, or it is
+/// An append-only file of lines, locked against other programs while open. An appended line is on the disk, or it is
 /// refused and the file is as it was before.
 class Journal {
  public:
@@ -53,7 +53,7 @@ class Journal {
   /// Whether `path` is this very file.
   bool is_at(const std::filesystem::path& path) const;
 
-  /// What became of the file while it was open.
+  /// The fate of the file while it was open.
   enum class Fate {
     as_left,           ///< as this program left it, or as a disk that fails left it
     touched,           ///< somebody wrote to it, or changed its attributes

@@ -4,8 +4,8 @@
 
 namespace homolog {
 
-/// What a line of a case means to its history, told from its keys alone. Values are not read, so a long case is scanned
-/// in the time that it takes to read it.
+/// The meaning of a line of a case for its history, told from its keys alone. Values are not read, so a long case is
+/// scanned in the time that it takes to read it.
 struct LineKind {
   enum Kind { empty, step, look, note, undo, redo, checkpoint, unknown } kind = unknown;
   bool joined = false;  ///< of a step

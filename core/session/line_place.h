@@ -4,7 +4,7 @@
 
 namespace homolog {
 
-/// Where a line lies among those of a case, without its line feed; counted from the end of the first line, so that it
+/// The place of a line among those of a case, without its line feed; counted from the end of the first line, so that it
 /// stays true when the case goes on in another file.
 struct LinePlace {
   std::uint64_t at = 0, bytes = 0;

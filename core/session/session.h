@@ -24,7 +24,7 @@ namespace homolog {
 /// nothing to do. `of`: the structure that it is about; empty: the first.
 using Compute = std::function<Result<std::optional<Action>>(const Document&, const std::string& of)>;
 
-/// What a session may spend on its history.
+/// The memory and time that a session may spend on its history.
 struct HistoryLimits {
   std::size_t bytes = std::size_t{192} << 20;  ///< for states kept in memory
   /// At most so many steps are played again to come to a state: a checkpoint is written to the file where more would
@@ -32,7 +32,7 @@ struct HistoryLimits {
   std::size_t replayed_steps = 0;
 };
 
-/// What a case keeps beside its steps, so that no undo takes it back: what its notes said last.
+/// Things that a case keeps beside its steps, so that no undo takes them back: what its notes said last.
 struct KeptWithCase {
   std::optional<std::array<double, 2>> window;  ///< the image's values that are shown black and white
   std::filesystem::path template_file;          ///< where the template was saved as it is painted; empty: it was not
@@ -56,15 +56,15 @@ class EditSession {
   Result<void> start_at(const Similarity& placement);
   /// Applies an action (Undo and Redo too). `joined`: see EditStep; an action begins a step of its own all the same
   /// where the one before it was refused, taken back, or a look at a frame. Computed points are rounded
-  /// [moved_points.h]. What is joined, and a look, is written at once but synced only with what follows, or by sync().
+  /// [moved_points.h]. A joined action or a look is written at once but synced only with what follows, or by sync().
   /// On error nothing has changed, in memory or on disk; where memory runs out (std::bad_alloc) neither. Before it
   /// comes keep().
   /// `of`: the structure that it works on; empty: the first.
   Result<EditReport> apply(Action action, bool joined = false, std::string of = {});
   Result<EditReport> apply(EditStep step);
-  /// What the action would give, without doing it. Cheap during a drag, because the gesture is cached. Without an
-  /// action it starts from the document. Each of `then` carries on from the result before it; a refusal becomes a
-  /// message.
+  /// The result that the action would give, without doing it. Cheap during a drag, because the gesture is cached.
+  /// Without an action it starts from the document. Each of `then` carries on from the result before it; a refusal
+  /// becomes a message.
   Result<Updated> preview(const std::optional<Action>& action, const std::vector<Compute>& then = {},
                           const std::string& of = {});
 
@@ -86,7 +86,7 @@ class EditSession {
   std::uint64_t steps_made() const { return steps_made_; }
   int solves() const { return solves_; }
   const KeptWithCase& kept() const { return kept_; }
-  /// What the first line says; a file of the case is not changed.
+  /// Sets the labels that the first line names; a file of the case is not changed.
   void set_labels(std::filesystem::path labels) { kept_.labels = std::move(labels); }
   /// Before the case has a file.
   void set_record(std::string record) { kept_.record = std::move(record); }
@@ -96,9 +96,9 @@ class EditSession {
 
   bool unsynced() const { return journal() != nullptr && journal()->unsynced(); }
   Result<void> sync() { return unsynced() ? journal()->sync() : Result<void>{}; }
-  /// Where another program took the case's file away, the case goes on elsewhere [keep_case].
+  /// If another program took the case's file away, the case goes on elsewhere [keep_case].
   void keep();
-  /// What keep() had to do, in a sentence; empty where it was nothing.
+  /// A sentence on what keep() had to do; empty where it was nothing.
   const std::string& news() const { return news_; }
   void forget_news() { news_.clear(); }
   /// Whether apply() changed the case.

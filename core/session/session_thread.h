@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// What the interface knows of the session at one moment; immutable once handed out.
+/// The interface's knowledge of the session at one moment; immutable once handed out.
 struct Snapshot {
   std::shared_ptr<const Document> document;  ///< as committed (and on disk)
   std::shared_ptr<const Document> shown;     ///< the running preview's document, else `document`
@@ -21,7 +21,7 @@ struct Snapshot {
   std::uint64_t steps_made = 0;              ///< of this session [EditSession::steps_made]
   std::uint64_t jobs_done = 0;               ///< counts what was posted and is done (or refused): edits and savings
   bool can_undo = false, can_redo = false;
-  /// What undo (redo) would take back (do again), the nearest step first; of a long history the nearest only.
+  /// The steps that undo (redo) would take back (do again), the nearest step first; of a long history the nearest only.
   std::vector<std::string> undo_names, redo_names;
   double solver_ms = 0;        ///< time to compute the last job, from its arrival to the new points
   std::string message;         ///< the last edit's sentence; empty where there is none
@@ -30,7 +30,8 @@ struct Snapshot {
   KeptWithCase kept;           ///< what the case keeps beside its steps
 };
 
-/// What a person must be told, since somebody asked: edits may come and be refused faster than snapshots are looked at.
+/// Refusals that a person must be told of, since somebody asked: edits may come and be refused faster than snapshots
+/// are looked at.
 struct Refusals {
   std::vector<std::string> news;  ///< what became of the case's file [keep_case]
   std::string saved;              ///< that a saving was done
@@ -67,7 +68,7 @@ class SessionThread {
   void save_as(std::filesystem::path path);
 
   std::shared_ptr<const Snapshot> snapshot() const;
-  /// What was refused since the last call. Called after snapshot(), it holds every refusal up to that snapshot.
+  /// The refusals since the last call. Called after snapshot(), it holds every refusal up to that snapshot.
   Refusals take_refusals();
   /// Whether an edit that was posted is not done (or refused) yet.
   bool busy() const { return snapshot()->jobs_done < posted_; }

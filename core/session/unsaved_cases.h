@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// Where cases that were never saved keep their journals: $XDG_STATE_HOME/homolog, else ~/.local/state/homolog.
+/// The folder of the journals of cases that were never saved: $XDG_STATE_HOME/homolog, else ~/.local/state/homolog.
 std::filesystem::path unsaved_folder();
 
 /// A name of its own in unsaved_folder() for a case that was not saved yet. The folder is made where it is absent, and
@@ -27,7 +27,7 @@ struct UnsavedCase {
   bool edited = false;  ///< holds more than looks at frames and how it is shown
 };
 
-/// What a journal is; none where it cannot be read.
+/// The unsaved case of a journal; none where it cannot be read.
 std::optional<UnsavedCase> unsaved_case(const std::filesystem::path& journal);
 
 /// Those that are not open in another program, newest first. Reads no further into each than its first step, so that a

@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// What a structure is called: by its own name, else by its template's, else by its id.
+/// The name of a structure: its own, else its template's, else its id.
 std::string structure_name(const Structure& structure);
 
 /// The values of a label map by layer and name, in lower case.

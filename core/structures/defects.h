@@ -7,7 +7,7 @@
 
 namespace homolog {
 
-/// What can be wrong with a structure of a label map.
+/// The kinds of defect that a structure of a label map can have.
 enum class DefectKind {
   missing,               ///< no voxel of it, where its neighbours say that it is
   half_missing,          ///< a part of it has no label
@@ -41,7 +41,7 @@ struct Defect {
   std::string with;  ///< the other structure's name; empty: none
 };
 
-/// What was found, for a person: "Found: half missing, bridge." Needs one defect.
+/// The sentence on what was found, for a person: "Found: half missing, bridge." Needs one defect.
 std::string sentence_of_defects(const std::vector<Defect>& defects);
 
 }  // namespace homolog

@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// What a person decides on who looks at the repair of a map: shapes as they are proposed, and as they were.
+/// The repair of a map that a person looks at and decides on: shapes as they are proposed, and as they were.
 struct RepairedFit {
   SetInMap subject;                            ///< of the map as proposed
   FittedSet fitted;                            ///< to that map; confidences are those of the map as it was

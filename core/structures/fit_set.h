@@ -22,7 +22,7 @@ struct FitSetOptions {
   std::function<void(std::size_t structure, SetFitStep step)> tell{};
 };
 
-/// What became of one structure of a set.
+/// The outcome of one structure of a set.
 struct FittedStructure {
   std::optional<FitResult> fit;  ///< none: it is missing, or could not be fitted
   FitJudgement judgement;
@@ -51,9 +51,9 @@ struct FittedSet {
 
 /// Fits the templates of a set to one subject: each by itself, then once more those that are doubtful or lie where
 /// their neighbours do not say, from there. At the end neighbours are kept apart, but for those whose labels overlap,
-/// and vertices that structures share come to one place. Where two cannot come as far apart as they should without a
-/// fold, they are doubtful. What is judged is the mesh that came of it.
-/// What is missing is left out. The bytes do not depend on the number of threads. Errors: cancelled.
+/// and vertices that structures share come to one place. If two cannot come as far apart as they should without a
+/// fold, they are doubtful. The mesh that came of it is judged. Missing structures are left out.
+/// The bytes do not depend on the number of threads. Errors: cancelled.
 Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, const FitSetOptions& options = {});
 
 }  // namespace homolog

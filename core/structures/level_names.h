@@ -5,7 +5,7 @@
 
 namespace homolog {
 
-/// What a name says of a level of the spine.
+/// The level of the spine that a name says.
 struct LevelName {
   std::string family;  ///< the name with '#' for each level that it says: "vertebrae_#", "disc_#_#"
   int level = 0;       ///< the first one, counted from C1 = 0

@@ -75,7 +75,7 @@ class Mending {
   bool lacks_a_part(std::size_t k) const;
   /// Whether its template, bent to what there is of it, is to tell what it has lost.
   bool is_asked(std::size_t k) const;
-  /// What a structure has lost, to a neighbour or to nobody.
+  /// Finds what a structure has lost, to a neighbour or to nobody.
   void find_lost(std::size_t k);
   /// The shapes that find_lost asks for, all at once: each is a fit that takes seconds.
   void find_shapes();
@@ -86,7 +86,7 @@ class Mending {
   Mesh as_the_image_shows(std::size_t k, const Mesh& expected) const;
   /// Gives voxels without a label that of a structure.
   void fill(std::size_t k, const Neighbourhood& there, const std::function<bool(std::size_t)>& is_its);
-  /// What lacks of a structure by its template, bent to what there is of it.
+  /// The part that a structure lacks by its template, bent to what there is of it.
   struct Lack {
     Neighbourhood there;
     std::vector<std::uint8_t> voxels;  ///< to fill, where they have no label

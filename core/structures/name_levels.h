@@ -6,7 +6,7 @@
 
 namespace homolog {
 
-/// What is known of the name of a structure that says a level of the spine.
+/// Findings on the name of a structure that says a level of the spine.
 struct LevelFound {
   int shift = 0;       ///< by how many levels the name should move: 1 where it is rather the next one down
   int maybe = 0;       ///< the same where too little speaks for it to move the name; 0 where `shift` is none

@@ -27,8 +27,8 @@ Similarity similarity_of_fits(const SetOfTemplates& set, const std::vector<Fitte
 std::vector<std::size_t> near_structures(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
                                          std::size_t of);
 
-/// Where a structure's neighbours say that it is: the similarity that carries near_structures, as they lie in the set,
-/// to where they were fitted. None where there are none.
+/// The place where a structure's neighbours say that it is: the similarity that carries near_structures, as they lie in
+/// the set, to where they were fitted. None where there are none.
 std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
                                              std::size_t of);
 

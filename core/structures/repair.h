@@ -13,7 +13,7 @@
 
 namespace homolog {
 
-/// What was found of a structure, and what is proposed.
+/// The findings on a structure, and what is proposed.
 struct RepairedStructure {
   std::vector<Defect> defects;
   double confidence = 0;      ///< 0…1: that it is right as the map has it [structure_confidence]

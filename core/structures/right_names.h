@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// What is known of the name that a label map gives a structure.
+/// Findings on the name that a label map gives a structure.
 struct NameFound {
   std::string proposed;         ///< its own where nothing else is proposed
   double p_named = 1;           ///< 0…1: that its own is right

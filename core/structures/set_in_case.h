@@ -19,7 +19,8 @@ namespace homolog {
 std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfTemplates& set, const SetInMap& subject,
                                           const FittedSet& fitted, const std::vector<std::string>& found = {});
 
-/// What the structures that such steps bring are in the label map: name, layer, value, mesh, and how sure the name is.
+/// The structures that such steps bring, as they are in the label map: name, layer, value, mesh, and how sure the name
+/// is.
 KeptMapFit map_fit_of(const TemplateSet& set, const SetInMap& subject, const FittedSet& fitted,
                       const std::vector<EditStep>& steps, int frame);
 

@@ -16,17 +16,17 @@ struct VoxelChange {
   int from = 0, to = 0;
 };
 
-/// What a structure's voxels are in the surroundings of another one: their label where both are of one layer, else a
-/// number below 0 of its own.
+/// The label of a structure's voxels in the surroundings of another one: their label where both are of one layer, else
+/// a number below 0 of its own.
 int label_around(const SetInMap& subject, std::size_t of, std::size_t other);
 
-/// Where structures of other layers lie that may not overlap one; of one that is missing, those that overlap none.
+/// The places of structures of other layers that may not overlap one; of one that is missing, those that overlap none.
 class HeldByOthers {
  public:
   /// `within`: of those, the ones that may reach into a box in mm.
   HeldByOthers(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
                const std::optional<Box>& within = std::nullopt);
-  /// What label_around says of the one that holds a place; 0: none does.
+  /// The label_around of the structure that holds a place; 0: none does.
   int label_at(const Vec3& p_mm) const;
   bool empty() const { return all_.empty(); }
 
@@ -42,7 +42,7 @@ class HeldByOthers {
 Neighbourhood around_structure(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
                                const Box& reach, int margin);
 
-/// What tells of a structure of a label map whether it is right, against its fit and against the shape that its
+/// Signs that tell whether a structure of a label map is right, against its fit and against the shape that its
 /// neighbours expect of it. All are shares of its voxels or of the expected ones, unless something else is said.
 struct StructureSigns {
   double islands = 0;      ///< apart from the largest part

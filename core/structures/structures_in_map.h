@@ -24,7 +24,7 @@ struct SetOfTemplates {
 /// read.
 Result<SetOfTemplates> load_set_of_templates(const std::string& source);
 
-/// Where a label map has a structure of a set.
+/// The place of a set's structure in a label map.
 struct StructureInMap {
   Segment segment;  ///< by its name, else by its value; of one that the map lacks a value that no other label has
   std::optional<Volume> mask;  ///< the part of the map around it; none: the map has no voxel of it
@@ -40,7 +40,7 @@ struct LabelOfMap {
   Box box_mm;
 };
 
-/// What a label map has of a set.
+/// The structures of a set that a label map has.
 struct SetInMap {
   VolumeGeometry grid;                        ///< of the map's first layer
   std::vector<StructureInMap> structures;     ///< in the set's order
@@ -56,11 +56,11 @@ struct SetInMap {
 /// The volume that holds a layer of a map, and which of its frames is meant: layers have one each.
 std::pair<const Volume*, int> layer_of(const VolumeRead& map, std::size_t layer, int frame);
 
-/// What a segment is called where several have one name: "3", "1 of layer 2".
+/// The name of a segment where several have one name: "3", "1 of layer 2".
 std::string value_and_layer(const Segment& segment, bool has_layers);
 
 /// Finds the structures of a set in a frame of a label map: each by its name where the map gives names, else by its
-/// value. Where two labels that have voxels have one name, in any case, both are left out.
+/// value. If two labels that have voxels have one name, in any case, both are left out.
 SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame = 0);
 
 /// A value above 0 that no label of the map has in any layer, and no structure.

@@ -54,7 +54,7 @@ struct TemplateSet {
 /// Whether a file is named as a template set.
 bool is_template_set(const std::filesystem::path& file);
 
-/// What the files of a structure are called: its name, but '_' for what no file can be called.
+/// The name of a structure's files: its own, but '_' for what no file can be called.
 std::string file_name_of_structure(const std::string& name);
 
 /// A pose as a set and a report have it. The spread of one subject is left out.

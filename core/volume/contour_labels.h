@@ -13,7 +13,7 @@ namespace homolog {
 /// The closed contours as labels on the grid of an image: a voxel belongs to a structure where its centre lies within
 /// an odd number of the structure's contours of its slice, so that holes stay holes, whether they are drawn as keyholes
 /// or by exclusive or; and where a contour goes through its centre, also one around a hole. Slices without contours
-/// stay empty. Where the slices of an image were `resampled`, each has the contours of the old one nearest to it, moved
+/// stay empty. If the slices of an image were `resampled`, each has the contours of the old one nearest to it, moved
 /// sideways as its pixels were. A label is the number of its structure; structures that overlap lie in layers. `path`
 /// and `image_path` are named in sentences. `warnings` of the result: structures without an inside; contours off the
 /// slices of the grid, which are left out; contours that leave the image; contours within one another that are not said

@@ -29,7 +29,8 @@ struct ContourRoi {
   std::optional<std::array<std::uint8_t, 3>> colour{};
   std::vector<Contour> contours{};
   std::vector<Vec3> points{};  ///< marked places, LPS mm
-  /// What was not taken as it stands in the file, each the end of a sentence about the structure: "… twice; …".
+  /// Things that were not taken as they stand in the file, each the end of a sentence about the structure: "… twice;
+  /// …".
   std::vector<std::string> doubts{};
 
   /// How many points its contours and marked places have in all.
@@ -62,7 +63,7 @@ bool holds_contours(const std::filesystem::path& path);
 /// that are missing or no numbers; no frame of reference, or several.
 Result<Contours> read_contours(const std::filesystem::path& path);
 
-/// What is to be said of structures before anything is made of them: those without points, contours that cross
+/// Warnings about structures before anything is made of them: those without points, contours that cross
 /// themselves, and `ContourRoi::doubts`.
 std::vector<std::string> doubts_about(const std::filesystem::path& path, const std::vector<ContourRoi>& rois);
 

@@ -11,7 +11,7 @@
 #include "core/volume/volume_io.h"
 #include "core/volume/voxel_stream.h"
 
-/// What the formats in core/volume/formats share.
+/// The parts that the formats in core/volume/formats share.
 namespace homolog {
 
 /// The grid whose axis a steps by the vector `steps_mm.col(a)`. Fails on sizes that are none, on axes that are not at
@@ -27,7 +27,7 @@ struct VoxelRun {
   bool other_byte_order = false;
 };
 
-/// Reads all voxels of a geometry and its frames. What the header claims is checked against the files and the memory
+/// Reads all voxels of a geometry and its frames. The header's claims are checked against the files and the memory
 /// first, and memory is taken as the voxels arrive. Fails where the voxels do not divide among the blocks.
 Result<StoredVoxels> read_run(const VoxelRun& run, const VolumeGeometry& geometry, std::int64_t frames, bool rescaled,
                               Progress* progress);

@@ -16,7 +16,7 @@
 
 namespace homolog {
 
-/// Where a grid of voxels lies in the patient: p_mm (LPS) = origin + direction · diag(spacing) · voxel index.
+/// The place of a grid of voxels in the patient: p_mm (LPS) = origin + direction · diag(spacing) · voxel index.
 /// Integer indices are voxel centres. `direction`'s columns are the unit directions of the i, j and k axes; it may be a
 /// reflection (a left-handed grid), never singular.
 struct VolumeGeometry {

@@ -33,7 +33,8 @@ Compression compression_of(const std::filesystem::path& file);
 /// Fails unless the block's file is large enough to hold `bytes`, compressed at the best ratio its compression reaches.
 Result<void> check_claim(const ByteBlock& block, double bytes);
 
-/// Where the next bytes of a block go: called with how many there may be, returns as much room.
+/// A function that says where the next bytes of a block go: it is called with how many there may be, returns as much
+/// room.
 using Room = std::function<std::span<std::byte>(std::size_t bytes)>;
 
 /// Reads `bytes` bytes of the block into room that is asked for as they arrive, a few megabytes at a time (a multiple

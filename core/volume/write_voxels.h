@@ -8,8 +8,8 @@
 #include "core/base/result.h"
 #include "core/volume/volume.h"
 
-/// What the writers behind write_volume share. Headers of images are a dozen lines each; writing them through streams,
-/// unlike through the libraries, tells of a full disk.
+/// The parts that the writers behind write_volume share. Headers of images are a dozen lines each; writing them through
+/// streams, unlike through the libraries, tells of a full disk.
 namespace homolog {
 
 /// The voxels as they lie in memory. Errors: cancelled.

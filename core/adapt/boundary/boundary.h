@@ -20,7 +20,7 @@ namespace homolog {
 struct ScanBorder {
   Vec3 outward = Vec3::UnitZ();
   double offset_mm = 0;
-  /// What lies nearer to the plane than this is the cut and not the organ's own boundary: half a slice or more.
+  /// Surface nearer to the plane than this is the cut and not the organ's own boundary: half a slice or more.
   double tolerance_mm = 0;
 };
 
@@ -28,20 +28,20 @@ struct ScanBorder {
 struct LabelParts {
   bool all = false;      ///< every part, else one alone
   std::size_t rank = 0;  ///< that one, by size: 0 is the largest
-  /// Of the surface the part that faces other labels, with as many `rims`; shorter ones are holes, and closed.
+  /// The part of the surface that faces other labels, with as many `rims`; shorter ones are holes, and closed.
   std::optional<FacedLabels> faced{};
   std::size_t rims = 0;
 };
 
-/// What a template of several closed pieces belongs to: all parts. Of one piece: the largest.
+/// A template of several closed pieces belongs to all parts, one of one piece to the largest.
 LabelParts parts_for(const Topology& the_template);
 
 /// The labels beyond the part of a label's surface that a template is of, in a map with such segments. Errors: the map
 /// lacks one of them.
 Result<FacedLabels> faced_labels(const FacedNames& names, const Segmentation& known);
 
-/// The same, and the part of the surface that a template is of [Template::faced], in a map with such segments. Where
-/// the map lacks what that part faces, the whole surface is taken, with a warning.
+/// The same, and the part of the surface that a template is of [Template::faced], in a map with such segments. If the
+/// map lacks what that part faces, the whole surface is taken, with a warning.
 LabelParts parts_for(const Template& the_template, const Segmentation& known, std::vector<std::string>& warnings);
 
 /// The surface that a template is fitted to, LPS mm.
@@ -52,7 +52,7 @@ struct Boundary {
   std::size_t parts_left_out = 0;        ///< of a label
   double share_left_out = 0;             ///< of the label's volume, in these
   std::size_t parts_alike = 1;           ///< of a label: the largest, and those more than half as large
-  /// Of each face: 1 where it is a cut through the organ and not its boundary [cut_faces.h]; empty: none is.
+  /// One value a face: 1 where it is a cut through the organ and not its boundary [cut_faces.h]; empty: none is.
   std::vector<std::uint8_t> cut;
 
   /// Whether the scan shows what is at `p`. It does not beyond its borders, nor within their tolerance, where the flat
@@ -64,7 +64,7 @@ struct Boundary {
 
 /// The boundary of a label: its largest part (or `parts`) with cavities filled, and with everything that a ball of
 /// radius `closing_mm` (without: ball_share of the label's size) cannot reach from outside. Computed on isotropic
-/// voxels of about a third of the mean edge of a mesh of `vertices` vertices. Where the label faces none of the labels
+/// voxels of about a third of the mean edge of a mesh of `vertices` vertices. If the label faces none of the labels
 /// that `parts` names, its whole boundary is taken, with a warning. Errors: the label does not occur; no such
 /// frame; a volume of other values than its grid says; fewer than four vertices.
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> closing_mm,
@@ -73,12 +73,12 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::o
 /// A surface as a boundary: its largest part, or all of them.
 Boundary mesh_boundary(const Mesh& mesh, bool all_parts = false);
 
-/// The same of whatever surface a file holds: mended where it is broken [mesh_repair.h]. One that is riddled with
+/// The same for whatever surface a file holds: mended where it is broken [mesh_repair.h]. One that is riddled with
 /// tunnels is rebuilt from voxels [solid_voxels.h], as fine as a mesh of `vertices` vertices shows, with a warning that
-/// says how far that lies from it. `rims`: how many long rims the template has [long_rims]. Where that is not 0, as
+/// says how far that lies from it. `rims`: how many long rims the template has [long_rims]. If that is not 0, as
 /// many of the surface's longest boundary loops are its rims, and loops shorter than two thirds of these are holes,
-/// which are closed. So are those that make_mesh_template closes, where the rims are of those that it keeps. Where it
-/// is 0, holes are closed of a broken surface alone. Errors: no face is left; cancelled.
+/// which are closed. So are those that make_mesh_template closes, where the rims are of those that it keeps. If it is
+/// 0, holes are closed of a broken surface alone. Errors: no face is left; cancelled.
 Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress = nullptr,
                                   bool all_parts = false, std::size_t rims = 0);
 

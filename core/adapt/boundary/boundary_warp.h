@@ -10,8 +10,8 @@ namespace homolog {
 /// away the boundary is along its normal; across the normal nothing is known. Between the observations this is smoother
 /// than Eq. 3 alone, whose forces say nothing along the surface. As far as it turns no triangle over. Below three
 /// landmarks `placed` as it is: the boundary alone lets the whole slide along itself. The larger `roundness`
-/// (0 … 1), the larger and wider displacements may be: the nearest boundary is seldom that of another part then. Where
-/// the boundary lacks parts it should be 0, since a large displacement runs wild there. `placed`: n×3, LPS mm.
+/// (0 … 1), the larger and wider displacements may be: the nearest boundary is seldom that of another part then. If the
+/// boundary lacks parts, it should be 0, since a large displacement runs wild there. `placed`: n×3, LPS mm.
 Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed,
                         const KnownMatches& landmarks, double roundness, Target& target);
 

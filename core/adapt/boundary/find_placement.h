@@ -16,7 +16,7 @@ enum class Orientation {
   any       ///< all proper ones: for a scan whose axes are wrong
 };
 
-/// What is known of a placement beforehand.
+/// Things known of a placement beforehand.
 struct PlacementHints {
   std::map<std::string, Vec3> landmarks;  ///< named places on the organ, LPS mm; names the template lacks are left out
   Orientation orientation = Orientation::patient;

@@ -22,7 +22,7 @@ void pull_landmarks(const Template& the_template, const std::map<std::string, Ve
 std::vector<std::string> believed_landmarks(const Template& the_template, const std::map<std::string, Vec3>& landmarks,
                                             const VertexScalars& trust);
 
-/// What a user should know of them: those too few to place by, and those not believed. `off_mm`: how far each lies from
+/// Warnings about landmarks: those too few to place by, and those not believed. `off_mm`: how far each lies from
 /// where the placement has it, as `trust`.
 std::vector<std::string> warnings_of_landmarks(const Template& the_template,
                                                const std::map<std::string, Vec3>& landmarks, const VertexScalars& trust,

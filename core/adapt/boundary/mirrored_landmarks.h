@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// What a landmark on one side of an organ tells of the other side.
+/// A landmark on one side of an organ, and what it tells of the other side.
 struct MirroredLandmark {
   Eigen::Index of;     ///< which of the landmarks that both name, in the template's order
   SurfacePoint place;  ///< on the template: where its mirror image lies

@@ -15,7 +15,7 @@ namespace homolog {
 /// The surface of a label or of a mesh as a target. It looks in both directions. Every vertex looks for the nearest
 /// boundary point that faces the same way. Every sample of the boundary looks for the nearest place of the mesh that
 /// faces the same way, and pulls the corners there. One direction alone would miss parts of the boundary that no vertex
-/// is near. Where both the mesh and the surface have a rim [rims.h], rims belong to rims: a vertex of the one looks for
+/// is near. If both the mesh and the surface have a rim [rims.h], rims belong to rims: a vertex of the one looks for
 /// the nearest place of the other alone, and samples along the surface's rim pull the mesh's. Nothing else is drawn to
 /// a rim, so that what one surface has beyond the other's rim does not count.
 class SurfaceTarget : public Target {

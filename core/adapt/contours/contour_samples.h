@@ -36,13 +36,13 @@ struct ContourSamples {
   std::vector<ContourSample> samples;
   std::vector<ContourPlane> planes;
 
-  /// Where the boundary is likeliest, k×3.
+  /// The likeliest places of the boundary, k×3.
   Points likely() const;
   /// Diagonal of the box around all curves, mm.
   double diagonal_mm() const;
 };
 
-/// Cuts curves into about `count` pieces in all, no fewer than eight a curve. Where there are several closed curves in
+/// Cuts curves into about `count` pieces in all, no fewer than eight a curve. If there are several closed curves in
 /// a plane, one within another is the rim of a hole, whether all are combined by exclusive or or not; so is the inner
 /// one of a keyhole, whose channel is left out, also where that is a slit of up to 0.1 mm.
 /// A curve that lies outside is taken for a loose stroke, whose area is half as large again as the organ's: such

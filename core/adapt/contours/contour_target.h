@@ -8,8 +8,8 @@
 
 namespace homolog {
 
-/// Where a piece of a curve meets a mesh: the place of the mesh's section with the curve's plane that is nearest and
-/// faces the same way. Where the plane misses the mesh, and for a curve in no plane, the nearest place of the mesh.
+/// The place where a piece of a curve meets a mesh: that of the mesh's section with the curve's plane that is nearest
+/// and faces the same way. If the plane misses the mesh, and for a curve in no plane, the nearest place of the mesh.
 struct ContourMeeting {
   std::size_t sample = 0;
   SurfacePoint on;
@@ -17,7 +17,7 @@ struct ContourMeeting {
   Vec3 normal = Vec3::Zero();    ///< of the mesh there, unit, outward
 };
 
-/// Where a section of the mesh lies beyond a curve that the organ lies inside of.
+/// A place where a section of the mesh lies beyond a curve that the organ lies inside of.
 struct BeyondLimit {
   SurfacePoint on;
   Vec3 position = Vec3::Zero(), limit = Vec3::Zero();  ///< on the mesh, and where the curve is, LPS mm

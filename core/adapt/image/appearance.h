@@ -6,7 +6,7 @@
 
 namespace homolog {
 
-/// What the boundary looks like in finished cases: the mean intensities along the normal of every vertex.
+/// The look of the boundary in finished cases: the mean intensities along the normal of every vertex.
 /// Vertices correspond, so each has a profile of its own.
 class Appearance {
  public:

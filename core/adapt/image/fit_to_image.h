@@ -9,11 +9,12 @@
 
 namespace homolog {
 
-/// Where a template lies on those of its landmarks that were placed in an image, by name, LPS mm. Errors: fewer than
-/// three of them, or places that contradict each other.
+/// The placement of a template on those of its landmarks that were placed in an image, by name, LPS mm. Errors: fewer
+/// than three of them, or places that contradict each other.
 Result<Similarity> placement_by_landmarks(const Template& the_template, const std::map<std::string, Vec3>& landmarks);
 
-/// What holds a mesh at those of the template's landmarks that lie within `reach_mm` of where `points` (n×3) have them.
+/// Pins that hold a mesh at those of the template's landmarks that lie within `reach_mm` of where `points` (n×3) have
+/// them.
 std::vector<Pin> landmark_pins(const Template& the_template, const Points& points,
                                const std::map<std::string, Vec3>& landmarks, double reach_mm);
 

@@ -18,7 +18,7 @@ class SmoothDisplacement {
  public:
   /// nodes×3. Independent and of standard normal distribution before anything is known.
   using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, 3>;
-  /// What a displacement is at k places.
+  /// The values of a displacement at k places.
   struct Basis {
     Points places;              ///< k×3, mm
     Eigen::MatrixXd value;      ///< k×nodes: times the coefficients, the displacement

@@ -29,7 +29,7 @@ std::vector<Eigen::Index> stepped_vertices(Eigen::Index vertices, Eigen::Index c
 /// not face away from it.
 Points smooth_normals(const SurfaceSamples& samples, double size_mm);
 
-/// Where samples are drawn to (k×3, mm), and how much each is believed (area of both directions, mm²).
+/// The places to which samples are drawn (k×3, mm), and how much each is believed (area of both directions, mm²).
 struct DrawnSamples {
   Points targets;
   VertexScalars weights;
@@ -39,7 +39,7 @@ struct DrawnSamples {
 /// of `near_mm`, and the less their normals differ in terms of 1/`facing`, the likelier.
 DrawnSamples drawn(const SurfaceSamples& own, const SurfaceSamples& there, double near_mm, double facing);
 
-/// Where places of a shape lie on a surface, as far as their normals tell.
+/// The places of a shape's samples on a surface, as far as their normals tell.
 struct LocatedSamples {
   Points targets;       ///< k×3, mm
   VertexScalars known;  ///< 0: nowhere, the target is the place; 1: as in a plane; 10: to a third of `near_mm`

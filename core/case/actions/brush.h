@@ -30,7 +30,7 @@ int brush(const Points& points, const Vec3& at, double radius_mm, double soft, c
 }
 
 inline constexpr const char* nothing_covered = "No vertex lies within the circle; make the brush larger.";
-/// What is said after so many vertices were painted.
+/// The report after so many vertices were painted.
 inline EditReport painted(std::ptrdiff_t vertices) {
   EditReport report;
   report.message = vertices > 0 ? std::to_string(vertices) + (vertices == 1 ? " vertex painted." : " vertices painted.")

@@ -35,7 +35,7 @@ const ActionKind<RemoveContours>& action_kind(const RemoveContours&);
 // How curves stand in a line, and what is asked of them: checkpoints hold them in the same way.
 
 nlohmann::ordered_json curves_to_json(const std::vector<Contour>& curves);
-/// What cannot be read is thrown, as Fields does.
+/// Throws as Fields does if the curves cannot be read.
 std::vector<Contour> curves_from_json(const nlohmann::ordered_json& json);
 /// Errors: no curve; one of too few points; a place that no case needs.
 Result<void> check_curves(const std::vector<Contour>& curves);

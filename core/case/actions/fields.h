@@ -35,7 +35,7 @@ auto caught(const Read& read) -> Result<decltype(read())> {
   }
 }
 
-/// What the values of an enumeration are called in a case file.
+/// The names of an enumeration's values in a case file.
 template <class Value, std::size_t count>
 using Names = std::array<std::pair<const char*, Value>, count>;
 

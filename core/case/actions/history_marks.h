@@ -14,7 +14,7 @@ namespace homolog {
 
 // Lines that change no mesh.
 
-/// What the window says of a fit to a label map.
+/// The window's figures of a fit to a label map.
 struct FitFigures {
   std::string mesh;                     ///< mesh_hash of what it made
   double mean_mm = 0, p95_mm = 0;       ///< distance between mesh and label; of a partial fit, from the label

@@ -21,7 +21,7 @@ struct KeptLooks {
   bool operator==(const KeptLooks&) const = default;
 };
 
-/// What one structure is in the label map that a set was fitted to.
+/// One structure in the label map that a set was fitted to.
 struct InFittedMap {
   std::string name;             ///< that the set gave it
   std::size_t layer = 0;        ///< of the map
@@ -33,7 +33,7 @@ struct InFittedMap {
   bool operator==(const InFittedMap&) const = default;
 };
 
-/// What a fit of a set found in a label map, and what its repair proposes there.
+/// The findings of a set's fit in a label map, and what its repair proposes there.
 struct KeptMapFit {
   int frame = 0;  ///< of the case
   std::map<std::string, InFittedMap> structures;

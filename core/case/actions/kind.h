@@ -12,7 +12,7 @@ namespace homolog {
 
 class Fields;
 
-/// What an edit did, for the interface: shown during a drag and when it is done.
+/// The report of an edit, for the interface: shown during a drag and when it is done.
 struct EditReport {
   bool stopped_by_guard = false;  ///< the fold guard (or the quality floor) held the gesture back
   double moved_mm = 0;            ///< of the grabbed point
@@ -50,7 +50,7 @@ struct ShapeEdit {
   Pass pass;
 };
 
-/// What the line of an action is to the history.
+/// The role of an action's line in the history.
 enum class LineRole {
   step,
   stroke,        ///< a step that moves the mesh by hand
@@ -68,11 +68,11 @@ struct ActionKind {
   const char* example;  ///< a line of it, for docs/case-file.md
   const char* meaning;  ///< what it does, for docs/case-file.md
   LineRole role = LineRole::step;
-  /// Refused where the structure has no mesh at the shown frame. What works on a shape always is.
+  /// Refused where the structure has no mesh at the shown frame. An action on a shape always is.
   bool needs_mesh = true;
   std::string (*name)(const A&);  ///< a few words for menus: "Undo pull"
   void (*spell)(Fields&, A&);     ///< the members of its line, to read them and to write them
-  /// What it does; the kind of edit is the scope of the action.
+  /// The function that does it; the kind of edit is the scope of the action.
   std::variant<Result<EditReport> (*)(const A&, DocumentEdit&), Result<EditReport> (*)(const A&, StructureEdit&),
                Result<EditReport> (*)(const A&, ShapeEdit&)>
       apply;

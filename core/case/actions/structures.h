@@ -19,7 +19,7 @@ struct SetStructure {
   std::optional<std::array<std::uint8_t, 3>> colour{};
   std::optional<double> confidence{};  ///< 0…1 [Structure::confidence]
   std::optional<std::string> doubt{};  ///< empty: it need not be looked at
-  /// Where the template of a new structure is, as Template::source; empty for one that is there.
+  /// The source of a new structure's template, as Template::source; empty for one that is there.
   std::string source{};
   std::optional<Similarity> placement{};  ///< of a new one; without it in the middle of the image
   std::vector<double> mark{};  ///< of a new one's template [template_mark.h]; lines of older versions have none

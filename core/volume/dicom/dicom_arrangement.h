@@ -26,8 +26,8 @@ struct DicomArrangement {
   Mat3 steps_mm = Mat3::Identity();
   Vec3 origin_mm = Vec3::Zero();
   double frame_seconds = 0;
-  /// What makes its slices no even stack, where that was let through ("unevenly spaced slices: …"); `steps_mm` is then
-  /// as if they began with the first, a pixel behind one another.
+  /// The reason why its slices are no even stack, where that was let through ("unevenly spaced slices: …"); `steps_mm`
+  /// is then as if they began with the first, a pixel behind one another.
   std::string uneven{};
 };
 

@@ -9,7 +9,7 @@
 
 namespace homolog {
 
-/// What tells when a plane was taken, or as which of several; what comes first is believed first.
+/// The attributes that tell when a plane was taken, or as which of several; the first one is believed first.
 enum class DicomClock {
   index,      ///< temporal position, counted
   trigger,    ///< ms since the R wave
@@ -21,7 +21,7 @@ enum class DicomClock {
 };
 inline constexpr std::size_t dicom_clocks = 7;
 
-/// What each clock says of a plane; 0 is a time. Nothing where the file does not give it.
+/// The value of each clock for a plane; 0 is a time. None where the file does not give it.
 using DicomTimes = std::array<std::optional<double>, dicom_clocks>;
 
 /// "trigger time", as sentences name the clock.

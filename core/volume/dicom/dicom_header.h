@@ -26,14 +26,14 @@ struct DicomPlane {
   std::optional<double> echo_ms, b_value;  ///< of MR; planes that differ in them are of different images
 };
 
-/// What else differs between images of one place: "image types", and the value as it stands in the file.
+/// Another difference between images of one place: "image types", and the value as it stands in the file.
 struct DicomSetting {
   const char* name;
   std::string value;
   bool operator==(const DicomSetting& other) const { return value == other.value; }
 };
 
-/// What a volume needs to know of a DICOM file besides its pixels.
+/// The part of a DICOM file besides its pixels that a volume needs.
 struct DicomHeader {
   std::filesystem::path path;
   std::string study_uid, series_uid, series_description, modality;

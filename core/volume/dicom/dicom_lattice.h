@@ -49,7 +49,7 @@ std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeom
 /// of them, or lies beside its image [near_voxels].
 std::optional<FrameLattice> on_images(const PlacedFrames& frames, const ImageGrid& series);
 
-/// What is to be said of frames (of `path`) that were put on slices: that they lie off these by more than rounded
+/// Warnings about frames (of `path`) that were put on slices: that they lie off these by more than rounded
 /// places do, and which refers to an image of another slice than the one it lies on.
 std::vector<std::string> doubts_about_places(const std::filesystem::path& path, const PlacedFrames& frames,
                                              const FrameLattice& lattice, const std::vector<SourceImage>& images);

@@ -25,7 +25,7 @@ struct DicomElement {
   std::vector<DicomItem> items;
 };
 
-/// Where a file keeps its pixels.
+/// The place of the pixels in a file.
 struct DicomPixels {
   struct Fragment {
     std::uint64_t offset = 0;

@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// Where a voxel of a grid lies in a label map: first + steps · (i, j, k), all whole numbers.
+/// The place of a grid's voxel in a label map: first + steps · (i, j, k), all whole numbers.
 struct VoxelMapping {
   std::array<std::int64_t, 3> first{};
   std::array<std::array<std::int64_t, 3>, 3> steps{};  ///< of an axis of the grid along the axes of the map

@@ -23,7 +23,7 @@ void warn_of_soft_labels(const std::filesystem::path& path, const Volume& labels
 /// every layer stays one. `read.warnings` says which.
 void take_layers(const std::filesystem::path& path, VolumeRead& read);
 
-/// The segments that `asked` names [asked_segments]. Where a map has layers, `read.volume` becomes the label map in
+/// The segments that `asked` names [asked_segments]. If a map has layers, `read.volume` becomes the label map in
 /// which they lie, whatever layers they come from. An empty `asked` names the only label there is. Errors: those of
 /// asked_segments; nothing asked for, and several there.
 Result<std::vector<Segment>> choose_segments(const std::filesystem::path& path, const std::string& asked,

@@ -11,7 +11,7 @@
 
 namespace homolog {
 
-/// What is known of one structure of a label map: the voxels of `value` in `layer`.
+/// One structure of a label map: the voxels of `value` in `layer`.
 struct Segment {
   std::string name;  ///< UTF-8 without control characters; empty where the map gives none
   int value = 0;
@@ -20,7 +20,7 @@ struct Segment {
   std::string terminology{};  ///< 3D Slicer's codes, as it writes them
 };
 
-/// What a label map says of its labels beside its voxels. One without names has no segments.
+/// The names and other properties of a label map's labels, beside its voxels. One without names has no segments.
 struct Segmentation {
   std::vector<Segment> segments;  ///< by layer and value, one of each
 
@@ -52,10 +52,10 @@ enum class NameLikeness {
 };
 NameLikeness name_likeness(const std::string& a, const std::string& b);
 
-/// What `--label` and the columns of tables hold: a value above 0, a name, or several of both, separated by commas. For
-/// a name those segments count that are likest [NameLikeness]. A value of which nothing is said is a segment without a
-/// name. Errors: a name that the map lacks (the nearest ones are named) or gives to several; a value that stands in
-/// several layers.
+/// The segments that `--label` and the columns of tables ask for: a value above 0, a name, or several of both,
+/// separated by commas. For a name those segments count that are likest [NameLikeness]. A value of which nothing is
+/// said is a segment without a name. Errors: a name that the map lacks (the nearest ones are named) or gives to
+/// several; a value that stands in several layers.
 Result<std::vector<Segment>> asked_segments(const std::string& asked, const Segmentation& known);
 
 /// Whether text is made of numbers, so that it is no name, and not of values above 0 with commas between them.

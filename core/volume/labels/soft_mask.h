@@ -11,7 +11,7 @@ namespace homolog {
 /// of its voxel that one structure has, or the probability of it.
 bool is_soft(const Volume& mask, int frame);
 
-/// Where the surface of a soft mask lies without being asked.
+/// The level of a soft mask's surface if none is asked for.
 inline constexpr double usual_level = 0.5;
 
 /// Takes the frame for a soft mask and moves its values so that the surface at `level` lies at 0.5: label 1 is what is

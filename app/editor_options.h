@@ -21,7 +21,8 @@ using WriteReport = std::function<Result<std::vector<std::string>>(const std::fi
                                                                    Alignment alignment, const std::string& the_template,
                                                                    const std::filesystem::path& out, Progress&)>;
 
-/// What the editor opens with; with nothing it offers what was not saved, else shows the demo case.
+/// The files and options that the editor opens with; with nothing it offers what was not saved, else shows the demo
+/// case.
 struct EditorOptions {
   std::vector<std::filesystem::path> files;  ///< a case, an image, a template
   std::string template_source;               ///< path, or a built-in template's name; empty without one

@@ -32,7 +32,7 @@ class MeshPass {
   void draw_transparent(const Projection& projection);
 
  private:
-  /// What was uploaded last; an object that lives cannot share its address with another.
+  /// The object that was uploaded last; an object that lives cannot share its address with another.
   template <class T>
   struct Uploaded {
     std::weak_ptr<const T> owner;

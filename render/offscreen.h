@@ -31,7 +31,7 @@ class Framebuffer {
   /// Copies what was drawn into the framebuffer that is bound, its lower left corner to (x, y): much cheaper than a
   /// textured rectangle where rendering is in software.
   void copy_to(int x, int y) const;
-  /// What was drawn, read back.
+  /// The drawn picture, read back.
   Picture read() const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace homolog {
 
-/// Where a plane cuts an edge of a mesh: between its vertices `low` < `high`, at `share` of the way (0…1).
+/// The place where a plane cuts an edge of a mesh: between its vertices `low` < `high`, at `share` of the way (0…1).
 struct EdgeCrossing {
   std::int32_t low = 0, high = 0;
   double share = 0;

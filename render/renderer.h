@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// Where to draw: a rectangle of the framebuffer that is bound, in px from its lower left corner.
+/// The place to draw at: a rectangle of the framebuffer that is bound, in px from its lower left corner.
 struct Target {
   int x = 0, y = 0, width = 0, height = 0;
   float content_scale = 1;  ///< multiplies line widths

@@ -17,7 +17,7 @@
 
 namespace homolog {
 
-/// What a picture shows, as a value: drawing it changes nothing in it, and the same scene gives the same picture in
+/// The content of a picture, as a value: drawing it changes nothing in it, and the same scene gives the same picture in
 /// the window and without a display. Large parts are shared; the renderer uploads one again only when its address or
 /// `revision` changed. Scenes that are equal give the same picture: their large parts are the same objects.
 
@@ -93,7 +93,7 @@ struct SliceView {
 };
 
 /// A camera that looks at `target`. `to_eye` and `up` are directions in LPS, not parallel. `fov_deg` is seen across the
-/// shorter side of the view; 0 is orthographic, as large as 30° show the target. What is nearer to the eye than
+/// shorter side of the view; 0 is orthographic, as large as 30° show the target. Anything nearer to the eye than
 /// distance_mm / 50 is cut off.
 struct Camera3D {
   Vec3 target = Vec3::Zero();

@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// What a frame of the editor costs the window's thread while a person drags or paints, ms of processor time.
+/// The cost of a frame of the editor for the window's thread while a person drags or paints, ms of processor time.
 struct FrameCost {
   std::string tool;
   int structures = 1;                         ///< of the case

@@ -11,7 +11,7 @@
 
 namespace homolog {
 
-/// What is done with the landmarks shown before the boundary is pulled.
+/// The use of the landmarks shown before the boundary is pulled.
 enum class LandmarkUse {
   none,
   grab,  ///< each dragged to its place with a large σ
@@ -19,7 +19,7 @@ enum class LandmarkUse {
   hold   ///< warp, then a small region around each confirmed
 };
 
-/// What brings the template to the boundary.
+/// The way that brings the template to the boundary.
 enum class Adaptation {
   pulls,      ///< the scripted user
   fit,        ///< the automatic fit
@@ -60,7 +60,7 @@ struct ExperimentSubject {
 /// A phantom: its label map on a 1 mm grid as target, all its landmarks shown, every vertex known.
 ExperimentSubject phantom_experiment_subject(Organ organ, int number);
 
-/// What a run came to. Lengths in mm; landmark errors are means, absent where nothing is known.
+/// The result of a run. Lengths in mm; landmark errors are means, absent where nothing is known.
 struct SchemeRun {
   std::optional<double> landmarks_placed, landmarks_after_features, landmarks;
   double assd_placed = 0, assd = 0, hd95 = 0, dice = 0;

@@ -6,7 +6,7 @@
 
 namespace homolog {
 
-/// What it costs to open a study in the Models mode and to look at it, in a window of 1280×800 whose pictures are
+/// The costs of opening a study in the Models mode and of looking at it, in a window of 1280×800 whose pictures are
 /// drawn.
 struct StudyCost {
   double open_ms = 0;             ///< until its model and the gallery are on the screen

@@ -22,7 +22,7 @@ struct PageGlyph {
   bool inter = true;    ///< else it is of the system's East Asian font, or of none
 };
 
-/// The letters of a text (UTF-8). What is no UTF-8 gives U+FFFD.
+/// The letters of a text (UTF-8). Bytes that are no UTF-8 give U+FFFD.
 std::vector<PageGlyph> glyphs_of(const std::string& text);
 /// The outline of a letter, closed; empty of a blank.
 std::vector<GlyphStep> outline_of(const PageGlyph& glyph);

@@ -41,7 +41,7 @@ struct TablePlot {
   std::string x, y;  ///< x: numbers, or words that name groups
   std::string by;    ///< words, each a colour; empty: one colour
 };
-/// The rows of a table as dots. Where x names groups, the dots of a group stand side by side, with their mean and its
+/// The rows of a table as dots. If x names groups, the dots of a group stand side by side, with their mean and its
 /// standard error. Rows without one of the values are left out. Errors: a column that is not there, y that is no
 /// number, no rows, more groups than colours.
 Result<Page> table_plot(const TextTable& table, const TablePlot& shown, double width_mm);

@@ -14,7 +14,7 @@ struct PageBox {
   double x = 0, y = 0, width = 0, height = 0;
 };
 
-/// What an axis shows, and its title with the unit.
+/// The range and ticks of an axis, and its title with the unit.
 struct PlotAxis {
   std::string title;
   double low = 0, high = 1;
@@ -43,7 +43,7 @@ class Plot {
   PlotAxis x_, y_;
 };
 
-/// What colours on a surface mean.
+/// The meaning of colours on a surface.
 struct ColourScale {
   std::vector<Rgb> colours;  ///< evenly spaced from low to high
   double low = 0, high = 1;

@@ -13,7 +13,7 @@ namespace homolog {
 /// Makes the folder. Gives the paths in this order.
 Result<std::vector<std::filesystem::path>> write_sample(const std::filesystem::path& folder);
 
-/// What the editor opens of the sample: files in a folder of the program's own, and the built-in ventricle.
+/// The parts of the sample that the editor opens: files in a folder of the program's own, and the built-in ventricle.
 struct OwnSample {
   std::filesystem::path image, labels;
   std::string template_source;

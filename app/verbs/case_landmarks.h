@@ -16,7 +16,7 @@ std::string case_name_of(const std::filesystem::path& path);
 /// The file with a case's landmarks in a folder, one of landmark_extensions; empty where there is none.
 std::filesystem::path landmark_file_in(const std::filesystem::path& folder, const std::string& case_name);
 
-/// Where a run's landmarks come from.
+/// The sources of a run's landmarks.
 struct LandmarkFiles {
   std::filesystem::path given;  ///< one case's file, or a folder with a file of each case's name; empty: none
   std::string template_source;  ///< for messages

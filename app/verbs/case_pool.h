@@ -14,7 +14,7 @@ std::vector<Result<Report>> run_cases(std::size_t count,
                                       const std::function<Result<Report>(std::size_t, Progress&)>& work,
                                       Progress& progress);
 
-/// What the progress line names as being in work; empty: nothing. Any thread may call both.
+/// The case that the progress line names as being in work; empty: nothing. Any thread may call both.
 std::string case_in_work();
 void set_case_in_work(std::string name);
 

@@ -28,7 +28,7 @@ bool is_own_column(const std::string& column);
 
 /// Empty where the row has nothing there.
 std::string cell_of(const RowOfCase& row, const char* column);
-/// What a row says, else the name of its shape, its image or its label map.
+/// The name that a row says, else the name of its shape, its image or its label map.
 std::string name_of_row(const RowOfCase& row);
 
 /// A file that a table of cases names.

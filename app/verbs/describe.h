@@ -22,7 +22,7 @@ Result<Report> describe_file(const std::filesystem::path& path, const VolumeRead
 /// Warnings that each begin with the name of the file they are about.
 std::vector<std::string> about(const std::filesystem::path& path, std::vector<std::string> warnings);
 
-/// What is to be said of a mesh whose volume counts: its reader's warnings, faces that look inward, and rims
+/// Warnings about a mesh whose volume counts: its reader's warnings, faces that look inward, and rims
 /// that were closed.
 std::vector<std::string> mesh_warnings(const std::filesystem::path& path, const MeshFile& file, const Mesh& mesh);
 

@@ -10,7 +10,7 @@ namespace homolog {
 
 /// Counts by name, as `mended` in the reports of `repair-mesh`, `template` and `info`.
 Json json_of(const MendedFaults& mended);
-/// What a surface made anew from voxels is: `rebuilt` in reports.
+/// A surface made anew from voxels: `rebuilt` in reports.
 Json json_of(const Rebuilt& rebuilt);
 
 /// `--genus auto|keep|N`, checked when parsed.
@@ -21,7 +21,7 @@ void add_genus_option(CLI::App& verb, std::string& genus, const std::string& hel
 void add_holes_option(CLI::App& verb, std::string& holes);
 double longest_rim_share(const std::string& holes);
 
-/// What is wrong with a mesh that was made, each a sentence about `path`.
+/// The faults of a mesh that was made, each a sentence about `path`.
 std::vector<std::string> faults_of(const MeshFile& file, const std::filesystem::path& path);
 
 }  // namespace homolog

@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// What a program of this project does.
+/// A program of this project.
 struct Program {
   const char* description;
   std::span<AddVerb* const> verbs;               ///< in the order in which `--help` lists them

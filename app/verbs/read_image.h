@@ -39,11 +39,11 @@ std::string frame_taken(const std::filesystem::path& path, int frames, int frame
 void add_spacing_option(CLI::App& verb, std::vector<double>& spacing_mm);
 /// Adds `--resample`: VolumeReadOptions::resample.
 void add_resample_option(CLI::App& verb, bool& resample);
-/// What --series, --spacing and --resample ask for.
+/// The options that --series, --spacing and --resample ask for.
 VolumeReadOptions read_options(const std::string& series, const std::vector<double>& spacing_mm, Progress& progress,
                                bool resample = false);
-/// A mesh has neither series nor spacing, only a folder holds several series, and only DICOM slices are resampled. What
-/// a volume's own header says is not overruled: that is a warning.
+/// A mesh has neither series nor spacing, only a folder holds several series, and only DICOM slices are resampled. A
+/// volume's own header is not overruled: that is a warning.
 Result<std::vector<std::string>> check_reading(const std::filesystem::path& path, const std::string& series,
                                                bool spacing, bool resample = false);
 /// Says in a report how slices became a rectangular grid, where they did.

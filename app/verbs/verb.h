@@ -18,7 +18,7 @@ namespace homolog {
 
 using Json = nlohmann::ordered_json;
 
-/// What a verb reports: the JSON object of docs/commands.md, which `--json` prints as it is and which is otherwise
+/// The report of a verb: the JSON object of docs/commands.md, which `--json` prints as it is and which is otherwise
 /// printed as lines, and sentences for `homolog: warning: …`.
 struct Report {
   Json values = Json::object();
@@ -30,7 +30,7 @@ struct Report {
 /// The work of a verb.
 using VerbRun = std::function<Result<Report>(Progress&)>;
 
-/// What the command line asks for.
+/// The requests of the command line.
 struct CommandLine {
   VerbRun run;             ///< of the verb that was given; empty where the editor is to be opened
   EditorOptions editor;    ///< what the editor opens

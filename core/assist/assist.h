@@ -24,10 +24,10 @@ struct FitEdit {
   FitResult result;
 };
 
-/// What a fit gives the shown mesh, as the edit of a case; `partial`: with the outliers marked.
+/// The edit of a case by which a fit changes the shown mesh; `partial`: with the outliers marked.
 SetPoints edit_of_fit(const ShapeView& shown, const FitResult& fit, bool partial);
 
-/// What a case keeps of a fit and a person reads of it; `mesh` stays empty.
+/// The figures of a fit that a case keeps and a person reads; `mesh` stays empty.
 FitFigures figures_of_fit(const FitJudgement& judgement, const FitResult& fit, bool partial);
 
 /// Fits the template [fit.h] with the landmarks that are placed in the case: from where it lies in the case
@@ -37,7 +37,7 @@ Result<FitEdit> fit_shape(const ShapeView& shown, const Boundary& boundary, bool
 /// The curves that the case holds of a structure in the frame that is shown.
 std::vector<DrawnContour> drawn_contours(const ShapeView& shown);
 
-/// What says where the boundary lies between the contours; neither: the shape alone.
+/// The sources that say where the boundary lies between the contours; neither: the shape alone.
 struct BetweenContours {
   std::shared_ptr<const Boundary> boundary;  ///< of a label
   std::shared_ptr<const Volume> image;       ///< whose edges count, as `snap` says
@@ -45,7 +45,7 @@ struct BetweenContours {
 };
 
 /// Fits the template to the curves that the case holds of the shown frame [contour_fit.h], with the landmarks that are
-/// placed. Where curves and mesh meet already, it begins with the mesh's placement, else the curves place it. With
+/// placed. If curves and mesh meet already, it begins with the mesh's placement, else the curves place it. With
 /// `goes_on` a mesh that something else than contours made stands in for the template, so that none of that is lost.
 /// `options`: all else. Errors: no curves in this frame, and those of fit_to_contours() and snap().
 Result<FitEdit> fit_shape_to_contours(const ShapeView& shown, const BetweenContours& between, bool goes_on,
@@ -66,7 +66,7 @@ struct SnapEdit {
   int far_landmarks = 0;  ///< placed ones farther from the mesh than a snap looks; it did not go there
 };
 
-/// What a snap may not move, beside what is confirmed.
+/// The vertices that a snap may not move, beside those that are confirmed.
 enum class SnapHolds {
   all,       ///< the mesh at placed landmarks and contours, and what was pulled since the last fit [Shape::pulled]
   landmarks  ///< the mesh at placed landmarks: for a snap that finishes a stroke

@@ -24,7 +24,7 @@ class ConfinedChild {
   /// Closes the child's output, which ends it where it still writes, and waits for its end.
   ~ConfinedChild();
 
-  /// What the child writes to its standard output. Not to be trusted.
+  /// The child's standard output. Not to be trusted.
   std::FILE* output() { return output_; }
 
  private:

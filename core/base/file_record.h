@@ -12,7 +12,7 @@ namespace homolog {
 // The record of a file: how it was made, as JSON in one line of ASCII [app/verbs/record.h]. Here is how formats hold
 // it: who writes a format takes its form from here, and `read_record` finds all of them. An empty record is none.
 
-/// What a record is called in every format, and how the name of the file ends that holds it where the format cannot.
+/// The name of a record in every format, and how the name of the file ends that holds it where the format cannot.
 inline constexpr std::string_view record_key = "homolog.record";
 inline constexpr const char* record_extension = ".made.json";
 
@@ -36,7 +36,7 @@ Result<std::string> with_record(const std::filesystem::path& path, std::string b
 /// the file is none of its format, the system refuses.
 Result<void> add_record(const std::filesystem::path& path, std::string_view record);
 
-/// What such a file held before: `bytes` without the record, where it holds one in itself.
+/// The content of such a file before its record: `bytes` without the record, where it holds one in itself.
 std::string without_record(const std::filesystem::path& path, std::string bytes);
 
 /// Whether a file is one that holds the record of another.

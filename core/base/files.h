@@ -21,7 +21,7 @@ enum class Readers { as_usual, user_alone };
 ///
 /// A file that is replaced hands on its rights, its access list, its group and its owner, so that a private one stays
 /// private. In a team's folder the system may let it keep its group but not its owner: then it belongs to whoever wrote
-/// it last. `readers` is for new files. Where PATH is a link, the file that it leads to is written.
+/// it last. `readers` is for new files. If PATH is a link, the file that it leads to is written.
 ///
 /// Errors: PATH is a folder, a device or a pipe. It is write-protected (for root too, where nobody has the right to
 /// write). It is a link that leads nowhere. It is the file of another user and another group, and the system lets the

@@ -6,8 +6,8 @@
 
 namespace homolog {
 
-/// Where on the segment from `a` to `b` the point nearest to `p` lies: 0 at `a`, 1 at `b`; 0 where both are one point.
-/// Plain vectors of one length, in the plane or in space.
+/// The place on the segment from `a` to `b` of the point nearest to `p`: 0 at `a`, 1 at `b`; 0 where both are one
+/// point. Plain vectors of one length, in the plane or in space.
 template <class Vector>
 double nearest_on_segment(const Vector& p, const Vector& a, const Vector& b) {
   const double length2 = (b - a).squaredNorm();

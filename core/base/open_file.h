@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// What the system says of a file.
+/// The system's record of a file.
 struct FileStatus {
   enum class Kind { file, folder, other };
   Kind kind = Kind::other;
@@ -23,13 +23,13 @@ struct FileStatus {
 /// Returns the status of the file that has a name, a link followed; nothing where there is none.
 std::optional<FileStatus> status_of(const std::filesystem::path& path);
 
-/// What is said where a file is wanted and something else has the name. `kind`: what that is.
+/// The error where a file is wanted and something else has the name. `kind`: what that is.
 Error not_a_file(const std::filesystem::path& path, FileStatus::Kind kind);
 
 /// Whether this process may read a file and not write it.
 bool is_write_protected(const std::filesystem::path& path);
 
-/// A file that is open at the system and closed at the end. Where another file takes its name, it stays the one that
+/// A file that is open at the system and closed at the end. If another file takes its name, it stays the one that
 /// was opened. Errors are the system's numbers (errno), 0 for none, so that each caller can say what they mean to it.
 class OpenFile {
  public:

@@ -5,7 +5,7 @@
 
 namespace homolog {
 
-/// The path from the root, without "." and "..". Where the working folder is gone, the path as it is.
+/// The path from the root, without "." and "..". If the working folder is gone, the path as it is.
 inline std::filesystem::path absolute_path(const std::filesystem::path& path) {
   std::error_code gone;
   const std::filesystem::path whole = std::filesystem::absolute(path, gone);

@@ -56,7 +56,7 @@ struct PictureModule {
 /// The loaded module, or why it cannot be loaded.
 Result<const PictureModule*> picture_module();
 
-/// What the module exports, by this name.
+/// The function that the module exports, by this name.
 using PictureModuleEntry = const PictureModule* (*)();
 constexpr const char* picture_module_entry = "homolog_picture_module";
 

@@ -20,7 +20,7 @@ class Progress {
     const float before = fraction_.exchange(now, std::memory_order_relaxed);
     if (whole_ != nullptr) whole_->grow(share_ * (now - before));
   }
-  /// What is reported from now on counts for the part of the work between these fractions; 0 and 1: for the whole.
+  /// Makes reports from now on count for the part of the work between these fractions; 0 and 1: for the whole.
   void part(double from, double to) {
     from_.store(static_cast<float>(from), std::memory_order_relaxed);
     to_.store(static_cast<float>(to), std::memory_order_relaxed);

@@ -19,7 +19,8 @@ inline std::string lower_case(std::string text) {
 /// Everything else stays, also bytes that are no UTF-8 (old file names).
 std::string printable(std::string_view text);
 
-/// What a file says, as a message may quote it: printable, and its first 200 bytes followed by "…" where it is longer.
+/// The words of a file, as a message may quote them: printable, and the first 200 bytes followed by "…" where it is
+/// longer.
 std::string excerpt(std::string_view text);
 
 /// Whether text can be written into JSON as it is: old file names may be bytes that are no UTF-8.
@@ -37,7 +38,7 @@ std::optional<T> as_number(std::string_view text) {
   return number;
 }
 
-/// What is between the cells of a table, by its first line: a comma; where there is none, a tab or a semicolon.
+/// The separator between the cells of a table, by its first line: a comma; where there is none, a tab or a semicolon.
 char table_separator(std::string_view first_line);
 /// The fields of a line of a table as they are. One in double quotes may hold separators, and quotes written twice.
 std::vector<std::string> csv_fields(std::string_view line, char separator = ',');

@@ -33,7 +33,7 @@ std::string relative_source(const std::filesystem::path& folder, const std::stri
 std::string resolved_source(const std::filesystem::path& folder, const std::string& name);
 /// The organ that a built-in template is of. Errors: another source, no such organ.
 Result<Organ> built_in_organ(const std::string& source);
-/// What a template's source may be, for help texts.
+/// The sources that a template may have, for help texts.
 std::string template_sources();
 
 /// The mesh of a file or of a built-in template. Errors: those of read_mesh_file; no such built-in template.

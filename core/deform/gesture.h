@@ -11,7 +11,7 @@
 
 namespace homolog {
 
-/// What a stroke starts from and the settings it runs under. All n×3 in LPS mm.
+/// The start of a stroke and the settings it runs under. All n×3 in LPS mm.
 struct StrokeStart {
   std::shared_ptr<const Topology> topology;
   std::shared_ptr<const Points> placed;     ///< the template as placed, not warped: what "turned" is measured against
@@ -34,8 +34,8 @@ struct StrokeOutcome {
   int solves = 0;
 };
 
-/// Whether an outcome is only shown or about to be kept. What is kept is checked with the full definition of a turned
-/// triangle.
+/// Whether an outcome is only shown or about to be kept. An outcome to keep is checked with the full definition of a
+/// turned triangle.
 enum class Pass { preview, commit };
 
 /// One running drag [docs/method.md §2–3]. The response is solved for when the falloff changes; a frame in which only
@@ -81,8 +81,8 @@ class Gesture {
 /// the surface point nearest to `stroke.at`. Never turns a triangle.
 StrokeOutcome relax(const StrokeStart& start, const ShapeSolver& solver, const Stroke& stroke);
 
-/// Where (3) would move the points with S = P and a reference that turns with the shape, minus P: C of docs/method.md
-/// (Spacing), λ = 1.
+/// The places to which (3) would move the points with S = P and a reference that turns with the shape, minus P: C of
+/// docs/method.md (Spacing), λ = 1.
 Points relaxation_offset(const Topology& topology, const ShapeSolver& solver, const Points& reference,
                          const Points& points);
 

@@ -6,7 +6,7 @@
 
 namespace homolog {
 
-/// What a drag does; the method and its limits are in docs/editing.md.
+/// The effect of a drag; the method and its limits are in docs/editing.md.
 enum class Tool {
   pull,   ///< the surface to the cursor along its normal [Erdt 2009, §2.2, Fig. 2c]
   grab,   ///< a feature with its vertices, normal and lateral

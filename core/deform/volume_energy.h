@@ -23,7 +23,8 @@ class VolumeEnergy {
   /// From now on the rest of an element is a regular tetrahedron of the same volume.
   void rest_regular(Eigen::Index t);
 
-  /// What χ takes for little: 0.2 times how far the worst element is turned over, and next to nothing where none is.
+  /// The length that χ takes for little: 0.2 times how far the worst element is turned over, and next to nothing where
+  /// none is.
   double epsilon_for(const Points& points) const;
   /// The least J.
   double least_determinant(const Points& points) const;

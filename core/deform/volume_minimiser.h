@@ -27,7 +27,7 @@ class Minimiser {
   using Guess = std::function<Points(const Points&)>;
 
   /// `moving`: which points move. `guess`: the inverse of about the second derivatives times a slope (a row for each of
-  /// these). What it is given has to outlive it.
+  /// these). Its arguments have to outlive it.
   Minimiser(const VolumeEnergy& energy, const Springs& springs, std::span<const Eigen::Index> moving, Guess guess)
       : energy_(energy), springs_(springs), moving_(moving), guess_(std::move(guess)) {}
 

@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// What is wrong with a structure after corrupt_labels.
+/// The defect of a structure after corrupt_labels.
 struct PlantedDefect {
   std::string structure;  ///< its right name
   Defect defect;

@@ -18,7 +18,7 @@ struct Deviation {
 double mean_mm(const std::vector<Deviation>& deviations);
 double mean_square_mm2(const std::vector<Deviation>& deviations);
 
-/// What a person sees of the difference between a mesh and a target, in both directions: mesh vertices off the target,
+/// The difference that a person sees between a mesh and a target, in both directions: mesh vertices off the target,
 /// and points of the target that the mesh does not reach. Keeps its search trees from look to look.
 class Sight {
  public:

@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// What tells a fit of another organ from the fits of the template's kind, of several with one template.
+/// Signs that tell a fit of another organ from the fits of the template's kind, of several with one template.
 struct FitSigns {
   double doubt_share = 0;  ///< share_of_doubt of the fit
   double shape_share = 0;  ///< how far its shape lies from the mean shape of all, of the mean's size [shape_shares]

@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-/// Where the vertices of a shape ought to be, as other shapes have it.
+/// The places where the vertices of a shape ought to be, as other shapes have it.
 struct ExpectedShape {
   Points points;             ///< n×3, in the shape's own frame, mm
   SurfaceFeatures features;  ///< n×6, in the units of the shape's own

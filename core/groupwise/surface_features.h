@@ -7,7 +7,7 @@
 
 namespace homolog {
 
-/// What a surface looks like around each of its vertices: n×6, the unit normal, then how far the vertex stands out of
+/// The look of a surface around each of its vertices: n×6, the unit normal, then how far the vertex stands out of
 /// the surface smoothed over three lengths (mm, positive on a bump). Unlike a position it stays with a place when
 /// the organ grows or bends there.
 using SurfaceFeatures = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;

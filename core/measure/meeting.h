@@ -13,7 +13,8 @@ namespace homolog {
 // is found is said and offered, never done. A small organ is no wrong unit: sizes alone count only where no two organs
 // of one kind differ so much, as of a man and of a mouse.
 
-/// What brings the first of two things to the second: it is scaled about the origin of its coordinates, and turned.
+/// The movement that brings the first of two things to the second: it is scaled about the origin of its coordinates,
+/// and turned.
 struct Misfit {
   double factor = 1;       ///< 1 where the sizes agree; else mostly 10, 100, 1,000, 1,000,000 or one over these
   bool half_turn = false;  ///< x and y negated: LPS for RAS

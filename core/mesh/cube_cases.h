@@ -14,8 +14,8 @@ struct CubeCases {
   std::array<std::vector<Triangle>, 256> triangles;
 };
 
-/// The cases, derived on first use by tracing closed loops over the cube's faces. Where a face has two opposite corners
-/// inside they are kept apart, on both sides of the face alike, so that surfaces of neighbouring cubes always fit. No
+/// The cases, derived on first use by tracing closed loops over the cube's faces. If a face has two opposite corners
+/// inside, they are kept apart, on both sides of the face alike, so that surfaces of neighbouring cubes always fit. No
 /// triangle's inner edge lies in a face of the cube, so that every edge of the whole surface has exactly two triangles.
 const CubeCases& cube_cases();
 

@@ -9,7 +9,7 @@
 
 namespace homolog {
 
-/// What names of landmark files end in; the first is what is looked for first.
+/// The ends of landmark files' names; the first is looked for first.
 inline constexpr std::array<std::string_view, 3> landmark_extensions{".mrk.json", ".fcsv", ".json"};
 
 /// Whether the name is that of a landmark file.

@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// What makes a mesh a bad template, counted.
+/// The faults that make a mesh a bad template, counted.
 struct MeshFaults {
   std::size_t intersections = 0;  ///< pairs of faces that cut each other
   std::size_t turned = 0;         ///< faces that look against all faces around them

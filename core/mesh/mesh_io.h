@@ -27,7 +27,7 @@ struct Landmark {
 /// than with 10, and no larger error.
 constexpr double default_stiffness_base = 3;
 
-/// What a mesh file holds. A template is a mesh whose `stiffness` and `landmarks` are filled.
+/// The content of a mesh file. A template is a mesh whose `stiffness` and `landmarks` are filled.
 struct MeshFile {
   Points points;                                   ///< n×3, LPS mm (flipped on reading where the file says SPACE=RAS)
   SharedTriangles triangles;                       ///< m×3; empty for a `.particles` file

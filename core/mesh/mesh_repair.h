@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// What was wrong with a surface, counted. All of it was mended.
+/// The faults of a surface, counted. All of it was mended.
 struct MendedFaults {
   std::size_t not_finite = 0;             ///< vertices with a coordinate that is no finite number: left out
   std::size_t duplicate_vertices = 0;     ///< at (nearly) one place with another: made one
@@ -53,7 +53,7 @@ std::vector<Mesh> neighbouring_parts(const Mesh& mesh);
 Mesh joined(const std::vector<Mesh>& parts);
 
 /// A manifold surface from whatever faces a file holds. Vertices within a millionth of the size are made one unless the
-/// surface is sound as it is. Where more than two faces meet at an edge they are paired so that solids that only touch
+/// surface is sound as it is. If more than two faces meet at an edge, they are paired so that solids that only touch
 /// there come apart [Gueziec 2001, Cutting and Stitching], by a hundredth of an edge. Parts of less than a hundredth of
 /// the largest part's area are crumbs. A sound surface comes back with the same vertices in the same order. Tunnels
 /// stay. Errors: no face is left, or no extent.

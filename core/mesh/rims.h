@@ -37,7 +37,7 @@ std::vector<double> rim_edges_mm(const Rim& rim, const Points& points);
 
 /// Returns a place on the rim `onto` of another surface for each vertex of a rim, in order along it: about where it is
 /// nearest, and spread as the edges `rest_mm` are [rim_edges_mm], since the nearest places alone leave out what lies in
-/// a bay. Where a way around the one does not lead around the other, they are the nearest places. All LPS mm.
+/// a bay. If a way around the one does not lead around the other, they are the nearest places. All LPS mm.
 std::vector<Vec3> spread_on_rim(const Rim& rim, const Points& points, const std::vector<double>& rest_mm,
                                 const Rim& onto, const Points& there);
 

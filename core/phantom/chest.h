@@ -7,7 +7,7 @@
 // The chest around the ventricle as balanced steady-state MR shows it: bright blood and fat, dark muscle, black lungs.
 namespace homolog::phantom {
 
-/// What lies around the heart and stands still, at `p` (LPS mm, origin in the ventricle).
+/// The intensity of what lies around the heart and stands still, at `p` (LPS mm, origin in the ventricle).
 double chest(const Vec3& p, double blur_mm, std::uint64_t seed);
 
 /// The heart at one moment. Points `q` are in the ventricle's frame (ventricle_shape.h).

@@ -26,7 +26,7 @@ class Deformation {
   /// Subject 0 is the identity; any other number its own map.
   Deformation(int subject, std::uint64_t organ_seed, const Variation& variation);
 
-  /// Where a subject's point lies in the mean shape's space.
+  /// The place of a subject's point in the mean shape's space.
   Vec3 to_mean(const Vec3& p) const;
   /// The inverse, to 1e-10 mm.
   Vec3 to_subject(const Vec3& x) const;

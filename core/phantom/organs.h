@@ -5,7 +5,7 @@
 #include "core/phantom/deformation.h"
 #include "core/phantom/phantom.h"
 
-/// What phantom.cpp asks of each organ.
+/// The functions that phantom.cpp asks of each organ.
 namespace homolog::phantom {
 
 MeshFile kidney_template();

@@ -19,7 +19,7 @@ struct LevelShape {
   double spinous = 1;      ///< length of the spinous process
   double drop_mm = 0;      ///< how much lower the spinous process ends
 
-  /// Where a place of the mean vertebra lies in this one. Smooth, and nowhere folded.
+  /// The place in this vertebra of a place of the mean one. Smooth, and nowhere folded.
   Vec3 carried(const Vec3& p) const;
 };
 
@@ -28,7 +28,7 @@ struct SpineLevel {
   LevelShape shape;
 };
 
-/// Where two levels meet.
+/// The joint where two levels meet.
 struct SpineJoint {
   double lordosis_deg = 0;  ///< between the two levels' frames; positive: the lower one is tilted forwards
   /// How the subject's joint is turned besides, about the joints of the arches: forwards, sideways, about the spine.

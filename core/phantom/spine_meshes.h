@@ -15,7 +15,7 @@ struct SpineMeshes {
   std::vector<Vec3> canal;   ///< places along the middle of the canal, from the head down
 };
 
-/// Where bones would touch, the subject gets less of the variation that is theirs alone.
+/// If bones would touch, the subject gets less of the variation that is theirs alone.
 SpineMeshes spine_meshes(int subject);
 
 }  // namespace homolog::phantom

@@ -7,7 +7,7 @@ namespace homolog {
 /// Fewer landmarks tell a similarity only.
 inline constexpr Eigen::Index fewest_warp_landmarks = 4;
 
-/// What a warp takes for usual.
+/// The lengths that a warp takes for usual.
 struct WarpLengths {
   double reach_mm;  ///< how far what is known at a place reaches
   double bump_mm;   ///< what a landmark typically is off by after the similarity
@@ -19,8 +19,8 @@ WarpLengths warp_lengths(double diagonal_mm);
 WarpLengths older_warp_lengths(double diagonal_mm);
 
 /// How an organ differs from its template under a similarity, as a Gaussian process: the covariance of each coordinate
-/// of the displacement at two places is a Gaussian bump plus a linear part kept small. What the linear part's prior
-/// allows (a few per cent of stretch) is little enough that four near-coplanar landmarks with some mm of error do not
+/// of the displacement at two places is a Gaussian bump plus a linear part kept small. The stretch that the linear
+/// part's prior allows (a few per cent) is little enough that four near-coplanar landmarks with some mm of error do not
 /// stretch the mesh [docs/method.md §4].
 class WarpKernel {
  public:

@@ -4,7 +4,7 @@
 
 namespace homolog {
 
-/// What is known of a placement before any landmark speaks.
+/// The prior of a placement, before any landmark speaks.
 struct PlacementPrior {
   Similarity around;            ///< the likeliest placement
   double turn_rad = 0.35;       ///< standard deviation of a turn about each axis

@@ -16,7 +16,7 @@ struct Reflection {
 /// The reflection across the sagittal plane through the middle of these points (n×3).
 Reflection sagittal_reflection(const Points& points);
 
-/// What a reflection is to the space that a similarity leads to.
+/// The reflection in the space that a similarity leads to.
 Reflection carried_by(const Similarity& similarity, const Reflection& reflection);
 
 /// The reflection that carries a surface nearly onto itself, as that of a vertebra does, whose left side looks like its

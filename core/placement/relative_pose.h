@@ -29,7 +29,7 @@ RelativePose relative_pose(const std::vector<Similarity>& relative, const Vec3& 
 /// `middle`. There must be one.
 Similarity mean_similarity(const std::vector<Similarity>& of, const Vec3& middle);
 
-/// Where each template lies on average. `placed[s][k]` carries template k to where it lies in subject s; none: it is
+/// The mean place of each template. `placed[s][k]` carries template k to where it lies in subject s; none: it is
 /// not there. Subjects are brought together by similarities, in turn with the mean places [Gower 1975], until both
 /// rest. The mean of the subjects' similarities is the identity, so that the places are upright and of middle size. A
 /// template that is nowhere stays. The order of the subjects matters only to rounding.

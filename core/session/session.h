@@ -24,7 +24,7 @@ namespace homolog {
 /// nothing to do. `of`: the structure that it is about; empty: the first.
 using Compute = std::function<Result<std::optional<Action>>(const Document&, const std::string& of)>;
 
-/// The memory and time that a session may spend on its history.
+/// The limits of a session's history.
 struct HistoryLimits {
   std::size_t bytes = std::size_t{192} << 20;  ///< for states kept in memory
   /// At most so many steps are played again to come to a state: a checkpoint is written to the file where more would

@@ -54,7 +54,7 @@ auto with_width(int columns, const Work& work) {
   }
 }
 
-/// Where in an update of `fours` times four rows row 0 of `column` would be.
+/// The place where row 0 of `column` would be in an update of `fours` times four rows.
 inline Eigen::Index triangle_column(Eigen::Index column, Eigen::Index fours) {
   const Eigen::Index block = column / 4;
   return 4 * block * fours - 2 * block * (block - 1) + column % 4 * (fours - block) - block;

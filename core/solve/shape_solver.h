@@ -43,7 +43,7 @@ class ShapeSolver {
 /// The pull of a held vertex, times all that pulls at it otherwise.
 constexpr double holding_weight = 1e4;
 /// Weights that hold vertices almost still (`held`: 0 free … 1). A held vertex follows only a ten-thousandth of the
-/// pull, so it can be put back exactly afterwards. What is solved fades towards it without a tear. `w`: the stiffness
+/// pull, so it can be put back exactly afterwards. The solution fades towards it without a tear. `w`: the stiffness
 /// weights.
 VertexScalars firm_hold(const Topology& topology, const VertexScalars& w, const VertexScalars& held);
 

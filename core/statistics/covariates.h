@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// What is known of cases beside their shape, as text: a row a case.
+/// Facts about cases beside their shape, as text: a row a case.
 struct CovariateTable {
   std::string source;                           ///< what errors name: the file
   std::vector<std::string> columns;             ///< but that of the names

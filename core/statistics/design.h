@@ -60,8 +60,8 @@ struct Design {
 Result<Design> make_design(const std::vector<FormulaTerm>& terms, std::size_t taken_out,
                            const std::function<Result<CodedVariable>(const Variable&)>& code);
 
-/// What testing a term needs: orthonormal columns, a row a case. The second kind of sums: the reduced model has every
-/// term but this one and the interactions that hold it.
+/// The basis that testing a term needs: orthonormal columns, a row a case. The second kind of sums: the reduced model
+/// has every term but this one and the interactions that hold it.
 struct TermBasis {
   Eigen::MatrixXd reduced;    ///< of the model without the term; its first column is the constant's
   Eigen::MatrixXd added;      ///< what the term adds

@@ -16,9 +16,9 @@ using Permutations = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 /// cases of the same block. The order as it is may be among them by chance; it is not put there.
 Permutations random_permutations(const std::vector<int>& blocks, Eigen::Index count, std::uint64_t seed);
 
-/// In how many ways the cases can change places so that a test comes out differently: within their blocks, and cases
-/// of equal rows in `design` are alike. Where all blocks hold two kinds of equal number, to exchange the kinds changes
-/// no F, so that half of the ways count. Infinite where there are very many.
+/// The number of ways in which the cases can change places so that a test comes out differently: within their blocks,
+/// and cases of equal rows in `design` are alike. If all blocks hold two kinds of equal number, to exchange the kinds
+/// changes no F, so that half of the ways count. Infinite where there are very many.
 double different_orders(const std::vector<int>& blocks, const Eigen::MatrixXd& design);
 
 /// Reads permutations of `cases` cases from a text file: one a line, numbers from 0 with blanks or commas between them.

@@ -27,7 +27,7 @@ struct LevelChain {
 };
 
 /// The chains of a set, and how their structures lie in a map: two that are one level apart by their names, but two by
-/// their places, contradict each other. What a scan has of the border of chest and loin is a variant (11 or 13 ribs),
+/// their places, contradict each other. A shift at the border of chest and loin is a variant (11 or 13 ribs),
 /// and no contradiction. `placed`: 1 for each structure whose place tells something.
 std::vector<LevelChain> level_chains(const SetOfTemplates& set, const FittedSet& fitted,
                                      const std::vector<char>& placed);

@@ -51,12 +51,12 @@ MeshFile to_mesh_file(const Template& the_template);
 /// k of both is the same landmark.
 std::pair<Points, Points> matched_landmarks(const Template& the_template, const std::map<std::string, Vec3>& placed);
 
-/// Where a landmark of the template lies on a mesh of the same numbering; and the same for all landmarks. `points`:
+/// The place of a template's landmark on a mesh of the same numbering; and the same for all landmarks. `points`:
 /// n×3, mm.
 Vec3 carried_landmark(const Template& the_template, std::size_t landmark, const Points& points);
 std::vector<Landmark> carried_landmarks(const Template& the_template, const Points& points);
 
-/// What a value given per vertex is at a landmark of the template.
+/// The value at a landmark of the template, of values given per vertex.
 double value_at_landmark(const Template& the_template, std::size_t landmark, const VertexScalars& values);
 
 }  // namespace homolog

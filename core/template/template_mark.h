@@ -8,9 +8,9 @@
 
 namespace homolog {
 
-/// What tells a template from another one of the same faces: the mean place of its vertices (x, y, z; mm) and their
-/// mean stiffness, with a weight of each vertex that goes by its number. So an exchanged, moved or painted file is
-/// found, and one that was written with fewer digits is not.
+/// The mark that tells a template from another one of the same faces: the mean place of its vertices (x, y, z; mm) and
+/// their mean stiffness, with a weight of each vertex that goes by its number. So an exchanged, moved or painted file
+/// is found, and one that was written with fewer digits is not.
 using TemplateMark = std::array<double, 4>;
 TemplateMark template_mark(const Template& the_template);
 

@@ -59,8 +59,8 @@ inline constexpr double ball_share = 0.00625;
 /// that the label's box with `margin_mm` around it holds 16 million at most.
 double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double edge_mm, double margin_mm);
 
-/// `extent`: the label's own. `margin_mm`: left free on every side, at least two voxels. Where an axis has voxels
-/// smaller than half of `spacing_mm`, whole blocks of them are made one (inside where at least half are; of a soft mask
+/// `extent`: the label's own. `margin_mm`: left free on every side, at least two voxels. If an axis has voxels smaller
+/// than half of `spacing_mm`, whole blocks of them are made one (inside where at least half are; of a soft mask
 /// where their mean is above 0.5), larger ones where the grid would hold more than 16 million. Errors: the label does
 /// not occur.
 Result<LabelBody> label_body(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
@@ -90,8 +90,9 @@ struct PartsLeftOut {
   double share = 0;       ///< of the label's voxels, in these
   std::size_t alike = 1;  ///< the largest of all parts, and those more than half as large
 
-  /// That they are left out, how many and how much; none where it is less than a hundredth of the label. `taken`: which
-  /// part was, as "the largest"; `command`: of which `--parts all` keeps them, with a space behind it; may be empty.
+  /// Says that they are left out, how many and how much; none where it is less than a hundredth of the label. `taken`:
+  /// which part was, as "the largest"; `command`: of which `--parts all` keeps them, with a space behind it; may be
+  /// empty.
   std::optional<std::string> warning(int label, const std::string& taken, const std::string& command) const;
 };
 

@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-/// What becomes of tunnels through the organ.
+/// The rule for tunnels through the organ.
 struct GenusRule {
   enum class Kind {
     automatic,  ///< tunnels narrower than 0.035 of the size or than two edges are cut; a vertebral canal stays
@@ -46,8 +46,8 @@ struct MaskTemplate {
   std::vector<double> islands_ml;  ///< parts left out, the largest first
   int cavities = 0;                ///< filled
   double cavities_ml = 0;
-  /// What of the label's largest part lies outside of the mesh and farther than two voxels from it: thin parts that the
-  /// mesh does not have.
+  /// The amount of the label's largest part that lies outside of the mesh and farther than two voxels from it: thin
+  /// parts that the mesh does not have.
   double missed_ml = 0, missed_share = 0;
   double resampled_mm = 0;                ///< voxel size that was worked on
   double closing_mm = 0, opening_mm = 0;  ///< radii that were used
@@ -57,7 +57,7 @@ struct MaskTemplate {
 
 /// A reference mesh of a complex organ from a label of a label map [Erdt 2009, §2.1; docs/templates.md]: signed
 /// distances resampled evenly, closed, opened, smoothed, tunnels cut, marching cubes, vertices spread evenly and
-/// projected back. Where walls of an organ that is thin as a whole, such as thin bone, get lost or meet by that, they
+/// projected back. If walls of an organ that is thin as a whole, such as thin bone, get lost or meet by that, they
 /// are made as thick as the mesh can show [solid_voxels.h] instead, and nothing is opened, with a warning.
 /// The grids that are worked on hold about 16 million voxels at most. Errors: the label does not occur,
 /// vanishes in the opening, has fewer tunnels than asked for, or needs more vertices; cancelled.

@@ -12,7 +12,7 @@ struct SolidDetail {
   double wall_mm = 0;     ///< walls and struts below 1.25 times this grow by so much; at least two voxels
 };
 
-/// What a mesh of `vertices` vertices shows: voxels of a quarter of its mean edge, walls of an edge.
+/// The detail that a mesh of `vertices` vertices shows: voxels of a quarter of its mean edge, walls of an edge.
 SolidDetail solid_detail(const Mesh& surface, int vertices);
 
 struct SolidVoxels {
@@ -20,10 +20,10 @@ struct SolidVoxels {
   double wall_mm = 0;  ///< walls and struts below 1.25 times this grew by so much
 };
 
-/// What a surface encloses, for surfaces that no mesh operation can put in order. Each part counts by itself, so that
-/// overlaps and cavities are inside; a voxel is inside a part if two of three rays along the axes say so. Holes count
-/// as closed flat. Walls that fall between voxels are kept by the voxels that they pass. The surface must have an
-/// extent. Cancelled: something of it.
+/// The voxels that a surface encloses, for surfaces that no mesh operation can put in order. Each part counts by
+/// itself, so that overlaps and cavities are inside; a voxel is inside a part if two of three rays along the axes say
+/// so. Holes count as closed flat. Walls that fall between voxels are kept by the voxels that they pass. The surface
+/// must have an extent. Cancelled: something of it.
 SolidVoxels solid_voxels(const Mesh& surface, const SolidDetail& detail, Progress* progress = nullptr);
 
 }  // namespace homolog

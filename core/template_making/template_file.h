@@ -11,7 +11,7 @@
 
 namespace homolog {
 
-/// What a template file holds of a mesh just made: uniform stiffness, the unit, and how it was made
+/// The template file of a mesh just made: uniform stiffness, the unit, and how it was made
 /// (`comment homolog.provenance {…}`).
 MeshFile template_file(const Mesh& mesh, const nlohmann::ordered_json& provenance);
 

@@ -53,7 +53,7 @@ struct TubeWall {
   bool flat_base = false;  ///< the label ends at the base with a whole slice: the wall goes straight on beyond it
 };
 
-/// Where the axis runs along an axis of the grid, the last slices count in full: towards the base the wall goes on
+/// If the axis runs along an axis of the grid, the last slices count in full: towards the base the wall goes on
 /// beyond their outer faces, and at the apex it closes there. Distances alone would round the label's end off over
 /// half a slice all around.
 TubeWall tube_wall(const TubeBody& body, const Vec3& axis);

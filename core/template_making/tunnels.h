@@ -33,9 +33,9 @@ struct TunnelLimits {
   double reach_mm = 0;        ///< to which a cut extends to either side of the narrowest place
 };
 
-/// Cuts tunnels, the narrowest first, until the genus is `keep` or none is left within the limits. What is filled is
-/// what a ball of the tunnel's width cannot enter, what is removed is what such a ball does not fit into. A ball rolls
-/// far into the wide hole of a thin ring, however large it is: such holes are filled by a disc. The surface must be one
+/// Cuts tunnels, the narrowest first, until the genus is `keep` or none is left within the limits. Space that a ball of
+/// the tunnel's width cannot enter is filled; matter that such a ball does not fit into is removed. A ball rolls far
+/// into the wide hole of a thin ring, however large it is: such holes are filled by a disc. The surface must be one
 /// body without cavities.
 TunnelCut cut_tunnels(const LevelSet& surface, const TunnelLimits& limits);
 

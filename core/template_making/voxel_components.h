@@ -20,7 +20,7 @@ enum class Touching { faces, faces_and_edges };
 VoxelComponents connected_components(const std::vector<std::uint8_t>& set, const std::array<int, 3>& dims,
                                      Touching touching);
 
-/// What became of a set made one solid body.
+/// The outcome of a set made one solid body.
 struct OneBody {
   std::size_t body = 0;              ///< voxels kept, filled cavities counted
   std::vector<std::size_t> islands;  ///< voxels of each other part, removed; the largest first

@@ -78,7 +78,7 @@ T watched_value(const Watched& watched, const std::function<Result<T>(Progress&)
   return value_of(std::move(*result));
 }
 
-/// What a file was like when it was read: whoever holds what it held then takes the file for it no longer once it
+/// The state of a file when it was read: whoever holds what it held then takes the file for it no longer once it
 /// differs.
 class FileStamp {
  public:

@@ -27,7 +27,7 @@ class GalleryPictures {
   void draw_grid(const ModelsState& state, const GalleryGrid& grid, const CaptionRoom& room,
                  const std::vector<std::shared_ptr<const Points>>& shapes, int height_px, float scale,
                  Renderer& renderer, const std::array<float, 4>& ground);
-  /// What the renderer refused since the last call; empty where nothing.
+  /// The renderer's refusal since the last call; empty where there is none.
   std::string take_error() { return std::exchange(error_, {}); }
 
  private:
@@ -35,7 +35,7 @@ class GalleryPictures {
     std::unique_ptr<Framebuffer> still, moving;
     int width = 0, height = 0;
   };
-  /// What the gallery's picture shows.
+  /// The content of the gallery's picture.
   struct GalleryKey {
     std::shared_ptr<const StudyModel> model;
     Camera3D camera;

@@ -25,7 +25,7 @@ class ViewPictures {
   const Framebuffer* space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving);
   /// Lets go of everything that was drawn, and of the volume in it.
   void forget();
-  /// What the renderer refused since the last call; empty where nothing.
+  /// The renderer's refusal since the last call; empty where there is none.
   std::string take_error() { return std::exchange(error_, {}); }
   Renderer& renderer() { return *renderer_; }
 

@@ -17,7 +17,7 @@ namespace homolog {
 /// outlive the drawing calls.
 class Drawing : public PictureSource {
  public:
-  /// What is drawn, all kept by reference. `layout` is set by every frame; controls send to `out`.
+  /// Takes what is drawn, all kept by reference. `layout` is set by every frame; controls send to `out`.
   Drawing(EditorState& state, Layout& layout, const ShownCase& shown, const Work& work, Outbox& out)
       : state_(state), layout_(layout), shown_(shown), work_(work), out_(out) {}
 

@@ -42,7 +42,7 @@ struct UiContext {
   double frames_per_second = 0;
 
   const Snapshot& snapshot() const { return on_screen.snapshot(); }
-  /// What is shown: the preview, at the frame that plays.
+  /// The document that is shown: the preview, at the frame that plays.
   const Document& document() const { return on_screen.document(); }
   /// As on the disk, at the frame that is shown: what a change in the panel starts from.
   const Shape& committed_shape() const {
@@ -130,7 +130,7 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
 /// Size, ground and captions of a picture; true where one was changed.
 bool draw_picture_options(const Theme& theme, PictureOptions& options);
 
-/// What the overlay's colours mean, as a bar with figures.
+/// Draws what the overlay's colours mean, as a bar with figures.
 void draw_colouring_legend(const UiContext& ui, Colouring colouring);
 /// The bar of a legend that has a scale, and under it its figures in `colour`.
 void draw_legend_scale(ImDrawList& draw, const Theme& theme, const Legend& legend, ImVec2 at, float width_px,

@@ -55,7 +55,7 @@ struct PlacementHandles {
 };
 std::optional<PlacementHandles> placement_handles(const ViewMap& map, const Points& points, float scale);
 PlacePart part_at(const PlacementHandles& handles, double x_px, double y_px, float scale);
-/// Where a drag of a handle takes the placement.
+/// The placement to which a drag of a handle leads.
 Similarity dragged_placement(const PlaceDrag& drag, const ViewMap& map, double x_px, double y_px);
 
 /// Name of the landmark drawn nearest to the pointer, within reach; slices offer those near their plane.

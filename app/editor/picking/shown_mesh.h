@@ -20,7 +20,7 @@ class ShownMesh {
   /// `radius_mm`.
   std::optional<Vec3> nearest_on_outline(const ShapeView& shown, const SliceView& slice, const Vec3& p_mm,
                                          double radius_mm) const;
-  /// The first point of the mesh along a ray. What is built to find it is kept for each structure.
+  /// The first point of the mesh along a ray. The structure built to find it is kept for each structure.
   std::optional<Vec3> first_on_surface(const ShapeView& shown, const Ray& ray);
   /// Lets go of what was built for the rays of another case.
   void forget() { searched_.clear(); }

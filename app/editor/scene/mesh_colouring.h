@@ -33,11 +33,11 @@ struct Legend {
   bool has_confirmed = false;      ///< some of the mesh is white, because it is confirmed
   bool has_outliers = false;       ///< some of the mesh is grey, because the scan lacks its place
 };
-/// Where the scan lacks the mesh, that has much of this grey and some of the colouring.
+/// The mesh has much of this grey and some of the colouring where the scan lacks it.
 inline constexpr Rgb outlier_grey{0.42f, 0.43f, 0.46f};
 Legend colouring_legend(const ShapeView& shown, Colouring colouring);
 
-/// What the colours are made of.
+/// The data that the colours are made of.
 struct ColouringInput {
   const ShapeView& shown;
   const std::vector<float>& hues;

@@ -31,7 +31,7 @@ class SceneBuilder {
 
   /// Takes in a new moment; cheap where nothing changed.
   void update(const Input& input);
-  /// What a view shows. The 3D view has the slice planes.
+  /// The scene of a view. The 3D view has the slice planes.
   Scene scene(const Input& input, ViewKind kind) const;
 
  private:
@@ -48,7 +48,7 @@ class SceneBuilder {
   std::shared_ptr<const std::vector<Rgb>> colours_;          ///< of the surface
   std::shared_ptr<const std::vector<Rgb>> outline_colours_;  ///< of the outlines: more saturated, tinted by a drag
   std::uint64_t colours_revision_ = 0;
-  /// What the colours depend on.
+  /// The things that the colours depend on.
   struct ColouredBy {
     Colouring colouring = Colouring::vertex_hue;
     Rgb own{};  ///< the structure's colour

@@ -14,7 +14,7 @@
 
 namespace homolog {
 
-/// What a picture of a study shows in a grid: its shapes, or the model's modes.
+/// The content of a study's picture, in a grid: its shapes, or the model's modes.
 enum class StudyPicture { gallery, modes };
 
 /// Which part of the window a picture shows, and how large it is.
@@ -31,7 +31,7 @@ struct PictureOptions {
 
 struct KeysDialog {};
 
-/// What a file is wanted for. Each has a row in app/editor/update/file_purposes.cpp.
+/// The purpose that a file is wanted for. Each has a row in app/editor/update/file_purposes.cpp.
 enum class FilePurpose {
   open,
   open_template,

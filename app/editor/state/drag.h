@@ -83,7 +83,7 @@ struct ContourDrag {
   std::optional<HeldContour> held{};  ///< that it began at: where it ends there too, it draws a part of that one anew
 };
 
-/// What a click asks for, while another press may still make it a double click, which edits nothing.
+/// The click's request, while another press may still make it a double click, which edits nothing.
 struct HeldClick {
   std::optional<Action> action;
   std::string notice;  ///< in place of an action: why there is none

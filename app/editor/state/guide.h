@@ -16,7 +16,7 @@ struct GuideStep {
   double far_mm = 0;  ///< how far the surface was from there at first
 };
 
-/// What leads a newcomer through the first case, pull by pull.
+/// The guide that leads a newcomer through the first case, pull by pull.
 struct Guide {
   std::vector<GuideStep> steps;
   std::size_t at = 0;  ///< the step to do; steps.size(): all are done

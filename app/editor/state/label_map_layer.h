@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-/// What one layer of a label map holds. Layers overlap.
+/// One layer of a label map. Layers overlap.
 struct LabelMapLayer {
   std::shared_ptr<const Volume> volume;  ///< null without one
   std::vector<int> values;               ///< without 0
@@ -21,7 +21,7 @@ struct LabelMapLayer {
   std::shared_ptr<const std::map<int, Rgb>> colours;  ///< that the map gives; null where it gives none
 };
 
-/// What the map says of the layer's labels.
+/// The map's segments of the layer's labels.
 inline Segmentation segmentation_of(const LabelMapLayer& layer) {
   Segmentation known;
   for (const auto& [value, name] : layer.names) known.add({.name = name, .value = value});

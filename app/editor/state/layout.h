@@ -16,7 +16,7 @@ struct RectPx {
   bool operator==(const RectPx&) const = default;
 };
 
-/// What every mode lays out by, on a grid of 4 layout units.
+/// The lengths that every mode lays out by, on a grid of 4 layout units.
 namespace layout_units {
 constexpr float panel_width = 328, header_height = 28, gap = 4;
 }
@@ -24,7 +24,7 @@ constexpr float panel_width = 328, header_height = 28, gap = 4;
 /// Layout units in which all controls have room.
 inline constexpr int smallest_window_width = 800, smallest_window_height = 600;
 
-/// Where everything lies in the window. A view that is not shown (another one is maximised) has no size.
+/// The places of everything in the window. A view that is not shown (another one is maximised) has no size.
 struct Layout {
   RectPx top_bar, tool_strip, panel, status_line;
   RectPx models;                  ///< all that the Models mode fills; has no size in the case's

@@ -24,7 +24,7 @@ struct Fitted {
   bool doubtful = false;  ///< a fit that a person has to look at
 };
 
-/// What a snap found.
+/// The findings of a snap.
 struct SnapFound {
   Points points;
   std::shared_ptr<const VertexScalars> confidence;  ///< per vertex, 0…1
@@ -36,7 +36,7 @@ struct SnapFound {
   bool is_of(const Points& shape) const { return shape.rows() == points.rows() && shape == points; }
 };
 
-/// What a fit to contours came to.
+/// The outcome of a fit to contours.
 struct ContoursFitted {
   std::shared_ptr<const Points> points;                     ///< that it gave the mesh
   std::vector<std::shared_ptr<const ContourSet>> contours;  ///< of the structure, as they were

@@ -18,7 +18,7 @@ namespace homolog {
 /// Which shape model a fit keeps to at first.
 enum class FitModel { none, study, file };
 
-/// What the panel says about a fit.
+/// The panel's settings of a fit.
 struct FitSettings {
   int label = 0;                     ///< 0: the label map's first
   bool all_labels = false;           ///< all labels together, in place of `label`
@@ -29,7 +29,7 @@ struct FitSettings {
   double beyond = 1;  ///< 0…1: how far the fit leaves the model's shape for the label
 };
 
-/// What a template is to be made of, as the panel holds it.
+/// The settings of a template to be made, as the panel holds them.
 struct TemplateSettings {
   int label = 0;                    ///< 0: the label map's first
   bool all_labels = false;          ///< all labels together, in place of `label`
@@ -51,7 +51,7 @@ struct SnapSettings {
   std::shared_ptr<const Appearance> learned;  ///< what came of that; null where nothing did
 };
 
-/// What says where the boundary lies between contours.
+/// The source that says where the boundary lies between contours.
 enum class BetweenCurves { shape, image, label };
 
 /// The structures of a file of contours, to choose from; none where no file is open.

@@ -29,7 +29,7 @@
 
 namespace homolog {
 
-/// What the left mouse button does in a view. Each has a row in app/editor/update/tools/.
+/// The tool of the left mouse button in a view. Each has a row in app/editor/update/tools/.
 enum class MouseTool {
   pull,
   grab,
@@ -44,7 +44,7 @@ enum class MouseTool {
   template_landmark
 };
 
-/// What the colours of the mesh mean. Each has a row in app/editor/scene/mesh_colouring.cpp.
+/// The meaning of the mesh's colours. Each has a row in app/editor/scene/mesh_colouring.cpp.
 enum class Colouring {
   vertex_hue,
   structure,
@@ -59,7 +59,7 @@ enum class Colouring {
   confidence
 };
 
-/// Where a slice view looks within its plane; the plane itself goes through the cross-hair.
+/// The place that a slice view looks at within its plane; the plane itself goes through the cross-hair.
 struct SlicePan {
   Vec3 centre_mm = Vec3::Zero();
   double mm_per_px = 0.5;
@@ -78,7 +78,7 @@ struct ShownParts {
   bool operator==(const ShownParts&) const = default;
 };
 
-/// What a touch of the stiffness brush does.
+/// The effect of a touch of the stiffness brush.
 enum class BrushPaints { factor, region, smooth, fill };
 
 struct BrushSettings {
@@ -99,7 +99,7 @@ struct RegionNaming {
   bool focused = false;  ///< the field has been given the keyboard
 };
 
-/// What the pointer is over; nothing while it is outside the views.
+/// The thing that the pointer is over; nothing while it is outside the views.
 struct Hover {
   ViewKind view = ViewKind::axial;
   double x_px = 0, y_px = 0;         ///< from the window's upper left corner
@@ -130,7 +130,7 @@ struct PanelEdit {
   double value = 0;
 };
 
-/// What a person has in hand: an edit's sentence is news until this changes.
+/// The things that a person has in hand: an edit's sentence is news until this changes.
 struct Situation {
   MouseTool tool = MouseTool::pull;
   BrushPaints paints = BrushPaints::factor;
@@ -139,7 +139,7 @@ struct Situation {
   bool operator==(const Situation&) const = default;
 };
 
-/// What was done on the case on the screen, until it is written into the study.
+/// The work done on the case on the screen, until it is written into the study.
 struct WorkCount {
   std::uint64_t case_number = 0;  ///< which case it is of
   double seconds = 0;
@@ -172,7 +172,7 @@ inline constexpr const char* contours_section = "Contours";
 /// The title of the section that holds the settings of the brushes.
 inline constexpr const char* deform_section = "Deform";
 
-/// What is kept between runs.
+/// The preferences that are kept between runs.
 struct Preferences {
   int window_width = 1280, window_height = 800;
   bool panel_open = true;
@@ -191,7 +191,7 @@ struct Preferences {
   bool operator==(const Preferences&) const = default;
 };
 
-/// What is looked at, and how.
+/// The things that are looked at, and how.
 struct Look {
   std::string structure;  ///< the one that is worked on, by its id; empty: the case's first
   StructureLooks structures;
@@ -220,7 +220,7 @@ struct Look {
   bool making_shown = false;               ///< the template that is being made stands in for the case's mesh
 };
 
-/// What a person has in hand: the tool, and what it works with.
+/// A person's hand: the tool, and what it works with.
 struct Hand {
   MouseTool tool = MouseTool::pull;
   MouseTool tool_before_naming = MouseTool::pull;  ///< taken up again when a landmark of the template has its place
@@ -240,7 +240,7 @@ struct Hand {
   double sigma_mm() const { return wheel_sigma_mm.value_or(sigma_presets_mm[sigma_preset]); }
 };
 
-/// Where the pointer is, and what its buttons do there.
+/// The place of the pointer, and what its buttons do there.
 struct Pointer {
   std::optional<Hover> hover;
   LastPress last_press;
@@ -251,7 +251,7 @@ struct Pointer {
   MouseButton drag_button = MouseButton::left;  ///< whose release ends the drag
 };
 
-/// What the automatic work is asked for.
+/// The requests to the automatic work.
 struct Automatic {
   TemplateSettings template_settings;
   FitSettings fit_settings;
@@ -267,7 +267,7 @@ struct Automatic {
   double gap_mm = 0;        ///< that a fit of the set and the end of a stroke leave between neighbours
 };
 
-/// What was found on the structure that is worked on. Another structure begins with nothing.
+/// The findings on the structure that is worked on. Another structure begins with nothing.
 struct Found {
   VolumeCurve volume_curve;                         ///< of the cine as it is shown
   std::optional<Fitted> last_fit;                   ///< spoken of for as long as its mesh is the case's
@@ -323,9 +323,9 @@ const Structure* active_structure(const EditorState& state, const Document& docu
 /// Its mesh at the document's frame, where it has one.
 std::optional<ShapeView> active_shape(const EditorState& state, const Document& document);
 
-/// Works on another structure from now on; the empty id is the first one's. What was found on the one before is over.
+/// Works on another structure from now on; the empty id is the first one's. The findings on the one before are over.
 void show_structure(EditorState& state, const Document& document, const std::string& id);
-/// What was found and is in hand of another structure is over; sizes follow the one that is worked on now.
+/// Ends the findings and the work in hand of another structure; sizes follow the one that is worked on now.
 void begin_on_structure(EditorState& state, const Document& document);
 
 /// Whether edits of the structure that is worked on are refused, since it is locked.
@@ -387,7 +387,7 @@ void set_sigma(EditorState& state, double sigma_mm);
 /// Takes another σ for now; the presets stay.
 void turn_sigma(EditorState& state, double sigma_mm);
 
-/// What to call a case and what is written from it: as its file is called, else as its image.
+/// The name of a case and of files written from it: its file's, else its image's.
 std::string case_name(const std::filesystem::path& file, const Document& document);
 /// Those whose names are the template's.
 std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Template& the_template);

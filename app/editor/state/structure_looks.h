@@ -22,7 +22,8 @@ struct StructureLooks {
   bool worst_first = true;
   double others_opacity = 0.45;           ///< 0…1, in 3D, of structures that are not worked on
   std::map<std::string, double> opacity;  ///< 0…1, in 3D, of each by itself; 1 of those that are not in it
-  /// What a repair changed: the shapes as the label map had them, n×3, LPS mm; null for one that was missing there.
+  /// The shapes that a repair changed: the shapes as the label map had them, n×3, LPS mm; null for one that was missing
+  /// there.
   std::map<std::string, std::shared_ptr<const Points>> as_read;
   int as_read_frame = 0;      ///< of the case, which was repaired
   bool as_read_shown = true;  ///< beside what the repair proposes
@@ -35,7 +36,7 @@ struct StructureLooks {
   }
 };
 
-/// What a case keeps of the looks. `active`: the structure that is worked on.
+/// The looks that a case keeps. `active`: the structure that is worked on.
 KeptLooks kept_looks(const StructureLooks& looks, const std::string& active);
 /// The looks that a case was left with, of the structures that there are.
 StructureLooks looks_of_case(const KeptLooks* kept, const KeptMapFit* fit, const Document& document);
@@ -62,7 +63,7 @@ std::vector<std::string> carried_structures(const StructureLooks& looks, const D
 /// The structures that the list shows, in its order. Worst first: those in doubt, then by their confidence; those that
 /// nobody judged come last.
 std::vector<const Structure*> listed_structures(const StructureLooks& looks, const Document& document);
-/// What a click on a row chooses: it alone, with Ctrl it too (or no more), with Shift all from `range_from` on.
+/// Chooses rows by a click on one: it alone, with Ctrl it too (or no more), with Shift all from `range_from` on.
 void choose_rows(StructureLooks& looks, const Document& document, const std::string& id, bool ctrl, bool shift);
 /// The rows that an eye or a lock works on: all that are chosen where the row is one of several, else it alone.
 std::vector<std::string> rows_with(const StructureLooks& looks, const std::string& id);

@@ -75,7 +75,7 @@ using AllCommands = TypeList<
 template <class One>
 concept ListedCommand = AllCommands::has<One>;
 
-/// What the interface asks the editor to do: one of AllCommands, as a value that does not change. Nothing is done while
+/// A request of the interface to the editor: one of AllCommands, as a value that does not change. Nothing is done while
 /// the interface draws.
 class Command {
  public:

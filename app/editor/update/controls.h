@@ -33,7 +33,7 @@ struct InputEvent {
   bool over_panel = false;  ///< the interface takes the pointer: only keys and running drags are for the views
 };
 
-/// What the controls look at.
+/// The state that the controls look at.
 struct ControlsContext {
   const Layout& layout;
   const Document& document;  ///< as shown
@@ -52,8 +52,8 @@ void handle_event(EditorState& state, const InputEvent& event, const ControlsCon
 
 /// How the view that is `kind` maps mm to px now.
 ViewMap view_map(const EditorState& state, const Layout& layout, const Document& document, ViewKind kind);
-/// What of the mesh lies under a px: in a slice the nearest point of the outline, at most `reach_mm` away; in space
-/// what is seen there.
+/// The point of the mesh that lies under a px: in a slice the nearest point of the outline, at most `reach_mm` away; in
+/// space what is seen there.
 std::optional<Vec3> mesh_at(const EditorState& state, const ControlsContext& context, const ViewMap& map, double x_px,
                             double y_px, double reach_mm);
 /// Pointer and what it is over, anew: after a scroll, or when the mesh moved beneath it.

@@ -41,7 +41,7 @@ struct Work {
   explicit Work(const std::function<void()>& wake);
   bool busy() const;
 
-  /// What is to be done here when a file was read.
+  /// The work to do here when a file was read.
   using Then = std::function<void(Editing&)>;
 
   Opener opener;
@@ -91,7 +91,7 @@ class PictureSource {
   virtual void forget() = 0;
 };
 
-/// What a command acts on: the whole editor but its window.
+/// The things that a command acts on: the whole editor but its window.
 struct Editing {
   EditorState& state;
   const Layout& layout;

@@ -29,7 +29,7 @@ std::optional<FilePurpose> purpose_of(const std::string& name);
 bool has_several_meshes(const Structure* structure);
 /// "heart-frame-07.ply": what the file of one frame is called where `chosen` is "heart.ply". `last`: the last frame.
 std::filesystem::path file_of_frame(FilePurpose purpose, const std::filesystem::path& chosen, int frame, int last);
-/// What is written where `chosen` is accepted for a purpose: itself, or a file for each frame.
+/// The files written where `chosen` is accepted for a purpose: itself, or a file for each frame.
 std::vector<std::filesystem::path> files_written(FilePurpose purpose, const std::filesystem::path& chosen,
                                                  const EditorState& state, const Document& document);
 

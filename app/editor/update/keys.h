@@ -15,7 +15,7 @@ struct KeyChord {
   bool ctrl = false, shift = false;
 };
 
-/// What a command may be made of when a key is pressed.
+/// The things that a command may be made of when a key is pressed.
 struct KeyMoment {
   const EditorState& state;
   const ControlsContext& context;

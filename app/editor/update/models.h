@@ -38,7 +38,7 @@ class Models {
   std::optional<RunningJob> files_running() const { return files_.running(); }
   /// The export of shapes that goes on.
   std::optional<RunningJob> exports_running() const { return exporter_.running(); }
-  /// Gives up reading a study, or making a case of `subject`, where that runs. What is written is written whole.
+  /// Gives up reading a study, or making a case of `subject`, where that runs. A file in writing is written whole.
   void cancel_file(const std::string& subject) { files_.cancel_running(subject); }
   /// Says what became of the work on files, and does what it leaves to do; true where there was some.
   bool take_files(EditorState& state, Outbox& out);
@@ -76,7 +76,7 @@ class Models {
   void show_built(EditorState& state, StudyModelBuilt built);
   /// Shows the sentences that were not shown yet; of many only the first, and how many more there are.
   void tell_once(EditorState& state, const std::vector<std::string>& sentences, bool error);
-  /// What work on files leaves to do here, on the window's thread.
+  /// The work that work on files leaves to do here, on the window's thread.
   using Then = std::function<void(EditorState&, Outbox&)>;
   struct FileDone {
     std::filesystem::path path;  ///< of the study's file where that was to be written
@@ -88,7 +88,7 @@ class Models {
   }
   void write_study_file(const ModelsState& models);
   void queue_writing(const ModelsState& models, const std::filesystem::path& path, Then then);
-  /// Runs on the worker's thread. What it gives runs on the window's, and shows the study through `shows`.
+  /// Runs on the worker's thread. The function that it gives runs on the window's, and shows the study through `shows`.
   static Result<FileDone> read_of(const std::filesystem::path& path, const Progress& progress, Models& shows);
   void show_study(EditorState& state, StudyRead read, const std::filesystem::path& path);
   void repair_case(const StudyCase& one, const OpenCaseOfStudy& command, EditorState& state);

@@ -59,16 +59,16 @@ class ShownCase {
   SessionThread& session() const { return *session_; }
   /// As it was taken in last.
   const Snapshot& snapshot() const { return *snapshot_; }
-  /// What is shown: with the preview, at the frame that plays.
+  /// The document that is shown: with the preview, at the frame that plays.
   const Document& document() const { return *displayed_; }
   const std::shared_ptr<const Document>& displayed() const { return displayed_; }
-  /// What is done, without a preview, at the frame that is shown: what works on the case starts from it.
+  /// The document as it is done, without a preview, at the frame that is shown: what works on the case starts from it.
   std::shared_ptr<const Document> done() const;
   /// The mesh of `document`, for pointing and drawing.
   ShownMesh& mesh() const { return mesh_; }
   /// Counts the cases that were on the screen.
   std::uint64_t number() const { return number_; }
-  /// As its file holds it: the case may have mirrored it. Where the case saved it as painted, that file.
+  /// As its file holds it: the case may have mirrored it. If the case saved it as painted, that file.
   const std::shared_ptr<const Template>& loaded_template() const { return loaded_template_; }
   /// Goes on with the template of a file to which the case saved it.
   void adopt_template(std::shared_ptr<const Template> saved) { loaded_template_ = std::move(saved); }
@@ -119,7 +119,7 @@ class ShownCase {
   mutable ShownMesh mesh_;  ///< what is remembered of `displayed_`
 };
 
-/// What became of the case's file, and why edits came to nothing, in a few sentences. Where there are many at once, the
+/// A few sentences on what became of the case's file, and why edits came to nothing. If there are many at once, the
 /// first says what is wrong with the disk, the last how it stands now.
 std::vector<std::string> told(const Refusals& refused);
 

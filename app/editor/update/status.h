@@ -14,7 +14,7 @@ struct Status {
   bool warns = false;  ///< the running gesture was stopped before the surface would fold, or a frame is in doubt
 };
 
-/// What the last edit or the running gesture said, for as long as that is news; else what the hand can do now.
+/// The words of the last edit or of the running gesture, for as long as that is news; else what the hand can do now.
 /// `making_shown`: a template in the making stands in for the case's mesh.
 Status status_of(const EditorState& state, const Snapshot& snapshot, const Document& shown, bool making_shown = false);
 

@@ -6,9 +6,9 @@
 
 namespace homolog {
 
-/// What the case is called on the screen: as its file, else as its image.
+/// The name of the case on the screen: its file's, else its image's.
 std::string case_title(const Snapshot& snapshot);
-/// What the study is called; "No study" without one.
+/// The name of the study; "No study" without one.
 std::string study_title(const ModelsState& state);
 
 /// For the frame that the system draws around the window: what is open in the mode that is shown, whether edits of it

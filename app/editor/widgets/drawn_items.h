@@ -55,7 +55,7 @@ class DrawnItems {
 // takes anything down.
 
 bool notes_items();
-/// What is drawn up to leave_part() lies in the part of that name; `of` says what gave the name, where the case did.
+/// Everything drawn up to leave_part() lies in the part of that name; `of` says what gave the name, where the case did.
 void enter_part(const std::string& name, const char* of = nullptr);
 void leave_part();
 /// An item whose kind, name, value, tip, rectangles and state are set.

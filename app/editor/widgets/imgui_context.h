@@ -15,7 +15,7 @@ struct TypedNumber {
   std::string text, before;
 };
 
-/// What the controls remember from one frame to the next, beside what ImGui does. One in each ImGui context.
+/// The controls' memory from one frame to the next, beside what ImGui does. One in each ImGui context.
 struct ControlsMemory {
   std::set<unsigned> unknown_letters;  ///< that were to be shown and that no font has, code points
   std::uint64_t section_shown = 0;     ///< EditorState::section_wanted that the panel has scrolled to

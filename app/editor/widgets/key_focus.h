@@ -66,7 +66,7 @@ class KeyFocus {
   /// How far down the control nearest to a height of the window that is drawn now has moved on the screen since the
   /// frame before; of those that were seen and are still there. 0 where there is none.
   float moved_px(float at_px) const;
-  /// What is drawn now belongs to this group whatever its window; 0: to its window.
+  /// Puts what is drawn from now on into this group, whatever its window; 0: into its window's.
   void set_group(unsigned group) { drawn_group_ = group; }
   /// The keys cannot reach what is drawn now.
   void set_out_of_reach(bool out) { out_of_reach_ = out; }
@@ -104,7 +104,7 @@ class KeyFocus {
 /// Returns the focus of the current ImGui context.
 KeyFocus& key_focus();
 
-/// What is drawn while this lives is one group for the keys, whatever its windows.
+/// Everything drawn while this lives is one group for the keys, whatever its windows.
 class KeyGroup {
  public:
   explicit KeyGroup(const char* name);
@@ -113,7 +113,7 @@ class KeyGroup {
   KeyGroup& operator=(const KeyGroup&) = delete;
 };
 
-/// What is drawn while this lives cannot be reached by the keys: it has keys of its own.
+/// Things drawn while this lives cannot be reached by the keys: it has keys of its own.
 class OutOfKeysReach {
  public:
   OutOfKeysReach() { key_focus().set_out_of_reach(true); }

@@ -57,14 +57,14 @@ struct SliderRange {
 /// change is finished (the mouse let go, Enter pressed).
 bool slider(const Theme& theme, const char* label, double& value, const SliderRange& range, const std::string& tip,
             bool& released, const std::string& refusal = {});
-/// What a number may be, and what it is called. A number that is typed beyond them is refused with a sentence; one that
-/// is dragged stops there.
+/// The limits of a number, and what it is called. A number that is typed beyond them is refused with a sentence; one
+/// that is dragged stops there.
 struct NumberLimits {
   double low = 0, high = 1;
   std::string name;    ///< "Scale"
   bool whole = false;  ///< whole numbers only
 };
-/// A right-aligned number that is dragged sideways or typed. What is typed is taken when the typing ends: as it is, or
+/// A right-aligned number that is dragged sideways or typed. A typed value is taken when the typing ends: as it is, or
 /// not at all.
 bool number_field(const Theme& theme, const char* id, double& value, double per_px, const char* format,
                   const char* unit, float width_px, const std::string& tip, bool& released, float height_units,
@@ -82,7 +82,7 @@ bool field_left();
 bool combo(const Theme& theme, const char* name, const std::vector<std::string>& options, int& chosen,
            const std::vector<ImU32>& swatches = {});
 
-/// What happens in a place of the window that takes clicks.
+/// The state of a place of the window that takes clicks.
 struct AreaState {
   bool clicked = false, doubled = false, hovered = false;
 };

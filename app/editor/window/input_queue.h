@@ -25,7 +25,7 @@ struct KeyStroke {
 /// some frames after the key or click for it; what is typed meanwhile waits here.
 class InputQueue {
  public:
-  /// What a key does; true where a text field is to have it too.
+  /// The action of a key; true where a text field is to have it too.
   using Press = std::function<bool(const KeyStroke&)>;
 
   void press(const KeyStroke& stroke);
@@ -57,7 +57,7 @@ class InputQueue {
   struct Wheel {
     float steps = 0;
   };
-  /// What the frame that is being fed has had of the mouse.
+  /// The mouse's events that the frame being fed has had.
   struct Fed {
     bool moved = false, clicked = false, turned = false;
   };

@@ -27,7 +27,7 @@ class KeyPointer {
   using Act = std::variant<Move, Button, Wheel>;
 
   bool shown() const { return view_.has_value(); }
-  /// What a mouse would have done in place of the key; nothing where the key is not for the pointer.
+  /// The acts of a mouse in place of the key; none where the key is not for the pointer.
   std::optional<std::vector<Act>> press(const KeyStroke& stroke, const EditorApp& app);
   /// The button that it holds down, which is let go with that.
   std::optional<MouseButton> let_go() { return std::exchange(down_, std::nullopt); }

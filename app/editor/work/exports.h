@@ -13,7 +13,7 @@ namespace homolog {
 class Exports {
  public:
   using Write = std::function<Result<void>(Progress&)>;
-  /// What is to be done in the window once the file is written.
+  /// The work to do in the window once the file is written.
   using Then = std::function<void()>;
   struct Written {
     std::filesystem::path path;
@@ -33,10 +33,10 @@ class Exports {
   void start(const std::filesystem::path& path, Write write, Then then = {}, std::string remark = {});
   /// Gives up `path` where that is being written; those after it are written all the same.
   void cancel(const std::filesystem::path& path);
-  /// What is being written; its subject is the path.
+  /// The job that writes now; its subject is the path.
   std::optional<RunningJob> running() const { return worker_.running(); }
   bool busy() const { return worker_.busy(); }
-  /// What was done since the last call.
+  /// The files written since the last call.
   std::vector<Written> take();
   void finish() { worker_.finish(); }
 

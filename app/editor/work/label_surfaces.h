@@ -36,7 +36,7 @@ class LabelSurfaces {
   void want(std::optional<Wanted> wanted);
   /// Takes in what was made; true where there is something new to draw.
   bool update();
-  /// What is wanted; null while it is made, and where the frame lacks the label.
+  /// The surface that is wanted; null while it is made, and where the frame lacks the label.
   std::shared_ptr<const Mesh> shown() const;
   int label() const { return wanted_ ? wanted_->label : 0; }
   bool busy() const { return worker_.busy(); }

@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-/// What a propagation makes of each structure, by its id.
+/// The edit that a propagation makes of each structure, by its id.
 using StructureCines = std::vector<std::pair<std::string, CineEdit>>;
 
 /// Carries the meshes of a case's structures through its cine, on a thread of its own. Called from the window's thread

@@ -30,13 +30,13 @@ struct StructureFitShown {
   SetFitStep step = SetFitStep::waits;
 };
 
-/// What came of the fit of a set.
+/// The outcome of the fit of a set.
 struct SetFitted {
   std::shared_ptr<const SetOfTemplates> set;
   SetInMap subject;
   FittedSet fitted;
   std::vector<std::string> warnings;  ///< of the map
-  /// Where the map was repaired too, of each structure of the set, as RepairedFit has them; else both are empty.
+  /// One of each structure of the set where the map was repaired too, as RepairedFit has them; else both are empty.
   std::vector<std::string> found;
   std::vector<std::optional<Points>> as_read;
   std::vector<std::uint32_t> changes;  ///< of voxels, as the repair proposes them [voxel_changes]

@@ -14,7 +14,7 @@ namespace homolog {
 /// How a snap goes by the settings.
 SnapOptions snap_options_of(const SnapSettings& settings);
 
-/// A snap as the settings say. Where it fails, the mesh stays as it is and there is no error.
+/// A snap as the settings say. If it fails, the mesh stays as it is and there is no error.
 Compute snap_compute(const SnapArea& region, const SnapSettings& settings);
 
 /// Snaps the case's mesh to its image on the session's thread, each snap one edit. The latest wins: one that still
@@ -26,7 +26,7 @@ class Snaps {
              const std::string& of = {});
   void cancel();
   bool busy() const;
-  /// What the latest snap found, once.
+  /// The findings of the latest snap, once.
   std::optional<SnapFound> take();
 
  private:

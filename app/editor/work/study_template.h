@@ -13,7 +13,7 @@
 
 namespace homolog {
 
-/// What became of the template of a study's label maps.
+/// The outcome of making the template of a study's label maps.
 struct StudyTemplate {
   std::filesystem::path file;  ///< where it was written; empty: a label has to be chosen first
   std::size_t subjects = 0;

@@ -33,7 +33,7 @@ class TemplateMaker {
   double fraction() const { return worker_.fraction(); }
   /// Takes in the stages done since the last call; true where there are some.
   bool update();
-  /// What is being made, or was made last (a cancelled making leaves the one before it); null before the first.
+  /// The making that runs, or the last one (a cancelled making leaves the one before it); null before the first.
   std::shared_ptr<const TemplateMaking> latest() const { return now_ ? now_ : made_.empty() ? nullptr : made_.back(); }
   /// Goes back to the template made before; does nothing where there is none.
   void undo();

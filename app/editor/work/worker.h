@@ -17,7 +17,7 @@
 
 namespace homolog {
 
-/// What a worker is at, for a progress bar.
+/// The job that a worker is at, for a progress bar.
 struct RunningJob {
   std::string subject;
   double fraction = 0;

@@ -17,7 +17,7 @@
 
 namespace homolog {
 
-/// What the worklist did: made cases for the scans of a folder, or fitted one case.
+/// The work that the worklist did: it made cases for the scans of a folder, or fitted one case.
 struct WorklistDone {
   std::vector<StudyCase> added;
   std::string fitted;  ///< name of the case that was fitted, or could not be; empty: none
@@ -31,7 +31,7 @@ struct WorklistDone {
   std::vector<std::string> warnings;  ///< sentences
 };
 
-/// What the cases of scans begin with.
+/// The start of the cases of scans.
 struct CaseStart {
   std::filesystem::path cases;                   ///< folder of their files
   std::shared_ptr<const Template> the_template;  ///< null: that of `template_source`

@@ -16,7 +16,7 @@
 
 namespace homolog {
 
-/// What the verb `fit` is asked for.
+/// The job that the verb `fit` is asked for.
 struct FitJob {
   std::string template_source, orientation = "patient", parts;  ///< parts: empty where nobody said
   std::vector<std::filesystem::path> masks, meshes;
@@ -54,7 +54,7 @@ struct FitJob {
 /// --by-others the other cases count too, and each is one file of a folder. Errors: record_of's.
 Result<std::string> record_of_fit(const FitJob& options, const std::filesystem::path& path, Progress& progress);
 
-/// What all cases of a run share, read once.
+/// Data that all cases of a run share, read once.
 struct FitShared {
   std::shared_ptr<const Template> the_template;
   std::shared_ptr<const Template> template_of_file;  ///< the same, not mirrored
@@ -65,7 +65,7 @@ struct FitShared {
 /// Reads the template, the placement and the model. Errors: theirs.
 Result<FitShared> shared_of_fits(const FitJob& options);
 
-/// What was fitted to a case.
+/// The target that was fitted to a case.
 struct FittedTarget {
   FitResult fit;
   FitJudgement judgement;

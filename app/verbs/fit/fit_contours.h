@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// What was drawn of an organ.
+/// The drawn curves of an organ.
 struct DrawnOrgan {
   std::vector<DrawnContour> contours;
   std::vector<std::string> structures, warnings;

@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// What the verbs that look for the boundary in an image take.
+/// The arguments of the verbs that look for the boundary in an image.
 struct SnapArguments {
   int frame = 0;
   double reach_mm = 10, strength = 1;
@@ -23,7 +23,7 @@ void add_snap_arguments(CLI::App& verb, SnapArguments& arguments);
 /// Reads the cases that are done. Errors: unreadable, of different templates, not of `vertices`.
 Result<SnapOptions> snap_options(const SnapArguments& arguments, Eigen::Index vertices, Progress& progress);
 
-/// What a snap reports; `placed` is what turned triangles are counted against. Warnings name `path`.
+/// The report of a snap; `placed` is what turned triangles are counted against. Warnings name `path`.
 Report snap_report(const SnapResult& result, const Mesh& mesh, const Points& placed, const std::filesystem::path& path);
 
 }  // namespace homolog

@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// What `measure --recipe` is told.
+/// The arguments of `measure --recipe`.
 struct RecipeJob {
   std::vector<std::filesystem::path> files;
   bool all_frames = false;

@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-/// What is to be scored against a model, as it was asked for.
+/// The shapes to score against a model, as they were asked for.
 struct NewShapes {
   std::vector<std::filesystem::path> files;
   std::filesystem::path model;
@@ -35,8 +35,9 @@ struct NewShape {
 NewShapes with_maps_opened(NewShapes asked);
 
 /// All shapes, in the order in which they were named: a label map as `fit --model` fits the model's mean to it, an
-/// image as `fit --image --landmarks --model` does, a mesh or a case as it is. What cannot be read becomes a warning,
-/// and so does what looks wrong beside the model's mean. Errors: a model that nothing can be fitted with; cancelled.
+/// image as `fit --image --landmarks --model` does, a mesh or a case as it is. A shape that cannot be read becomes a
+/// warning, and so does what looks wrong beside the model's mean. Errors: a model that nothing can be fitted with;
+/// cancelled.
 Result<std::vector<NewShape>> read_new_shapes(const NewShapes& asked, const ShapeModel& model,
                                               std::vector<std::string>& warnings, Progress& progress);
 

@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-/// What `model` and `evaluate` are told of their training set.
+/// The arguments of `model` and `evaluate` on their training set.
 struct TrainingVerb {
   std::vector<std::filesystem::path> files;
   bool keep_scale = false, no_align = false;

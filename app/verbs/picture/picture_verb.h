@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-/// What the verbs of `picture` are told.
+/// The arguments of the verbs of `picture`.
 struct PictureVerb {
   std::vector<std::filesystem::path> in;
   std::filesystem::path out;

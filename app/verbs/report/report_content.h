@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-/// What `report` is told.
+/// The arguments of `report`.
 struct ReportVerb {
   TrainingVerb training;  ///< its files: shapes, studies, or one model
   std::filesystem::path out;

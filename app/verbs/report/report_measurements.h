@@ -8,8 +8,8 @@ namespace homolog {
 
 // What a recipe measures along the modes of a page's model.
 
-/// Measures the mean and the first modes of the content, which is otherwise whole. What the model lacks becomes a
-/// warning. Errors: those of the recipe and of the template; cancelled.
+/// Measures the mean and the first modes of the content, which is otherwise whole. A part that the model lacks becomes
+/// a warning. Errors: those of the recipe and of the template; cancelled.
 Result<void> measure_page(const ReportVerb& verb, PageContent& content, Progress& progress);
 
 /// For the page's plots: each measurement with its values and their texts, a row a mode.

@@ -13,7 +13,7 @@ namespace homolog {
 
 // What the verbs share that make templates of several structures.
 
-/// What `set make` and `set add` are asked for.
+/// The job that `set make` and `set add` are asked for.
 struct SetJob {
   std::vector<std::filesystem::path> maps;
   std::filesystem::path like, out;
@@ -23,7 +23,7 @@ struct SetJob {
   bool in_place = false;  ///< a set is changed, which then is no input any more that could be found
   GivenCommand command;
 
-  /// Where templates go: NAME beside NAME.set.json.
+  /// The folder that templates go to: NAME beside NAME.set.json.
   std::filesystem::path folder() const;
 };
 
@@ -42,12 +42,12 @@ struct SetInMaking {
   std::vector<std::string> warnings;
 };
 
-/// The structures that are asked for, of each map those that it has. Where all of a map are asked for, those are left
+/// The structures that are asked for, of each map those that it has. If all of a map are asked for, those are left
 /// out whose name two labels have, with a warning. Errors: a map that cannot be read, or is given twice; a label that
 /// no map has; two structures of one name that were asked for.
 Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, SetInMaking& making, Progress& progress);
 
-/// What a segment is called in the set.
+/// The name of a segment in the set.
 std::string name_in_set(const Segment& segment);
 
 /// A template that is not in the set yet, and what the report says of it.

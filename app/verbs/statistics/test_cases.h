@@ -13,7 +13,7 @@
 
 namespace homolog {
 
-/// What `test` is told of its cases.
+/// The arguments of `test` on its cases.
 struct TestCasesAsked {
   TrainingVerb shapes;
   std::filesystem::path covariates;  ///< empty: a study's own

@@ -11,7 +11,7 @@
 
 namespace homolog {
 
-/// What `test` is asked.
+/// The options of `test`.
 struct TestOptions {
   TestCasesAsked asked;
   std::string formula;
@@ -25,7 +25,7 @@ struct TestOptions {
   Sided sided = Sided::two;
 };
 
-/// What is computed with.
+/// The data that tests compute with.
 struct TestJob {
   TestOptions options;
   TestCases cases;
@@ -44,7 +44,7 @@ struct TestJob {
 /// formula that gives no column; no vertex of that number; permutations of other cases.
 Result<TestJob> test_job(const TestOptions& options, Progress& progress);
 
-/// The tests of all terms, of the job's responses or of some of them. Where `progress` is cancelled what is returned is
+/// The tests of all terms, of the job's responses or of some of them. If `progress` is cancelled, the result is worth
 /// nothing.
 LinearTest tests_of(const TestJob& job, const Eigen::MatrixXd& responses, Progress& progress);
 

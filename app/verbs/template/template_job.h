@@ -13,7 +13,7 @@
 
 namespace homolog {
 
-/// What the verb `template` is asked for.
+/// The job that the verb `template` is asked for.
 struct TemplateJob {
   std::filesystem::path in, out, landmarks;
   std::vector<std::filesystem::path> consensus, best_of;  ///< several subjects in place of `in`; a folder opens

@@ -9,7 +9,7 @@
 
 namespace homolog {
 
-/// What is said of a file whose record does not have the form that it should have; without the file's name.
+/// The error about a file whose record does not have the form that it should have; without the file's name.
 Error damaged_record();
 
 /// An input that a record names, and where it lies now.

@@ -6,7 +6,7 @@
 
 namespace homolog {
 
-/// What shows a measurement on its shape. Empty of one that is of no points: an area, a volume, a thickness.
+/// The lines that show a measurement on its shape. Empty of one that is of no points: an area, a volume, a thickness.
 struct MeasuredLines {
   std::vector<std::vector<Vec3>> lines;  ///< LPS mm, two points or more each
   Vec3 at = Vec3::Zero();                ///< beside which its value is written

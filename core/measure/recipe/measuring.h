@@ -25,7 +25,7 @@ struct MeasuredStructure {
   Regions regions;
 };
 
-/// What a recipe is applied to.
+/// The shape that a recipe is applied to.
 struct MeasuredShape {
   std::vector<MeasuredStructure> structures;  ///< at least one
   const Volume* image = nullptr;              ///< what is sampled along normals; null: there is none
@@ -75,7 +75,7 @@ struct SectionValue {
 using StepValue =
     std::variant<Vec3, LineValue, FittedPlane, FittedSphere, CylinderValue, PartValue, SectionValue, double>;
 
-/// What is computed of a surface when it is first needed.
+/// A surface with figures that are computed when they are first needed.
 class MeasuredSurface {
  public:
   explicit MeasuredSurface(const MeasuredStructure& structure) : structure_(&structure) {}

@@ -12,7 +12,7 @@ namespace homolog {
 
 // Measurements by name: what is measured of a shape, written once as JSON (docs/recipes.md).
 
-/// What a step of a recipe gives. One bit each, so that a member can take several.
+/// The kinds of thing that a step of a recipe gives. One bit each, so that a member can take several.
 enum class Gives : unsigned {
   point = 1,
   line = 2,
@@ -26,7 +26,7 @@ enum class Gives : unsigned {
 
 struct StepKind;  // step_kinds.h
 
-/// What a step is given under one key.
+/// The input of a step under one key.
 struct StepGiven {
   std::vector<std::size_t> steps;  ///< other steps of the recipe, by their place in it
   std::vector<double> numbers;     ///< where there is a step too: times its value

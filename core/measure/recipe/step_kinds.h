@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// What stands under a key of a step.
+/// The kind of value under a key of a step.
 enum class Takes {
   steps,    ///< elements, by name or written in their place
   number,   ///< plain

@@ -16,9 +16,9 @@ class PolygonCutter {
   explicit PolygonCutter(const Points& points) : points_(points) {}
 
   /// `fan` holds the n − 2 triangles (a, b, c), (a, c, d), … of a polygon a, b, c, d, …. They stay where all of them
-  /// look the same way; else other n − 2 triangles take their place. What has no inside (an outline that crosses
-  /// itself, no area, corners that no point belongs to) stays a fan as far as no ear is found. False where all polygons
-  /// together would take long: nothing is changed then.
+  /// look the same way; else other n − 2 triangles take their place. A polygon that has no inside (an outline that
+  /// crosses itself, no area, corners that no point belongs to) stays a fan as far as no ear is found. False where all
+  /// polygons together would take long: nothing is changed then.
   bool cut(std::span<std::int32_t> fan);
 
  private:

@@ -8,8 +8,8 @@
 
 namespace homolog::formats {
 
-/// What a mesh file says of the space that its coordinates are in. 3D Slicer and others write SPACE=LPS or SPACE=RAS
-/// into a title or a comment, and VTK a field of that name.
+/// The names by which a mesh file says in which space its coordinates are. 3D Slicer and others write SPACE=LPS or
+/// SPACE=RAS into a title or a comment, and VTK a field of that name.
 class SpaceNames {
  public:
   /// Takes every "SPACE=NAME" of a title or comment. False where there is none.

@@ -13,7 +13,7 @@
 /// Files that hold elements of several kinds: VTU and MSH.
 namespace homolog::formats {
 
-/// Where in a file the coordinates of some of its points lie.
+/// The place in a file of the coordinates of some of its points.
 struct PointsPlace {
   std::size_t at = 0, length = 0;     ///< bytes
   Eigen::Index first = 0, count = 0;  ///< points
@@ -21,7 +21,7 @@ struct PointsPlace {
 /// How they are written there: as the node <Points> of VTK's XML, as text, or as numbers of double precision.
 enum class PointsForm { vtk_xml, text, little_endian, big_endian };
 
-/// What such a file holds, as it stands there.
+/// The content of such a file, as it stands there.
 struct VolumeCells {
   std::vector<double> coordinates;
   Faces faces;

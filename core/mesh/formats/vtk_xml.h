@@ -35,11 +35,11 @@ class VtkXml {
   Result<std::vector<To>> array(pugi::xml_node node);
   /// Appends the points of a piece.
   Result<void> add_points(pugi::xml_node piece, std::vector<double>& coordinates);
-  /// Keeps the arrays of one value a vertex. Where there are several pieces, an array counts that each of them has.
+  /// Keeps the arrays of one value a vertex. If there are several pieces, an array counts that each of them has.
   void add_vertex_arrays(pugi::xml_node piece, std::int64_t first_vertex);
   /// Those that have a value for each of `vertices` vertices.
   std::map<std::string, VertexScalars> vertex_values(Eigen::Index vertices) const;
-  /// What the file says of its space.
+  /// The space that the file names.
   Result<SpaceNames> space();
 
  private:

@@ -21,9 +21,10 @@ void draw_observers_section(const UiContext& ui, Outbox& out);
 void draw_suspicion_section(const UiContext& ui, Outbox& out);
 void draw_study_pictures_section(const UiContext& ui, Outbox& out);
 
-/// What files made of the study are called after.
+/// The name that files made of the study are called after.
 std::string study_stem(const ModelsState& state);
-/// What a button says that writes what is shown, after its own tip: nothing, or that the shapes are the optimised ones.
+/// The words of a button that writes what is shown, after its own tip: nothing, or that the shapes are the optimised
+/// ones.
 std::string of_optimised(const ModelsState& state);
 
 }  // namespace homolog

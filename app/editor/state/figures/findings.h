@@ -33,9 +33,9 @@ struct Finding {
 using FacePair = std::array<std::int32_t, 2>;
 /// The findings of a kind among these faces: large ones first; thin ones the thinnest first.
 std::vector<Finding> findings_of(FindingKind kind, const Mesh& mesh, const std::vector<FacePair>& pairs);
-/// Where the confidence (one a vertex, 0…1) is below `unclear_below`; large ones first.
+/// Places where the confidence (one a vertex, 0…1) is below `unclear_below`; large ones first.
 std::vector<Finding> unclear_edges(const Mesh& mesh, const VertexScalars& confidence);
-/// Where the doubt (mm, one a vertex) is above `most_mm`; large ones first.
+/// Places where the doubt (mm, one a vertex) is above `most_mm`; large ones first.
 std::vector<Finding> doubtful_places(const Mesh& mesh, const VertexScalars& doubt_mm, double most_mm);
 
 /// One that is looked at, and marked in all views.

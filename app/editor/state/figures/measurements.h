@@ -22,7 +22,7 @@ struct Measurements {
   std::set<std::string> drawn;           ///< the measurements that are drawn on the mesh, by their names
 };
 
-/// What a recipe gives of a mesh: for each of its measurements, in their order.
+/// The measurements that a recipe gives of a mesh: for each of its measurements, in their order.
 struct ShapeMeasurements {
   std::shared_ptr<const Recipe> recipe;
   std::vector<MeasuredNumber> numbers;

@@ -44,7 +44,7 @@ struct FileBrowser {
 
   /// The folder whose entries are listed.
   const std::filesystem::path& listed_folder() const { return typed_folder.empty() ? folder : typed_folder; }
-  /// What of the typed name the entries are filtered by: of a path what is behind its last "/".
+  /// The part of the typed name that the entries are filtered by: of a path what is behind its last "/".
   std::string filter() const { return name.substr(name.rfind('/') + 1); }
   /// Indices of the entries that the filter leaves: those that hold it, in any case.
   std::vector<int> visible() const;

@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// Where the parts of the Models mode lie.
+/// The places of the parts of the Models mode.
 struct ModelsLayout {
   RectPx cases, gallery_header, gallery, model_header, model, panel;
 };

@@ -39,7 +39,7 @@ struct CaseTextEdit {
   std::string text;
 };
 
-/// Where the study in hand is kept, and the counts that tell what has to follow it.
+/// The place where the study in hand is kept, and the counts that tell what has to follow it.
 struct StudyKept {
   std::filesystem::path file;         ///< written at every change; empty before the first case
   std::uint64_t number = 0;           ///< counts the studies that were opened
@@ -61,7 +61,7 @@ struct CaseList {
 struct StudyShapes {
   ReadFiles files;       ///< the cases' files as they were read
   ShapesOfStudy fitted;  ///< the shapes of those files
-  /// What is shown, measured and written: the fitted shapes, or the optimised ones in place of those.
+  /// The shapes that are shown, measured and written: the fitted shapes, or the optimised ones in place of those.
   std::map<std::string, std::shared_ptr<const MeshFile>> shown;
   std::map<std::string, ShapeSizes> sizes;
   std::vector<std::string> mirrored;  ///< cases that are mirror images of most others
@@ -97,7 +97,7 @@ struct GalleryLook {
   bool focused = false;                ///< every cell looks at the pinned vertex
 };
 
-/// What the view of the model shows.
+/// The content of the model's view.
 struct ModelView {
   std::vector<double> deviations;  ///< coefficients of the shape that is shown, in standard deviations
   bool all_modes = false;          ///< a slider for each, not the first few alone
@@ -108,7 +108,7 @@ struct ModelView {
   std::array<std::string, 2> compared;  ///< groups: from, to
 };
 
-/// What runs for the study, and how far it is.
+/// The work that runs for the study, and how far it is.
 struct StudyRuns {
   bool modelling = false;
   double modelling_fraction = 0;
@@ -121,7 +121,7 @@ struct StudyRuns {
   double listing_fraction = 0;
 };
 
-/// What the Models mode remembers. Changed by the functions below; drawing reads it as const.
+/// The state of the Models mode. Changed by the functions below; drawing reads it as const.
 struct ModelsState {
   bool shown = false;  ///< instead of the case's views
   Study study;

@@ -48,7 +48,7 @@ struct StudyModel {
   std::vector<Eigen::Index> of_group(const std::string& group) const;
 };
 
-/// What is suspicious within the shapes of a model: it takes longer than the model, and is found after it.
+/// Suspicious places and shapes among the shapes of a model: they take longer than the model, and are found after it.
 struct Suspicions {
   std::vector<std::string> doubts;  ///< of each shape: what is known against it [doubt_of_shape]; empty: nothing
   std::vector<SuspiciousVertex> vertices;

@@ -9,13 +9,13 @@
 
 namespace homolog {
 
-/// What is optimised: the shapes of a study, and how its model aligns them.
+/// The input of an optimisation: the shapes of a study, and how its model aligns them.
 struct StudyToOptimise {
   ShapesOfStudy fitted;  ///< with a model
   Alignment alignment = Alignment::similarity;
 };
 
-/// What came of it.
+/// The result of an optimisation.
 struct OptimisedStudy {
   ShapesOfStudy shapes;  ///< of the cases in the model
   SetFigures before, after;

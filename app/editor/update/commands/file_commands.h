@@ -24,7 +24,7 @@ struct OpenFiles {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
-/// What the commands to open something come down to.
+/// The command that the commands to open something come down to.
 struct OpenRequested {
   static constexpr const char* key = "open";
   static constexpr Logged logged = Logged::when_done;

@@ -122,7 +122,7 @@ struct CancelSetFit {
   static constexpr Logged logged = Logged::never;  ///< a fit that was given up is not logged either
   void run(Editing& editing) const;
 };
-/// What the list does not show any more is chosen no more either.
+/// A structure that the list does not show any more is chosen no more either.
 struct FilterStructures {
   static constexpr const char* key = "filter structures";
   std::string text;

@@ -56,7 +56,7 @@ struct SnapWithStrokes {
   void run(EditorState& state) const;
 };
 
-/// What Escape does in the views: gives a drag up, else removes the ruler, else shows all four views again.
+/// Escape in the views: it gives a drag up, else removes the ruler, else shows all four views again.
 struct Escape {
   static constexpr const char* key = "escape";
   void run(EditorState& state, const ControlsContext& context, Outbox& out) const;

@@ -10,10 +10,10 @@ namespace homolog {
 
 /// Whether a stroke with this tool moves the boundary. A snap and the model's help, where they are on, follow it.
 bool moves_boundary(Tool tool);
-/// What a stroke moves: its falloff, spread by the stiffness.
+/// The area that a stroke moves: its falloff, spread by the stiffness.
 SnapArea snap_region(const ShapeView& shown, const Stroke& stroke);
 
-/// What carries on from an edit while it is previewed.
+/// The computations that carry on from an edit while it is previewed.
 std::vector<Compute> assistance(const Editing& editing, const Action& action);
 
 void cancel_fit(Editing& editing);

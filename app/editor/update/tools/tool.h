@@ -23,7 +23,7 @@ struct Press {
   std::optional<ShapeView> shape() const { return context.shape(); }
   ViewMap map() const { return view_map(state, context.layout, document(), hover.view); }
   bool in_space() const { return hover.view == ViewKind::space; }
-  /// What is taken hold of belongs to the frame that is shown.
+  /// Keeps to the frame that is shown: the thing taken hold of belongs to it.
   void stay_at_frame() const {
     if (state.look.playing) out.send(PlayFrames{false});
   }
@@ -43,7 +43,7 @@ struct DragStep {
   Outbox& out;
 
   ViewMap map(ViewKind kind) const { return view_map(state, context.layout, context.document, kind); }
-  /// What the pointer is over in the drag's view; nothing outside it.
+  /// The point that the pointer is over in the drag's view; nothing outside it.
   std::optional<Vec3> over(ViewKind kind) const {
     return state.pointer.hover && state.pointer.hover->view == kind ? state.pointer.hover->p_mm : std::nullopt;
   }
@@ -51,7 +51,8 @@ struct DragStep {
 
 enum class PointerShape { arrow, hand, move, scale };
 
-/// What is drawn in the views while a tool is in hand. The interface draws it (interface/marks/view_marks.cpp).
+/// The marks that are drawn in the views while a tool is in hand. The interface draws it
+/// (interface/marks/view_marks.cpp).
 enum class ToolMarks {
   none,
   sigma_ring,    ///< the point of the mesh that a press would take hold of, with σ around it
@@ -79,13 +80,13 @@ struct ToolKind {
 
   ToolMarks marks = ToolMarks::none;
   PointerShape (*cursor)(const EditorState& state) = hand_over_mesh;
-  /// What the status line says while it is in hand and the case has a mesh.
+  /// The status line's words while it is in hand and the case has a mesh.
   std::string (*hint)(const EditorState& state, const Document& shown) = nullptr;
 
   std::optional<Tool> stroke = {};  ///< the gesture that its drags make; none: they are no strokes
   /// Whether its drags act on what lies under the pointer then, so that this is looked up at every step.
   bool follows_mesh = false;
-  /// What a press begins: a drag, or a click that is held. False where there is nothing for it.
+  /// Begins what a press asks for: a drag, or a click that is held. False where there is nothing for it.
   bool (*begin)(const Press& press) = nullptr;
   /// The drag goes on; null for a tool that makes none.
   void (*move)(const DragStep& step) = nullptr;
@@ -97,7 +98,7 @@ struct ToolKind {
   void (*finish)(EditorState& state) = [](EditorState&) {};
   /// The drag is given up, and its preview was taken back.
   void (*cancel)(EditorState& state) = [](EditorState&) {};
-  /// What follows from an edit that the tool made.
+  /// Does what follows from an edit that the tool made.
   void (*follow)(EditorState& state, const Action& action, const ControlsContext& context,
                  Outbox& out) = [](EditorState&, const Action&, const ControlsContext&, Outbox&) {};
 };

@@ -22,7 +22,7 @@ struct ContourFitJob {
   bool goes_on = false;                  ///< see fit_shape_to_contours
 };
 
-/// The mesh to the contours alone, for a preview. Where that fails, the mesh stays as it is and there is no error.
+/// The mesh to the contours alone, for a preview. If that fails, the mesh stays as it is and there is no error.
 Compute contour_compute();
 
 /// Fits the case's mesh to its contours on the session's thread, each fit one edit. The latest wins: one that still
@@ -34,7 +34,7 @@ class ContourFits {
   void cancel();
   bool busy() const;
   double fraction() const;
-  /// What the latest fit came to, once.
+  /// The outcome of the latest fit, once.
   std::optional<ContoursFitted> take();
 
  private:

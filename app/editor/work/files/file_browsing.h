@@ -18,7 +18,7 @@ FileBrowser browse(FileKind kind, const std::filesystem::path& folder, std::stri
 /// Goes to another folder and reads it.
 void enter_folder(FileBrowser& browser, const std::filesystem::path& folder);
 void refresh(FileBrowser& browser);
-/// Takes a name as it is typed: filters the list when opening. Where a path is typed, its folder is listed, if there is
+/// Takes a name as it is typed: filters the list when opening. If a path is typed, its folder is listed, if there is
 /// such a one.
 void type_name(FileBrowser& browser, const std::string& name);
 /// Makes the folder whose name was typed in the one that is shown, and goes there; says in `error` where that fails.
@@ -27,7 +27,7 @@ void make_folder(FileBrowser& browser);
 /// `extends`: the selection grows by the files on the way.
 void press_key(FileBrowser& browser, BrowserKey key, bool extends = false);
 
-/// What accepting gives: a chosen path, or nothing where a folder was entered instead (or nothing is chosen).
+/// The result of accepting: a chosen path, or nothing where a folder was entered instead (or nothing is chosen).
 /// When saving, only the typed name counts (choosing a file copies its name), and the kind's extension is added
 /// where it has none that fits.
 std::optional<std::filesystem::path> accept(FileBrowser& browser);

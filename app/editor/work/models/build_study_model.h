@@ -48,8 +48,8 @@ Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std:
 
 /// Why a person has to look at meshes, of those that were asked for before [doubt_of_shape].
 using KnownDoubts = std::map<std::shared_ptr<const MeshFile>, std::string>;
-/// What is suspicious in a model whose shapes were read as `meshes`, one for each; null where it is not known. `known`
-/// becomes what is known of these. Errors: cancelled.
+/// Finds what is suspicious in a model whose shapes were read as `meshes`, one for each; null where it is not known.
+/// `known` becomes what is known of these. Errors: cancelled.
 Result<Suspicions> find_suspicions(const StudyModel& model, const std::vector<std::shared_ptr<const MeshFile>>& meshes,
                                    KnownDoubts& known, Progress& progress);
 

@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-/// What the organ's boundary looks like in the cases of a study that are done: their images are read again for it.
+/// The look of the organ's boundary in the cases of a study that are done: their images are read again for it.
 struct LearnedAppearance {
   std::shared_ptr<const Appearance> appearance;  ///< null where no case could be learned from
   int cases = 0;

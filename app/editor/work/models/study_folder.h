@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// Where studies that were not given a place lie.
+/// The folder of studies that were not given a place.
 std::filesystem::path studies_folder();
 /// Subjects of a phantom study as in the paper: 10 vertebrae, 16 kidneys, the 20 phases of one ventricle.
 int phantom_shapes(Organ organ);

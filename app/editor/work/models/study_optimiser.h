@@ -19,7 +19,7 @@ class StudyOptimiser {
   /// `wake` is called from the thread after each round.
   explicit StudyOptimiser(std::function<void()> wake) : wake_(wake), work_(std::move(wake)) {}
 
-  /// The study's model must have faces. What ran before is given up.
+  /// The study's model must have faces. A run before it is given up.
   void start(std::shared_ptr<const StudyToOptimise> study);
   void cancel() { work_.cancel(); }
   bool busy() const { return work_.busy(); }

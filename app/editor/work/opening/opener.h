@@ -50,9 +50,9 @@ class Opener {
   void start(OpenRequest request, std::shared_ptr<const Volume> on_screen = nullptr);
   void cancel() { worker_.cancel(); }
   bool busy() const { return worker_.busy(); }
-  /// What is being opened; its subject is "ct.nii.gz".
+  /// The job that opens a file now; its subject is "ct.nii.gz".
   std::optional<RunningJob> running() const { return worker_.running(); }
-  /// What was opened, or why it was not; once.
+  /// The opened files, or why they were not opened; once.
   std::optional<Result<Opened>> take() { return worker_.take(); }
   void finish() { worker_.finish(); }
 

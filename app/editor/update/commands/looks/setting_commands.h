@@ -52,7 +52,7 @@ using SetTemplate = Setting<"set template", "", &EditorState::automatic, &Automa
 /// A stage of a template's making; none: the last one.
 using ShowTemplateStage = Setting<"show stage", "stage", &EditorState::look, &Look::shown_stage>;
 
-/// What says where the boundary lies between the contours.
+/// The source that says where the boundary lies between the contours.
 using SetBetweenContours =
     Setting<"set between contours", "between", &EditorState::automatic, &Automatic::between_contours>;
 /// Offers no file of contours any more.
@@ -65,7 +65,7 @@ using ScoreByFile = Setting<"score by file", "file", &EditorState::scoring, &Sco
 
 /// Which frames of a cine the next exports write: all that have a mesh, or the one that is shown.
 using ExportAllFrames = Setting<"export all frames", "all", &EditorState::saving, &Saving::export_all_frames>;
-/// What a picture that is saved shows.
+/// The content of a picture that is saved.
 using SetPicture = Setting<"set picture", "", &EditorState::saving, &Saving::picture>;
 
 // Dialogs.
@@ -114,7 +114,7 @@ using ShowGalleryPage = Call<"show gallery page", "page", show_gallery_page, &Ed
 using LetGoOfGallery =
     Clearing<"let go of gallery", &EditorState::models, &ModelsState::gallery, &GalleryLook::turning>;
 using ZoomGallery = Call<"zoom gallery", "steps", zoom_gallery, &EditorState::models>;
-/// What the pointer is over.
+/// The vertex that the pointer is over.
 using PointAtVertex = SettingLogged<Logged::never, "point at vertex", "", &EditorState::models, &ModelsState::gallery,
                                     &GalleryLook::hover>;
 using ShowGalleryGlyphs =

@@ -14,7 +14,7 @@ struct PageBox {
   double x = 0, y = 0, width = 0, height = 0;
 };
 
-/// The range and ticks of an axis, and its title with the unit.
+/// The range of an axis, and its title with the unit.
 struct PlotAxis {
   std::string title;
   double low = 0, high = 1;

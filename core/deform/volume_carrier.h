@@ -35,7 +35,8 @@ class VolumeCarrier {
   Result<CarriedVolume> carry(const Points& shape, Progress* progress) const;
 
   double least() const { return least_; }  ///< scaled Jacobian of the mesh that was brought
-  /// The least that a carried mesh has: 0.2, or 0.8 of the least of the mesh that was brought where that is less.
+  /// The least scaled Jacobian that a carried mesh is to have: 0.2, or 0.8 of the least of the mesh that was brought
+  /// where that is less.
   double asked() const;
   double edge_mm() const;                    ///< how long an edge of a regular element of mean volume is
   double off_mm() const { return off_mm_; }  ///< how far a point of the outside lies from the template at most

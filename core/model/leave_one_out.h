@@ -4,7 +4,7 @@
 
 namespace homolog {
 
-/// The fate of one shape y whose model is built from all others: that model's axes, in the coordinates of the
+/// One shape y against the model that is built from all others: that model's axes, in the coordinates of the
 /// whole set's components, and how much of y each of them holds.
 ///
 /// Leaving shape i out takes ρ z zᵀ off the diagonal scatter D of the whole set, ρ = M/(M−1), z its coefficients. The

@@ -135,8 +135,8 @@ constexpr Eigen::Index block_numbers(int width, int rows) {
   return width * (width + 1) / 2 + Eigen::Index{width} * rows;
 }
 
-/// L y = x for a block of pivots whose numbers are at `l` and whose x, y and z are at `own`. Their share of the `rows`
-/// rows below is subtracted there: row i is at x[place[i]].
+/// L y = x for a block of pivots whose numbers are at `l` and whose x, y and z are at `own`. The part that they take
+/// from the `rows` rows below is subtracted there: row i is at x[place[i]].
 template <int Width>
 inline void forward(const double* l, const int* place, int rows, Lanes* own, Lanes* x) {
   Lanes pivots[Width];

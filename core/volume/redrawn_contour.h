@@ -20,7 +20,7 @@ PlaceOnContour nearest_place(const Contour& curve, const Vec3& p);
 
 /// A curve of which somebody drew a part anew: `stroke`, points in the curve's plane, LPS mm, takes the place of what
 /// lies between where it begins and where it ends. Both must lie within `near_mm` of the curve; there it runs into the
-/// curve. Of a closed curve, the larger area stays. From one end of an open curve to the other the stroke closes
+/// curve. The larger area of a closed curve stays. From one end of an open curve to the other the stroke closes
 /// it. Which way the curve runs stays. None: the stroke begins or ends elsewhere.
 std::optional<Contour> redrawn_contour(const Contour& curve, const std::vector<Vec3>& stroke, double near_mm);
 

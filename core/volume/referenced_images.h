@@ -17,7 +17,7 @@ std::optional<std::string> other_images(const std::filesystem::path& path, const
                                         const std::string& image, const std::string& series_uid,
                                         const std::vector<SourceImage>& images);
 
-/// Checks a segmentation or contours (`path`) before they are used with an image: the warning that they were
+/// Checks a segmentation or contours (`path`) before they are used with an image. Returns the warning that they were
 /// made on other images of the same space, as `other_images` says it, or are of another study and name none; nothing
 /// where all is well. Errors: they are of another frame of reference than the image; one that says none is taken for
 /// the same. `how`: behind "give the series that it was drawn on".

@@ -6,7 +6,7 @@ namespace homolog {
 
 /// Width of the cards: they lie beside the side panel, over the views.
 float card_width(const UiContext& ui);
-/// The height at which a card begins that hangs from the views' upper edge.
+/// The upper edge of a card that hangs from the views' upper edge.
 float top_of_cards(const UiContext& ui);
 /// A card at the right of the views, above `bottom_px`, which end_card() raises to the card's upper edge. Height 0 fits
 /// what is in it, a frame late: a text that grows is cut meanwhile.

@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-/// The files to open; empty parts are not asked for.
+/// A request to open files; empty parts are not asked for.
 struct OpenRequest {
   std::filesystem::path case_file;
   std::string volume_source;  ///< beside a case: where its image lies now

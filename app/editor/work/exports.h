@@ -36,7 +36,7 @@ class Exports {
   /// The job that writes now; its subject is the path.
   std::optional<RunningJob> running() const { return worker_.running(); }
   bool busy() const { return worker_.busy(); }
-  /// The files written since the last call.
+  /// The writing done since the last call.
   std::vector<Written> take();
   void finish() { worker_.finish(); }
 

@@ -31,7 +31,7 @@ struct WorklistDone {
   std::vector<std::string> warnings;  ///< sentences
 };
 
-/// The start of the cases of scans.
+/// The things that cases of scans begin with.
 struct CaseStart {
   std::filesystem::path cases;                   ///< folder of their files
   std::shared_ptr<const Template> the_template;  ///< null: that of `template_source`

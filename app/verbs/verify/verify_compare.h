@@ -18,7 +18,7 @@ struct FileDifference {
   std::optional<std::size_t> lines_since{};  ///< of a case: how many came behind those of the verb that began it
 };
 
-/// Compares all that carries a record. A record that names other files may name them at other places, as long as they
+/// Compares all that carries a record. A file that names other files may name them at other places, as long as they
 /// hold the same. A case may have gone on: then its first lines count, and all are played, which has to give what its
 /// checkpoints say. Errors: one of them cannot be read or played, cancelled.
 Result<FileDifference> difference_of_files(const std::filesystem::path& file, const std::filesystem::path& anew,

@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-/// The segments and frames that a DICOM segmentation names, before its pixels are read.
+/// The segments and frames of a DICOM segmentation, known before its pixels are read.
 struct SegmentFrames {
   enum class Kind { binary, fractional, label_map };
   Kind kind = Kind::binary;

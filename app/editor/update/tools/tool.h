@@ -23,7 +23,7 @@ struct Press {
   std::optional<ShapeView> shape() const { return context.shape(); }
   ViewMap map() const { return view_map(state, context.layout, document(), hover.view); }
   bool in_space() const { return hover.view == ViewKind::space; }
-  /// Keeps to the frame that is shown: the thing taken hold of belongs to it.
+  /// Stops the frames from playing: a drag belongs to the frame that is shown.
   void stay_at_frame() const {
     if (state.look.playing) out.send(PlayFrames{false});
   }

@@ -26,7 +26,7 @@ class Recovery {
   };
   /// Counts the edits of what was found: reads the files whole, so only where somebody looks at the figures.
   void count(Found found);
-  /// The cases found, or counted; once. Errors: the folder cannot be read.
+  /// The unsaved cases found, or their edits counted; once. Errors: the folder cannot be read.
   std::optional<Result<Found>> take() { return work_.take(); }
   void finish() { work_.finish(); }
 

@@ -1,5 +1,6 @@
 #include "core/adapt/label_fit.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/adapt/likeliest_part.h"
@@ -63,7 +64,10 @@ Result<LabelFit> fit_to_label(const Template& the_template, const MapLabel& targ
     more.better->boundary.warnings = std::move(taken.boundary.warnings);
     taken = std::move(*more.better);
   } else if (!more.tried.empty()) {
-    taken.judgement.warnings.push_back(tried_in_vain(more.tried));
+    // The last one is the reason of the doubt [reason_of_doubt], and the boundary's come first.
+    auto& said = taken.judgement.warnings;
+    const auto first = std::ssize(taken.boundary.warnings);
+    said.insert(said.begin() + std::max(first, std::ssize(said) - 1), tried_in_vain(more.tried));
   }
   return LabelFit{
       std::move(taken.boundary), std::move(taken.fit), std::move(taken.judgement), taken.closing_mm, widened,

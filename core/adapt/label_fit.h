@@ -10,7 +10,7 @@
 
 namespace homolog {
 
-// The automatic fit to a label of a label map, as the command line, the window and Python do it.
+// The automatic fit to a label of a label map, as all that fit to label maps do it.
 
 /// A label that a template is fitted to.
 struct MapLabel {

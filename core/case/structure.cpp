@@ -47,6 +47,7 @@ MeshFile to_mesh_file(const ShapeView& view, bool of_cine) {
   MeshFile file = painted_template(view.structure);
   file.points = *shape.points;
   file.comments.clear();
+  if (const auto& faced = view.the_template().faced) file.comments.push_back(faced_comment(*faced));
   if (const double share = missing_share_of(view.the_template(), shape); share > 0)
     file.comments.push_back(missing_share_comment(share));
   file.landmarks.clear();

@@ -125,7 +125,8 @@ std::vector<std::pair<std::vector<std::int32_t>, double>> patches_with_areas(con
 
 /// Small patches that would be cut out stay: they are holes, as between two valves, and no openings.
 void keep_holes(const Mesh& surface, VertexScalars& values) {
-  constexpr double hole_share = 0.05;  // of the largest patch; an outflow has a quarter of its ventricle's inflow
+  // Of the largest opening, or of what stays if that is less. An outflow has a quarter of its ventricle's inflow.
+  constexpr double hole_share = 0.05;
   const VertexScalars area_mm2 = areas_mm2(surface);
   const auto largest = [](const auto& patches) {
     double most = 0;
@@ -164,7 +165,18 @@ Result<Mesh> faced_part(const Mesh& surface, const Volume& labels, int label, in
   };
   if (!part) return fails(faced.kept);
   if (part->topology->closed()) return fails(!faced.kept);
-  return largest_part(*part);
+  return *part;
+}
+
+std::optional<std::string> take_largest_piece(Mesh& part, int label) {
+  constexpr double hardly_any = 0.01;
+  const double whole_mm2 = surface_area_mm2(part);
+  part = largest_part(part);
+  const double left_out = 1 - surface_area_mm2(part) / whole_mm2;
+  if (left_out < hardly_any) return std::nullopt;
+  return "of the part of " + label_name(label) +
+         " that the named labels tell, the largest piece was taken; other pieces (" +
+         std::to_string(std::lround(100 * left_out)) + " % of its area) are left out";
 }
 
 }  // namespace homolog

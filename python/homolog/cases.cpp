@@ -261,7 +261,10 @@ py::dict fit_into(HeldCase& self, const py::object& given, const py::object& ask
         fit_to_label(the_template, target,
                      {.closing_mm = closing_mm, .kept_closing_mm = closing_kept_with(the_template.source)}, options);
     if (!found) return fail(name, mask->named(found.error().what));
-    found->judgement.warnings = mask->named(std::move(found->judgement.warnings));
+    auto& said = found->judgement.warnings;
+    said = mask->named(std::move(said));
+    // What reading the map said was said then.
+    said.insert(said.begin(), mask->warnings.begin() + std::ssize(labels->read->warnings), mask->warnings.end());
     return found;
   });
   warn(fitted.judgement.warnings);

@@ -71,6 +71,8 @@ void draw_part_settings(const UiContext& ui, int label, TemplateSettings& settin
   std::vector<int> others{0};
   std::ranges::copy_if(ui.labels().values, std::back_inserter(others), [&](int value) { return value != label; });
   auto& faced = settings.faced.values;
+  // What another map had is forgotten.
+  std::erase_if(faced, [&](int value) { return std::ranges::find(others, value) == others.end(); });
   ImGui::BeginChild("faced", {0, theme.px(row) * static_cast<float>(std::min(most_rows, others.size()))});
   for (const int value : others) {
     const Part part("faced");
@@ -274,11 +276,13 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   const float width = ImGui::GetContentRegionAvail().x;
   const auto making = ui.work.template_maker.latest();
   const bool busy = ui.work.template_maker.busy();
-  const std::string refusal = busy                                             ? "The template is being made."
-                              : !ui.labels().volume                            ? "Open a label map first."
-                              : ui.labels().values.empty()                     ? "The label map is empty."
-                              : settings.part && settings.faced.values.empty() ? "Choose what the part faces first."
-                                                                               : "";
+  const bool is_part = settings.part && !settings.tube;
+  const std::string refusal = busy                                       ? "The template is being made."
+                              : !ui.labels().volume                      ? "Open a label map first."
+                              : ui.labels().values.empty()               ? "The label map is empty."
+                              : is_part && settings.all_labels           ? "A part is of one label. Choose one."
+                              : is_part && settings.faced.values.empty() ? "Choose what the part faces first."
+                                                                         : "";
   if (button(theme, "Make the template", "You see each stage in the views", refusal, width, !making || !making->mesh)) {
     settings.label = label;
     out.send(MakeTemplate{settings, settings.axis_by_ruler ? ui.state.hand.ruler : std::nullopt});
@@ -287,14 +291,17 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
     if (button(theme, format("Make it of the study's %zu maps\xe2\x80\xa6", maps),
                "The mean shape of all label maps of the study, which no single subject decides. Cases that wait begin "
                "with it",
-               ui.state.models.runs.listing ? "The study's cases are in work." : "", width))
+               ui.state.models.runs.listing ? "The study's cases are in work."
+               : is_part                    ? "A template of a study is of whole organs. Choose Organ."
+                                            : "",
+               width))
       out.send(ShowFileDialog{FilePurpose::make_study_template, study_stem(ui.state.models) + "-template.ply"});
   }
   std::optional<WorkShown> running;
   if (busy) running = {"Making the template", ui.work.template_maker.fraction(), "Stops after this stage"};
   if (work_area(theme, "", running)) out.send(CancelTemplate{});
   if (!making) return;
-  if (!making->stages.empty()) draw_stages(ui, *making, out);
+  if (making->stages.size() > 1) draw_stages(ui, *making, out);  // one alone is shown anyway
   if (!making->error.empty()) explanation(theme, making->error);
   if (making->mesh) draw_result(ui, *making, out);
   if (!making->stages.empty() && button(theme, "Close", "Closes the stages and shows the case's mesh again",

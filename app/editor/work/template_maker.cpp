@@ -67,6 +67,7 @@ void make_part(TemplateMaking& making, const Volume& labels, Progress& progress,
   making.from_mask = made->from_mesh;
   making.closing_mm = making.settings.mask.closing_mm;
   making.remarks = std::move(made->warnings);
+  making.cut = std::move(made->cut);
 }
 
 void make_organ(TemplateMaking& making, const Volume& labels, Progress& progress, const Show& show) {

@@ -102,7 +102,7 @@ Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared
 
 /// The first `count` of these sentences are about the mask's labels: they name them, and what reading it said comes
 /// before them.
-void name_labels(const MaskRead& mask, std::ptrdiff_t count, std::vector<std::string>& sentences) {
+void put_names(const MaskRead& mask, std::ptrdiff_t count, std::vector<std::string>& sentences) {
   for (std::string& sentence : std::span(sentences).first(static_cast<std::size_t>(count)))
     sentence = mask.named(std::move(sentence));
   sentences.insert(sentences.begin(), mask.warnings.begin(), mask.warnings.end());
@@ -127,8 +127,9 @@ Report report_of_fit(const FitTarget& target, const Template& the_template, cons
   report.values["beyond_share"] = judgement.beyond_share;
   if (target.mask) {
     const MaskRead& mask = *target.mask;
-    const bool is_part = the_template.faced && judgement.rim;  // of the label's surface, which encloses nothing
-    report.values["dice_raw"] = is_part ? Json() : Json(dice_with_mask(fit.mesh, mask.volume, mask.label, mask.frame));
+    // A part of the label's surface encloses nothing.
+    report.values["dice_raw"] =
+        the_template.faced ? Json() : Json(dice_with_mask(fit.mesh, mask.volume, mask.label, mask.frame));
     mask.report(report.values);
     report.values["parts_left_out"] = {{"count", target.boundary.parts_left_out},
                                        {"share", target.boundary.share_left_out}};
@@ -195,7 +196,7 @@ Result<FittedTarget> fitted_to(const FitJob& options, const FitShared& shared, c
     fitted.closing = described_closing(*found, how);
     const auto of_labels = std::ssize(found->boundary.warnings);
     fitted.judgement = std::move(found->judgement);
-    name_labels(*target.mask, of_labels, fitted.judgement.warnings);
+    put_names(*target.mask, of_labels, fitted.judgement.warnings);
     target.boundary = std::move(found->boundary);
     fitted.fit = std::move(found->fit);
   } else {
@@ -219,7 +220,7 @@ Result<FittedTarget> fitted_again(const FitJob& options, const FitShared& shared
     auto boundary = boundary_to_fit(the_template, target.label(), how_to_fit(options, shared), closing_mm, fitting);
     if (!boundary) return fail("", target.mask->named(boundary.error().what));
     target.boundary = std::move(*boundary);
-    name_labels(*target.mask, std::ssize(target.boundary.warnings), target.boundary.warnings);
+    put_names(*target.mask, std::ssize(target.boundary.warnings), target.boundary.warnings);
   }
   const auto spread = spread_by_others_mm2(the_template, among.others, target.boundary, fitting, fitted.fit);
   if (!spread) return fail(spread.error());

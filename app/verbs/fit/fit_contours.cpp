@@ -69,7 +69,8 @@ Result<FitResult> fit_to_all(const FitJob& options, const FitShared& shared, con
   const Template& the_template = *shared.the_template;
   if (mask != nullptr) {
     const MapLabel target{mask->volume, mask->label, mask->frame, mask->segmentation};
-    const LabelFitOptions how{.closing_mm = options.closing_mm, .kept_closing_mm = shared.kept_closing_mm};
+    const LabelFitOptions how{
+        .closing_mm = options.closing_mm, .kept_closing_mm = shared.kept_closing_mm, .largest_part = true};
     const auto boundary = boundary_to_fit(the_template, target, how, first_closing_mm(target, how), fitting);
     if (!boundary) return fail(options.masks.front().string(), mask->named(boundary.error().what));
     auto fit = fit_to_contours_and_boundary(the_template, organ.contours, *boundary, fitting);

@@ -139,7 +139,8 @@ Result<MadeTemplate> from_faced_part(const TemplateJob& options, const MaskRead&
   std::vector<std::string> warnings = mask.warnings;
   for (std::string& warning : about(options.in, mask.named(std::move(made->warnings))))
     warnings.push_back(std::move(warning));
-  MeshFile file = faced_template_file(made->mesh, options.in.filename().string(), *options.faced, making);
+  MeshFile file = faced_template_file(made->mesh, options.in.filename().string(), *options.faced, making, mask.from);
+  mark_cut(file, made->cut);
   if (options.closing_mm) file.comments.push_back(closing_comment(*options.closing_mm));
   return MadeTemplate{std::move(file),
                       {{"distance_to_mask_mm", json_of(made->to_mesh)},

@@ -64,14 +64,19 @@ std::size_t close_holes(Mesh& surface, std::size_t rims) {
 
 /// Of a label's boundary, which is whole, the part that is asked for.
 void take_faced_part(Boundary& boundary, const Volume& mask, int label, int frame, const LabelParts& parts) {
+  const auto take_whole = [&](const std::string& why) {
+    boundary.warnings.push_back(why + ", and its whole surface was taken");
+  };
   auto part = faced_part(boundary.surface, mask, label, frame, *parts.faced);
-  if (!part) {
-    const std::string& what = part.error().what;
-    boundary.warnings.push_back(what.substr(0, what.find(';')) + ", and its whole surface was taken");
-    return;
-  }
+  if (!part) return take_whole(part.error().what.substr(0, part.error().what.find(';')));
+  std::optional<std::string> left_out;
+  if (!parts.all) left_out = take_largest_piece(*part, label);
+  if (parts.rims > 0) close_holes(*part, parts.rims);
+  if (const auto rims = long_rims(*part).size(); parts.rims > 0 && !parts.all && rims != parts.rims)
+    return take_whole(label_name(label) + " ends at the labels that are named with " + std::to_string(rims) +
+                      (rims == 1 ? " rim" : " rims") + ", where the template has " + std::to_string(parts.rims));
   boundary.surface = std::move(*part);
-  if (parts.rims > 0) close_holes(boundary.surface, parts.rims);
+  if (left_out) boundary.warnings.push_back(std::move(*left_out));
 }
 
 }  // namespace
@@ -126,6 +131,10 @@ LabelParts parts_for(const Topology& the_template) {
 }
 
 Result<FacedLabels> faced_labels(const FacedNames& names, const Segmentation& known) {
+  const auto no_labels = [&] {
+    return fail("", "cannot be asked for \"" + excerpt(names.labels) +
+                        "\"; name labels by numbers above 0, names or background, with commas between them");
+  };
   std::vector<std::string> each = csv_fields(names.labels);
   for (std::string& name : each) name = trimmed(name);
   FacedLabels faced{{}, names.kept};
@@ -135,8 +144,11 @@ Result<FacedLabels> faced_labels(const FacedNames& names, const Segmentation& kn
     std::erase_if(each, is_background);
     if (each.empty()) return faced;
   }
+  if (std::ranges::any_of(each, [](const std::string& name) { return name.empty(); })) return no_labels();
   std::string rest;
   for (const std::string& name : each) rest += (rest.empty() ? "" : ",") + name;
+  if (faced.values.empty()) rest = names.labels;  // a name may hold a comma
+  if (is_bad_label(rest)) return no_labels();
   auto segments = asked_segments(rest, known);
   if (!segments) return fail(segments.error());
   for (const Segment& segment : *segments) faced.values.push_back(segment.value);

@@ -195,6 +195,12 @@ Result<std::vector<Segment>> choose_segments(const fs::path& path, const std::st
   }
   read.volume = std::move(chosen);
   read.other_layers.clear();
+  // Values of other layers are not those of this label map.
+  std::erase_if(read.segmentation.segments, [&](const Segment& segment) {
+    const bool is_wanted = std::ranges::any_of(
+        wanted, [&](const Segment& one) { return one.value == segment.value && one.layer == segment.layer; });
+    return !is_wanted && (wanted.size() > 1 || segment.layer != wanted.front().layer);
+  });
   return wanted;
 }
 

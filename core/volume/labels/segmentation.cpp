@@ -29,7 +29,7 @@ std::optional<int> label_value(std::string_view text) {
 }
 
 /// In lower case and sorted.
-std::vector<std::string> words_of(const std::string& name) {
+std::vector<std::string> sorted_words(const std::string& name) {
   std::vector<std::string> words;
   bool within = false;
   for (const char c : lower_case(name)) {
@@ -126,8 +126,8 @@ bool Segmentation::add(Segment segment) {
 NameLikeness name_likeness(const std::string& a, const std::string& b) {
   if (a == b) return NameLikeness::same;
   if (lower_case(a) == lower_case(b)) return NameLikeness::any_case;
-  const auto words = words_of(a);
-  return !words.empty() && words == words_of(b) ? NameLikeness::words : NameLikeness::none;
+  const auto words = sorted_words(a);
+  return !words.empty() && words == sorted_words(b) ? NameLikeness::words : NameLikeness::none;
 }
 
 std::string label_words(const Segment& segment) {

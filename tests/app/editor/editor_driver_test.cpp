@@ -427,6 +427,8 @@ TEST_CASE("a template of a part of a label is made by its neighbours, and fits t
   REQUIRE(write_volume(map, labels));
   driver.app().send(open_labels(labels));
   driver.settle();
+  driver.state().automatic.template_settings.label = 3;
+  driver.settle();
   driver.click("Template/template kind/Part");
   driver.settle();
   CHECK_FALSE(driver.has("Template/faced/Label 3"));

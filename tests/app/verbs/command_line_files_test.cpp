@@ -338,7 +338,7 @@ TEST_CASE("an option that has no effect on its input is said") {
   check_refused(run(folder, "info ball-1.ply --spacing 1,1,1"), "--spacing has no effect");
   check_refused(run(folder, "convert ball-1.ply out.ply --spacing 1,1,1"), "--spacing has no effect");
   check_refused(run(folder, "convert noise.nii out.nii --series 1.2"), "--series has no effect");
-  check_refused(run(folder, "template ball-1.ply -o out.ply --label 2"), "--label, --frame and --level have no effect");
+  check_refused(run(folder, "template ball-1.ply -o out.ply --label 2"), "--facing and --open-at have no effect");
   check_refused(run(folder, "convert ball-1.ply out.off"), "out.off: is not a kind of mesh that can be written");
   for (const char* work : {"model ball-1.ply absent.ply -o no/m.h5", "evaluate ball-1.ply absent.ply --csv no/e.csv",
                            "report absent.ply -o no/r.html", "template absent.ply -o no/t.ply"})

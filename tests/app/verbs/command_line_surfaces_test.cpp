@@ -388,6 +388,7 @@ TEST_CASE("a template that ends at its neighbours in a label map is fitted to ma
   CHECK(run(folder, "template a.nii.gz --label 4 --open-at 2 --facing 9 -o U.ply").status == 2);
   CHECK(run(folder, "template a.nii.gz --label 4 --open-at 2 --opening-mm 1 -o U.ply").status == 2);
   CHECK(run(folder, "template --consensus a.nii.gz b.nii.gz --label 4 --open-at 2 -o U.ply").status == 2);
+  check_refused(run(folder, "template a.nii.gz --label 4 --open-at ,2 -o U.ply"), "cannot be asked for \",2\"");
   check_refused(run(folder, "template M.ply --open-at 2 -o U.ply"), "--facing and --open-at have no effect");
 }
 

@@ -58,6 +58,9 @@ TEST_CASE("layers of a segmentation are no frames and a label is found in any of
       CHECK(chosen.volume.data ==
             layer_row(label == 1 ? std::vector<std::uint8_t>{1, 1, 0} : std::vector<std::uint8_t>{0, 2, 2}));
       CHECK(chosen.other_layers.empty());
+      // What the other layer holds is no segment of this label map.
+      REQUIRE(chosen.segmentation.segments.size() == 1);
+      CHECK(chosen.segmentation.segments.front().value == label);
     }
     VolumeRead both = *read;
     const auto segments = choose_segments(name, "1,2", both);

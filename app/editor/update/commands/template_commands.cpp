@@ -31,6 +31,9 @@ void MakeTemplate::run(Editing& editing) const {
   if (axis) chosen.tube_options.base_and_apex = {axis->from, axis->to};
   state.look.shown_stage.reset();
   state.look.making_shown = true;
+  std::erase_if(chosen.faced.values, [&](int value) {
+    return value == chosen.label || (value != 0 && std::ranges::find(labels.values, value) == labels.values.end());
+  });
   FacedNames faced{{}, chosen.faced.kept};
   for (const int value : chosen.faced.values) {
     const auto name = labels.names.find(value);

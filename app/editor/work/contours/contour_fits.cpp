@@ -20,7 +20,8 @@ Result<std::shared_ptr<const Boundary>> boundary_of(const ShapeView& shown, cons
   const int frame = frame_of_map(*job.labels, shown.frame);
   const int label = job.fit.all_labels ? every_label : job.fit.label;
   const LabelFitOptions how{.closing_mm = job.fit.closing_mm,
-                            .kept_closing_mm = closing_kept_with(the_template.source)};
+                            .kept_closing_mm = closing_kept_with(the_template.source),
+                            .largest_part = true};
   const MapLabel target{*job.labels, label, frame, job.known};
   auto boundary = boundary_to_fit(the_template, target, how, first_closing_mm(target, how), {});
   if (!boundary) return fail("The label map", boundary.error().what);

@@ -24,7 +24,7 @@ const char* word_of(Sided sided) {
   return std::ranges::find(sides, sided, &std::pair<Sided, const char*>::first)->second;
 }
 
-Json json_of(const LinearTest& test, const TestJob& job) {
+Json described_test(const LinearTest& test, const TestJob& job) {
   Json terms = Json::array(), pairs = Json::array();
   Json taken_out = Json::array();
   for (const TermTest& one : test.terms) {
@@ -65,7 +65,7 @@ Json report_of(const TestJob& job, const LinearTest& test) {
               {"permutations", job.permutations.rows()},
               {"sided", word_of(job.options.sided)}};
   if (job.modes > 0) values["modes"] = job.modes;
-  values.update(json_of(test, job));
+  values.update(described_test(test, job));
   if (job.options.by_doubt) {
     const Eigen::VectorXd weights = job.root_weights.cwiseAbs2();
     values["weights"] = {{"min", weights.minCoeff()}, {"mean", weights.mean()}, {"max", weights.maxCoeff()}};

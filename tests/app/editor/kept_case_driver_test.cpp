@@ -180,7 +180,8 @@ TEST_CASE("a case opens again with its label map and with what its fit came to")
   driver.wait_until("the fit is done", [&] { return driver.state().found.last_fit.has_value(); });
   driver.settle();
   CHECK(driver.shows("Distance to the label"));
-  const double mean_mm = driver.state().found.last_fit->figures.mean_mm, dice = driver.state().found.last_fit->figures.dice.value();
+  const double mean_mm = driver.state().found.last_fit->figures.mean_mm,
+               dice = driver.state().found.last_fit->figures.dice.value();
   CHECK(read_whole_file(organ.file).value().substr(0, 400).find("\"labels\":\"../map.nii.gz\"") != std::string::npos);
   const std::size_t undo_steps = driver.app().snapshot().undo_names.size();
 

@@ -9,11 +9,8 @@ namespace homolog {
 
 namespace {
 
-LabelParts parts_of(const Template& the_template, const MapLabel& target, const LabelFitOptions& options, bool partial,
-                    std::vector<std::string>& warnings) {
-  LabelParts parts = parts_for(the_template, target.known, warnings);
-  parts.all = partial || options.all_parts.value_or(parts.all);
-  return parts;
+bool takes_all_parts(const Template& the_template, const LabelFitOptions& options, bool partial) {
+  return partial || options.all_parts.value_or(parts_for(*the_template.topology).all);
 }
 
 }  // namespace
@@ -26,7 +23,8 @@ double first_closing_mm(const MapLabel& target, const LabelFitOptions& options) 
 Result<Boundary> boundary_to_fit(const Template& the_template, const MapLabel& target, const LabelFitOptions& options,
                                  double closing_mm, const FitOptions& fitting) {
   std::vector<std::string> warnings;
-  LabelParts parts = parts_of(the_template, target, options, fitting.partial, warnings);
+  LabelParts parts = parts_for(the_template, target.known, warnings);
+  parts.all = takes_all_parts(the_template, options, fitting.partial);
   const auto part = [&](std::size_t rank) {
     parts.rank = rank;
     return label_boundary(target.map, target.label, target.frame, closing_mm, the_template.points.rows(), parts);
@@ -51,8 +49,7 @@ Result<LabelFit> fit_to_label(const Template& the_template, const MapLabel& targ
   taken.judgement = judge_fit(the_template, taken.boundary, fitting, taken.fit);
   MoreClosing more;
   if (!options.closing_mm) {
-    std::vector<std::string> said;
-    const LabelParts parts = parts_of(the_template, target, options, fitting.partial, said);
+    const LabelParts parts{.all = takes_all_parts(the_template, options, fitting.partial)};
     more = try_more_closing(the_template, target.map, target.label, target.frame, parts, fitting, taken);
   }
   const bool widened = more.better.has_value();

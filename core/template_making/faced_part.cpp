@@ -174,8 +174,7 @@ std::optional<std::string> take_largest_piece(Mesh& part, int label) {
   part = largest_part(part);
   const double left_out = 1 - surface_area_mm2(part) / whole_mm2;
   if (left_out < hardly_any) return std::nullopt;
-  return "of the part of " + label_name(label) +
-         " that the named labels tell, the largest piece was taken; other pieces (" +
+  return "the part of " + label_name(label) + " is in several pieces; the largest was taken, and the others (" +
          std::to_string(std::lround(100 * left_out)) + " % of its area) are left out";
 }
 

@@ -98,6 +98,27 @@ TEST_CASE("what lies around a label may be named background, and what it does no
         test::must(faced_part(whole, two, organ, 0, {{above}, false})).points.rows());
 }
 
+TEST_CASE("of a part in several pieces the largest is taken, and what is left out is said") {
+  Volume labels = ball_and_neighbour(grid_of(Vec3(1, 1, 1), Mat3::Identity()), 0);
+  auto& voxels = std::get<std::vector<std::uint8_t>>(labels.data);
+  const auto& grid = labels.geometry;
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i)
+        if (auto& voxel = voxels[grid.index(i, j, k)]; voxel == 0 && grid.to_mm(Vec3(i, j, k)).z() < -15) voxel = above;
+  Mesh part = test::must(faced_part(surface_of_organ(labels), labels, organ, 0, {{above}, true}));
+  REQUIRE(part.topology->components() == 2);
+  // Caps are as large as they are high: 15 mm above and 10 mm below.
+  const auto said = take_largest_piece(part, organ);
+  REQUIRE(said);
+  CHECK(part.topology->components() == 1);
+  CHECK(part.points.col(2).minCoeff() > 0);
+  CHECK((*said == "the part of label 3 is in several pieces; the largest was taken, and the others (40 % of its area) "
+                  "are left out" ||
+         said->find("(39 %") != std::string::npos || said->find("(41 %") != std::string::npos));
+  CHECK_FALSE(take_largest_piece(part, organ));
+}
+
 TEST_CASE("a template says which part of a surface it is of, and a map without its neighbours is whole") {
   const Volume labels = ball_and_neighbour(grid_of(Vec3(1, 1, 1), Mat3::Identity()), 0);
   const Mesh part = test::must(faced_part(surface_of_organ(labels), labels, organ, 0, {{above}, false}));

@@ -60,6 +60,7 @@ std::shared_ptr<const Volume> grid_of(const Volume& volume) {
   grid->frame_seconds = volume.frame_seconds;
   grid->modality = volume.modality;
   grid->series_uid = volume.series_uid;
+  grid->resampled = volume.resampled;
   grid->range_min = volume.range_min;
   grid->range_max = volume.range_max;
   return grid;

@@ -153,6 +153,7 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const I
     volume_source = image.source.empty() ? resolved_source(folder, header.value("volume", "")) : image.source;
     template_source = resolved_source(folder, header.value("template", ""));
     options.series_uid = header.value("series", "");
+    options.resample = header.value("resampled", false);
     if (const auto spacing = header.find("spacing_mm"); spacing != header.end() && spacing->size() == 3) {
       options.stack_spacing_mm =
           Vec3((*spacing)[0].get<double>(), (*spacing)[1].get<double>(), (*spacing)[2].get<double>());
@@ -211,6 +212,7 @@ Result<std::string> case_header(const Document& document, const fs::path& folder
     header["geometry"] = geometry_hash(volume.geometry);
     header["voxels"] = volume.geometry.dims;
     if (!volume.series_uid.empty()) header["series"] = volume.series_uid;
+    if (volume.resampled) header["resampled"] = true;
     const Vec3& spacing = volume.geometry.spacing_mm;
     header["spacing_mm"] = Json::array({spacing[0], spacing[1], spacing[2]});
   }

@@ -75,6 +75,7 @@ struct Volume {
   double range_min = 0, range_max = 0;  ///< over all finite voxels of all frames
   /// The window that the file itself asks for (DICOM): centre and width in intensity units.
   std::optional<std::pair<double, double>> file_window;
+  bool resampled = false;           ///< its slices were no even stack [VolumeReadOptions::resample]
   std::string series_uid;           ///< DICOM series instance UID; empty elsewhere
   std::string study_uid;            ///< DICOM study instance UID; empty elsewhere
   std::string modality;             ///< "CT", "MR", …; empty where unknown

@@ -304,6 +304,27 @@ void draw_spacing(const UiContext& ui, const SpacingDialog& dialog, Outbox& out)
   end_dialog();
 }
 
+void draw_resample(const UiContext& ui, const ResampleDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!begin_dialog(ui, "The slices are no even stack", 520, 0)) close_dialog(out);
+  explanation(theme, "The series has " + dialog.why +
+                         ". It can be shown on a rectangular grid. Values between two slices are then interpolated, "
+                         "and the case remembers it.");
+  gap(theme, 4);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  if (button(theme, "Resample and open", "Reads the slices onto a grid with even distances. The files stay as they are",
+             {}, half, true)) {
+    OpenRequest request = dialog.request;
+    request.volume_options.resample = true;
+    out.send(OpenRequested{std::move(request)});
+    close_dialog(out);
+  }
+  ImGui::SameLine();
+  if (button(theme, "Do not open it", "Then copy the whole series again, or choose another", {}, half))
+    close_dialog(out);
+  end_dialog();
+}
+
 }  // namespace
 
 void draw_dialogs(const UiContext& ui, Outbox& out) {
@@ -325,6 +346,8 @@ void draw_dialogs(const UiContext& ui, Outbox& out) {
     draw_label_choice(ui, *labels, out);
   else if (const auto* spacing = std::get_if<SpacingDialog>(&dialog))
     draw_spacing(ui, *spacing, out);
+  else if (const auto* resample = std::get_if<ResampleDialog>(&dialog))
+    draw_resample(ui, *resample, out);
   else if (const auto* quit = std::get_if<QuitDialog>(&dialog); quit->study.empty())
     draw_quit(ui, out);
   else

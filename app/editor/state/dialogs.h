@@ -116,6 +116,12 @@ struct SpacingDialog {
   Vec3 spacing_mm = Vec3::Ones();
 };
 
+/// The slices of a DICOM series are no even stack.
+struct ResampleDialog {
+  OpenRequest request;
+  std::string why;  ///< "slices that are shifted sideways …"
+};
+
 /// Label maps hold several labels: one is chosen for all cases that wait, or for their template.
 struct LabelDialog {
   std::string map;  ///< name of the first such file
@@ -124,6 +130,6 @@ struct LabelDialog {
 };
 
 using Dialog = std::variant<KeysDialog, FileDialog, ReplaceDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog,
-                            SpacingDialog, LabelDialog>;
+                            SpacingDialog, ResampleDialog, LabelDialog>;
 
 }  // namespace homolog

@@ -161,6 +161,7 @@ Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHea
   if (!done) return fail(done.error());
   result.warnings.push_back(resampled_sentence(path, *done));
   result.resampled = std::move(*done);
+  volume.resampled = true;
   return result;
 }
 

@@ -252,6 +252,11 @@ class Screens {
     show(QuitDialog{}, "quit");
     show(QuitDialog{file}, "quit without the study");
     show(SpacingDialog{{}, Vec3(0.123, 10.5, 1000)}, "spacing");
+    show(ResampleDialog{{},
+                        "slices that are shifted sideways against one another (a tilted gantry), and unevenly "
+                        "spaced slices: 12.dcm (103.00 mm) and 13.dcm (108.00 mm) lie 5.00 mm apart, the others "
+                        "2.50 mm"},
+         "resampling");
   }
 
   const char* what_;

@@ -15,6 +15,7 @@
 #include "core/session/case_file.h"
 #include "core/volume/labels/write_segmentation.h"
 #include "core/volume/volume_io.h"
+#include "tests/core/volume/dicom_slices.h"
 #include "tests/driver.h"
 #include "tests/globe.h"
 #include "tests/must.h"
@@ -58,6 +59,41 @@ TEST_CASE("a real heart opens from the first screen with its label map and can b
     CHECK((fs::status(image.parent_path()).permissions() & fs::perms::others_all) == fs::perms::none);
     write_bytes(image, "damaged");  // it is made anew where it is asked for again
   }
+}
+
+TEST_CASE("slices that are no even stack are resampled where asked and a case remembers it") {
+  const TemporaryFolder folder;
+  const fs::path series = folder.path / "ct", file = folder.path / "a.homolog";
+  fs::create_directory(series);
+  for (int s = 0; s < 5; ++s) {
+    Slice slice;
+    slice.y = 1 + 0.75 * s;
+    slice.z = 2.5 * s;
+    write_bytes(series / (std::to_string(s) + ".dcm"), slice.bytes());
+  }
+  Driver driver(new_document({}, nullptr, nullptr));
+  const auto open = [&] {
+    driver.app().send(OpenFiles{{series}});
+    driver.wait_until("it is asked", [&] { return std::holds_alternative<ResampleDialog>(*driver.state().dialog); });
+    driver.settle();
+    CHECK(driver.shows("tilted gantry"));
+  };
+  open();
+  driver.click("Do not open it");
+  CHECK_FALSE(driver.state().dialog);
+  CHECK_FALSE(driver.document().scan.image);
+  open();
+  driver.click("Resample and open");
+  driver.wait_until("the image is open", [&] { return driver.document().scan.image != nullptr; });
+  driver.settle();
+  const VolumeGeometry grid = driver.document().scan.image->geometry;
+  CHECK(grid.dims[1] > 2);
+  CHECK(driver.shows("were resampled to a rectangular grid"));
+  driver.app().send(SaveCaseAs{{file}});
+  driver.settle();
+  CHECK(test::must(read_whole_file(file)).find("\"resampled\":true") != std::string::npos);
+  const CaseRead again = test::must(read_case(file));
+  CHECK(again.session.document().scan.image->geometry == grid);
 }
 
 TEST_CASE("pipes and devices and links in circles are said in the window and neither waited for nor replaced") {

@@ -218,6 +218,7 @@ std::vector<ShownDialog> all_dialogs(const fs::path& folder) {
           {"This case was not saved", QuitDialog{}},
           {"The study was not saved", QuitDialog{folder / "a.study.json"}},
           {"How large is a voxel?", SpacingDialog{}},
+          {"The slices are no even stack", ResampleDialog{{}, "unevenly spaced slices"}},
           {"Which label is the organ?", LabelDialog{"labels.nii", {{"liver", 1}, {"", 4}}}}};
 }
 

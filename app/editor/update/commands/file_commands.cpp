@@ -73,6 +73,7 @@ void OpenRequested::spell(Fields& line) {
   named("other_volume", request.other_source);
   named("series", request.volume_options.series_uid);
   line.optional("stack_spacing_mm", request.volume_options.stack_spacing_mm);
+  line.optional("resample", request.volume_options.resample, request.volume_options.resample);
   named("template", request.template_source);
   line.optional("in_place", request.template_in_place, request.template_in_place);
   named("labels", request.labels);

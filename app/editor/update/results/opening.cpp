@@ -238,6 +238,10 @@ void show_opened(Editing& editing, Opened opened) {
     state.dialog = SeriesDialog{std::move(opened.request), std::move(opened.series)};
     return;
   }
+  if (!opened.uneven.empty()) {
+    state.dialog = ResampleDialog{std::move(opened.request), std::move(opened.uneven)};
+    return;
+  }
   const OpenRequested command{opened.request};
   const std::vector<std::filesystem::path> contours = opened.request.contours;
   const OpenRequest& asked = opened.request;

@@ -18,6 +18,7 @@
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/slicer_curves.h"
 #include "core/template_making/label_body.h"
+#include "core/volume/dicom/dicom_series.h"
 #include "core/volume/labels/label_likeness.h"
 #include "core/volume/labels/read_labels.h"
 #include "core/volume/referenced_images.h"
@@ -125,6 +126,15 @@ Result<void> check_labels(Opened& opened, const fs::path& file, const VolumeRead
   return {};
 }
 
+/// What is no even stack about the slices of a DICOM series that was refused; empty: nothing, or it is something else.
+std::string uneven_slices(const OpenRequest& request, Progress& progress) {
+  if (request.volume_options.resample || !request.volume_options.series_uid.empty() || progress.cancelled() ||
+      !names_file(request.volume_source))
+    return {};
+  const auto series = read_dicom_series(request.volume_source, &progress, true);
+  return series ? series->arrangement.uneven : std::string();
+}
+
 constexpr const char* image_on_screen = "the image that is open";
 
 /// Takes the volume that was read first as the image over which the other lies as a label map, or the other way round.
@@ -195,7 +205,11 @@ Result<void> open_volume(Opened& opened, Progress& progress) {
   }
   if (request.template_source.empty()) options.image = grid_beside(request.beside.get());
   auto read = load_volume(request.volume_source, options);
-  if (!read) return fail(read.error());
+  if (!read) {
+    opened.uneven = uneven_slices(request, progress);
+    if (!opened.uneven.empty()) return {};
+    return fail(read.error());
+  }
   opened.warnings = std::move(read->warnings);
   if (!request.other_source.empty()) {
     if (auto taken = take_pair(opened, std::move(*read), progress); !taken) return fail(taken.error());

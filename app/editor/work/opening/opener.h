@@ -37,6 +37,7 @@ struct Opened {
   std::vector<std::string> warnings;
   std::vector<SeriesInfo> series;  ///< the folder holds several and none was chosen: nothing was opened
   bool needs_spacing = false;      ///< a stack of pictures, whose voxel size was not told: nothing was opened
+  std::string uneven;              ///< what is no even stack about the slices of a series: nothing was opened
 };
 
 /// Reads files beside the window, one request at a time. Called from the window's thread only.

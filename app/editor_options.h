@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/model/procrustes.h"
 #include "core/phantom/phantom.h"

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "core/base/picture.h"
+#include "core/base/pictures/picture.h"
 #include "core/base/result.h"
 
 namespace homolog {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 #include "core/mesh/colours.h"
 #include "core/mesh/topology.h"
 #include "core/volume/volume.h"

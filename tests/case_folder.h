@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
 #include "tests/shapes.h"

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "tests/skip.h"
 #include "tests/small_files.h"
 #include "tests/temporary_folder.h"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "tests/must.h"
 
 namespace homolog::test {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/picture_io.h"
+#include "core/base/pictures/picture_io.h"
 
 // Pictures are compared with those in tests/golden, part by part: an outline covers 1 % of a picture, and a limit for
 // the whole would not see it go. CPUs and drivers round differently, so that every part has a limit of its own.

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
-#include "core/base/picture_io.h"
-#include "core/base/text.h"
+#include "core/base/pictures/picture_io.h"
+#include "core/base/text/text.h"
 #include "core/model/statismo.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"

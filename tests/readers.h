@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <variant>
 
-#include "core/base/files.h"
-#include "core/base/json.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/files.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"

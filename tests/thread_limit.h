@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 
 namespace homolog {
 

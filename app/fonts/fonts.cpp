@@ -5,7 +5,7 @@
 #include <sstream>
 #include <vector>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 
 namespace homolog {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/adapt/boundary/find_placement.h"
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/surface_search.h"
 
 namespace homolog {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/adapt/boundary/boundary.h"
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/template/template.h"
 

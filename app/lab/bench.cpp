@@ -16,7 +16,7 @@
 #include "app/lab/editor_frames.h"
 #include "app/lab/experiment.h"
 #include "app/lab/median.h"
-#include "core/base/process.h"
+#include "core/base/processes/process.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/session.h"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "app/lab/median.h"
-#include "core/base/memory.h"
-#include "core/base/process.h"
+#include "core/base/processes/memory.h"
+#include "core/base/processes/process.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/session/case_file.h"

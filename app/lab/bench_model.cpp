@@ -1,8 +1,8 @@
 #include "app/lab/bench_model.h"
 
 #include "app/lab/median.h"
-#include "core/base/memory.h"
-#include "core/base/parallel.h"
+#include "core/base/processes/memory.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/icosphere.h"
 #include "core/model/measures.h"
 

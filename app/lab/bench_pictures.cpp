@@ -7,7 +7,7 @@
 #include "app/editor/drawing/gallery_pictures.h"
 #include "app/editor/work/models/build_study_model.h"
 #include "app/lab/median.h"
-#include "core/base/process.h"
+#include "core/base/processes/process.h"
 #include "core/experiment/demo_case.h"
 #include "core/mesh/colours.h"
 #include "core/volume/volume_io.h"

@@ -8,9 +8,9 @@
 
 #include "app/lab/study_frames.h"
 #include "app/verbs/case_of_fit.h"
-#include "core/base/json.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
+#include "core/base/encoding/json.h"
+#include "core/base/processes/parallel.h"
+#include "core/base/processes/process.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"

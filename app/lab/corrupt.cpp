@@ -4,8 +4,8 @@
 
 #include "app/lab/experiment.h"
 #include "app/verbs/case_landmarks.h"
-#include "core/base/files.h"
-#include "core/base/listed.h"
+#include "core/base/files/files.h"
+#include "core/base/text/listed.h"
 #include "core/experiment/corrupt_labels.h"
 #include "core/phantom/noise.h"
 #include "core/volume/labels/read_labels.h"

@@ -8,9 +8,9 @@
 #include "app/lab/tables.h"
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/set/set_cases.h"
-#include "core/base/files.h"
-#include "core/base/json.h"
-#include "core/base/statistics.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/files.h"
+#include "core/base/numbers/statistics.h"
 #include "core/structures/repair.h"
 #include "core/volume/labels/read_labels.h"
 

@@ -8,7 +8,7 @@
 #include "core/adapt/boundary/boundary.h"
 #include "core/adapt/contours/contour_fit.h"
 #include "core/adapt/snap.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
 #include "core/measure/plane_section.h"

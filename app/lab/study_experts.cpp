@@ -13,7 +13,7 @@
 #include "app/verbs/case_pool.h"
 #include "app/verbs/template/subjects.h"
 #include "core/adapt/fit.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/measure/compare.h"
 
 // The verb `study experts`: fits and baselines against landmarks that experts set.

@@ -10,8 +10,8 @@
 #include "app/editor/state/models/gallery.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/lab/bench_hand.h"
-#include "core/base/memory.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
+#include "core/base/processes/memory.h"
 
 namespace homolog {
 

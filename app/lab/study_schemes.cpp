@@ -7,7 +7,7 @@
 #include "app/lab/experiment.h"
 #include "app/lab/tables.h"
 #include "app/verbs/case_pool.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/landmark_io.h"
 #include "core/model/measures.h"

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/model/model_files.h"
 
 namespace homolog {

@@ -2,8 +2,8 @@
 #include <sstream>
 
 #include "app/pictures/pictures.h"
-#include "core/base/caption_sizes.h"
-#include "core/base/short_names.h"
+#include "core/base/pictures/caption_sizes.h"
+#include "core/base/text/short_names.h"
 
 // What is written on pictures: names and scale bars, where no shape lies.
 

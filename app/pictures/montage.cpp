@@ -5,8 +5,8 @@
 #include <span>
 
 #include "app/pictures/pictures.h"
-#include "core/base/caption_sizes.h"
-#include "core/base/cell_grid.h"
+#include "core/base/pictures/caption_sizes.h"
+#include "core/base/pictures/cell_grid.h"
 #include "core/mesh/colours.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"

@@ -5,11 +5,11 @@
 #include <numbers>
 
 #include "app/pictures/page_font.h"
-#include "core/base/base64.h"
-#include "core/base/files.h"
-#include "core/base/picture_io.h"
-#include "core/base/picture_module.h"
-#include "core/base/text.h"
+#include "core/base/encoding/base64.h"
+#include "core/base/files/files.h"
+#include "core/base/pictures/picture_io.h"
+#include "core/base/pictures/picture_module.h"
+#include "core/base/text/text.h"
 
 // A page, and what SVG makes of it.
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/picture.h"
+#include "core/base/pictures/picture.h"
 #include "core/base/result.h"
 #include "core/mesh/colours.h"
 

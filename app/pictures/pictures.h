@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "app/pictures/page.h"
-#include "core/base/picture.h"
-#include "core/base/progress.h"
+#include "core/base/pictures/picture.h"
+#include "core/base/processes/progress.h"
 #include "core/case/document.h"
 #include "core/model/shape_model.h"
 #include "render/scene.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "app/pictures/plots.h"
-#include "core/base/index.h"
-#include "core/base/short_names.h"
-#include "core/base/text.h"
+#include "core/base/numbers/index.h"
+#include "core/base/text/short_names.h"
+#include "core/base/text/text.h"
 #include "core/model/groups.h"
 
 // Plates for print: shapes with what was measured of them, and plots.

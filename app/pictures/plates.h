@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/pictures/pictures.h"
-#include "core/base/text_table.h"
+#include "core/base/text/text_table.h"
 #include "core/model/score.h"
 
 namespace homolog {

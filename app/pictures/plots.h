@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/pictures/page.h"
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 
 namespace homolog {
 

@@ -5,8 +5,8 @@
 
 #include "app/pictures/plates.h"
 #include "app/pictures/plots.h"
-#include "core/base/listed.h"
-#include "core/base/text.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/text.h"
 
 // The columns of any table as a plot for print.
 

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <utility>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/session/unsaved_cases.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "core/base/file_record.h"
-#include "core/base/file_stem.h"
+#include "core/base/files/file_record.h"
+#include "core/base/files/file_stem.h"
 #include "core/mesh/landmark_io.h"
 
 namespace homolog {

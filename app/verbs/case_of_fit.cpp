@@ -1,6 +1,6 @@
 #include "app/verbs/case_of_fit.h"
 
-#include "core/base/paths.h"
+#include "core/base/files/paths.h"
 #include "core/case/actions/frames.h"
 #include "core/case/actions/points.h"
 #include "core/model/shape_folder.h"

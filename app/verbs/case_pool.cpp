@@ -3,8 +3,8 @@
 #include <mutex>
 #include <utility>
 
-#include "core/base/guarded.h"
-#include "core/base/parallel.h"
+#include "core/base/processes/guarded.h"
+#include "core/base/processes/parallel.h"
 
 namespace homolog {
 

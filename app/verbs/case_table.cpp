@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <set>
 
-#include "core/base/file_stem.h"
-#include "core/base/text.h"
-#include "core/base/text_table.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/text/text.h"
+#include "core/base/text/text_table.h"
 
 namespace homolog {
 

@@ -2,8 +2,8 @@
 
 #include "app/pictures/pictures.h"
 #include "app/verbs/verb.h"
-#include "core/base/files.h"
-#include "core/base/picture_io.h"
+#include "core/base/files/files.h"
+#include "core/base/pictures/picture_io.h"
 #include "core/experiment/demo_case.h"
 #include "core/experiment/scripted_user.h"
 #include "core/measure/compare.h"

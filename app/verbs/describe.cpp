@@ -5,7 +5,7 @@
 #include "app/verbs/mending_report.h"
 #include "app/verbs/model/training.h"
 #include "app/verbs/read_image.h"
-#include "core/base/colour.h"
+#include "core/base/pictures/colour.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/curve_io.h"
 #include "core/mesh/inside_out.h"

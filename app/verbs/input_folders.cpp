@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/base/parallel.h"
-#include "core/base/text.h"
+#include "core/base/processes/parallel.h"
+#include "core/base/text/text.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/dicom/dicom_series.h"
 #include "core/volume/formats/formats.h"

@@ -7,10 +7,10 @@
 #include <sstream>
 #include <string_view>
 
-#include "core/base/files.h"
-#include "core/base/json.h"
-#include "core/base/process.h"
-#include "core/base/sha256.h"
+#include "core/base/encoding/json.h"
+#include "core/base/encoding/sha256.h"
+#include "core/base/files/files.h"
+#include "core/base/processes/process.h"
 
 // homolog --integrate: the menu entry, the icon and the file types of a program that no package installed.
 

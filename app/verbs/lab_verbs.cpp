@@ -1,7 +1,7 @@
 #include "app/verbs/lab_verbs.h"
 
 #include "app/verbs/verbs.h"
-#include "core/base/process.h"
+#include "core/base/processes/process.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 

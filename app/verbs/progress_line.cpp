@@ -7,8 +7,8 @@
 #include <string>
 
 #include "app/verbs/case_pool.h"
-#include "core/base/process.h"
-#include "core/base/text.h"
+#include "core/base/processes/process.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 #include <mutex>
 #include <thread>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 
 namespace homolog {
 

@@ -5,8 +5,8 @@
 #include <mutex>
 #include <utility>
 
-#include "core/base/listed.h"
-#include "core/base/text.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/text.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/dicom/dicom_set.h"

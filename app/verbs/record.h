@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "app/verbs/verb.h"
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 
 namespace homolog {
 
 // The record that a verb's files carry: how they were made. It is JSON: the version, the command, its options without
 // those that change no byte, and each input by its base name, its size and its SHA-256. No path, no date, no user.
-// `verify` reads it. How formats hold it is in core/base/file_record.h.
+// `verify` reads it. How formats hold it is in core/base/files/file_record.h.
 //
 //   {"version":"0.1.0","command":"fit","options":{"TEMPLATE":[INPUT],"--mask":[INPUT],"--label":["2"]}}
 //

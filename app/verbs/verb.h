@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "app/editor_options.h"
-#include "core/base/listed.h"
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
+#include "core/base/text/listed.h"
 #include "core/mesh/formats/formats.h"
 
 namespace homolog {

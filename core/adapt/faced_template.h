@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/template/template.h"
 #include "core/template_making/faced_part.h"
 #include "core/template_making/mesh_template.h"

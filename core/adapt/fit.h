@@ -9,7 +9,7 @@
 #include "core/adapt/allowed_shapes.h"
 #include "core/adapt/boundary/boundary.h"
 #include "core/adapt/boundary/find_placement.h"
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/template/template.h"
 
 namespace homolog {

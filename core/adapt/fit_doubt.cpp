@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {

@@ -12,7 +12,7 @@
 #include "core/adapt/roundness.h"
 #include "core/adapt/slide_doubt.h"
 #include "core/adapt/untangle.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"

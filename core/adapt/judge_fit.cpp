@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/adapt/boundary/cut_faces.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/mesh/clip.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"

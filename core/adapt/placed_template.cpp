@@ -4,7 +4,7 @@
 
 #include "core/adapt/boundary/landmark_pull.h"
 #include "core/adapt/boundary/mirrored_landmarks.h"
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 
 namespace homolog {
 

@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "core/adapt/snap.h"
-#include "core/base/parallel.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/mesh/topology.h"
 #include "core/volume/volume.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/template/template.h"
 

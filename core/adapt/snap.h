@@ -6,7 +6,7 @@
 #include "core/adapt/allowed_shapes.h"
 #include "core/adapt/annealing.h"
 #include "core/adapt/image/edge_search.h"
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 
 namespace homolog {

@@ -7,7 +7,7 @@
 
 #include "core/adapt/contours/contour_fit.h"
 #include "core/adapt/refine.h"
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 #include "core/case/held_landmarks.h"
 #include "core/deform/falloff.h"
 #include "core/mesh/mesh_quality.h"

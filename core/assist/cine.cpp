@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 

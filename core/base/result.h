@@ -4,7 +4,7 @@
 #include <tl/expected.hpp>
 #include <utility>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 

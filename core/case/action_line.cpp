@@ -1,6 +1,6 @@
 #include "core/case/action_line.h"
 
-#include "core/base/json.h"
+#include "core/base/encoding/json.h"
 #include "core/case/action_json.h"
 
 namespace homolog {

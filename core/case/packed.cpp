@@ -8,7 +8,7 @@
 #include <new>
 #include <type_traits>
 
-#include "core/base/base64.h"
+#include "core/base/encoding/base64.h"
 
 namespace homolog {
 

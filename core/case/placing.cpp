@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/limits.h"
+#include "core/base/numbers/limits.h"
 #include "core/case/members.h"
 #include "core/placement/landmark_warp.h"
 #include "core/placement/likely_similarity.h"

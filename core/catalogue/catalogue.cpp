@@ -7,9 +7,9 @@
 #include <optional>
 #include <string_view>
 
-#include "core/base/listed.h"
-#include "core/base/nearest_names.h"
-#include "core/base/text.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/nearest_names.h"
+#include "core/base/text/text.h"
 #include "core/phantom/phantom_scene.h"
 
 // assets/recipes, embedded by core/CMakeLists.txt.

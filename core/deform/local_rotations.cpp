@@ -1,7 +1,7 @@
 #include "core/deform/local_rotations.h"
 
-#include "core/base/parallel.h"
-#include "core/base/rotation.h"
+#include "core/base/numbers/rotation.h"
+#include "core/base/processes/parallel.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 
 namespace homolog {
 

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 
 namespace homolog {
 

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/mesh/surface_search.h"
 #include "core/mesh/volume_mesh.h"
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/deform/volume_energy.h"
 
 namespace homolog {

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/phantom/noise.h"
 #include "core/structures/level_names.h"
 #include "core/structures/template_set.h"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/experiment/sight.h"
 #include "core/session/session.h"
 

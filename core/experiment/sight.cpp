@@ -1,6 +1,6 @@
 #include "core/experiment/sight.h"
 
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {

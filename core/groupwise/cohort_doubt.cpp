@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "core/adapt/judge_fit.h"
-#include "core/base/parallel.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
+#include "core/base/processes/parallel.h"
 #include "core/template/template.h"
 
 namespace homolog {

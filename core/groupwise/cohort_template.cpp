@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/groupwise/other_organs.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_faults.h"

@@ -8,7 +8,7 @@
 
 #include "core/adapt/fit.h"
 #include "core/adapt/judge_fit.h"
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/groupwise/other_organs.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/adapt/boundary/boundary.h"
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/mesh/topology.h"
 #include "core/template_making/mesh_template.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/deform/fold_guard.h"
 #include "core/measure/compare.h"
 #include "core/mesh/surface_search.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 
 namespace homolog {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/patches.h"
 #include "core/mesh/surface_search.h"
 

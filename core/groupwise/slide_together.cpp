@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/groupwise/description.h"
 #include "core/groupwise/sliding_surface.h"
 #include "core/mesh/mesh_quality.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/mesh/topology.h"
 #include "core/model/procrustes.h"

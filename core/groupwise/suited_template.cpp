@@ -7,7 +7,7 @@
 
 #include "core/adapt/fit.h"
 #include "core/adapt/judge_fit.h"
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/groupwise/consensus.h"
 #include "core/groupwise/other_organs.h"
 

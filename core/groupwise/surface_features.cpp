@@ -3,7 +3,7 @@
 #include <array>
 #include <cassert>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/solve/shape_solver.h"
 

@@ -6,8 +6,8 @@
 
 #include "core/adapt/fit.h"
 #include "core/adapt/judge_fit.h"
-#include "core/base/parallel.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
+#include "core/base/processes/parallel.h"
 #include "core/groupwise/other_organs.h"
 #include "core/mesh/surface_search.h"
 #include "core/model/procrustes.h"

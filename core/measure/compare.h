@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/mesh/topology.h"
 #include "core/volume/volume.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/nearest_on_segment.h"
+#include "core/base/numbers/nearest_on_segment.h"
 
 namespace homolog {
 

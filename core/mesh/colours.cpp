@@ -8,8 +8,8 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "core/base/index.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/index.h"
+#include "core/base/numbers/statistics.h"
 
 namespace homolog {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/file_stem.h"
-#include "core/base/files.h"
-#include "core/base/text.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/files/files.h"
+#include "core/base/text/text.h"
 #include "core/mesh/formats/vtp_lines.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/slicer_curves.h"

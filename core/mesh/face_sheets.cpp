@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 
 namespace homolog {
 namespace {

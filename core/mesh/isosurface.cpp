@@ -5,7 +5,7 @@
 #include <cassert>
 #include <limits>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/mesh/cube_cases.h"
 
 namespace homolog {

@@ -6,10 +6,10 @@
 #include <optional>
 #include <set>
 
-#include "core/base/files.h"
-#include "core/base/json.h"
-#include "core/base/limits.h"
-#include "core/base/text.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/files.h"
+#include "core/base/numbers/limits.h"
+#include "core/base/text/text.h"
 #include "core/mesh/slicer_curves.h"
 
 namespace homolog {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <numeric>
 
-#include "core/base/file_record.h"
-#include "core/base/files.h"
-#include "core/base/listed.h"
-#include "core/base/text.h"
+#include "core/base/files/file_record.h"
+#include "core/base/files/files.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/text.h"
 #include "core/mesh/formats/formats.h"
 
 namespace homolog {

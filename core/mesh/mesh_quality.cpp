@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/mesh/rims.h"
 
 namespace homolog {

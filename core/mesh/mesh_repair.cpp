@@ -10,8 +10,8 @@
 #include <set>
 #include <utility>
 
-#include "core/base/index.h"
-#include "core/base/listed.h"
+#include "core/base/numbers/index.h"
+#include "core/base/text/listed.h"
 #include "core/mesh/face_sheets.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"

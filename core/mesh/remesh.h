@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/mesh/topology.h"
 
 namespace homolog {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/nearest_on_segment.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/nearest_on_segment.h"
+#include "core/base/numbers/statistics.h"
 
 namespace homolog {
 

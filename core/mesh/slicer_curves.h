@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 #include "core/base/result.h"
 
 namespace homolog {

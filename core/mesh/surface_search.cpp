@@ -6,8 +6,8 @@
 #include <limits>
 #include <numeric>
 
-#include "core/base/nearest_on_segment.h"
-#include "core/base/parallel.h"
+#include "core/base/numbers/nearest_on_segment.h"
+#include "core/base/processes/parallel.h"
 
 namespace homolog {
 namespace {

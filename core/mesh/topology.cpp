@@ -5,8 +5,8 @@
 #include <limits>
 #include <numeric>
 
-#include "core/base/hash.h"
-#include "core/base/index.h"
+#include "core/base/encoding/hash.h"
+#include "core/base/numbers/index.h"
 
 namespace homolog {
 namespace {

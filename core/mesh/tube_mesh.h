@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 
 namespace homolog {
 

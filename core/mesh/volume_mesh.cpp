@@ -4,8 +4,8 @@
 #include <array>
 #include <numbers>
 
-#include "core/base/files.h"
-#include "core/base/limits.h"
+#include "core/base/files/files.h"
+#include "core/base/numbers/limits.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"
 #include "core/mesh/formats/text.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 #include "core/base/result.h"
 
 namespace homolog {

@@ -1,7 +1,7 @@
 #include "core/model/case_of_shape.h"
 
-#include "core/base/files.h"
-#include "core/base/text.h"
+#include "core/base/files/files.h"
+#include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
 

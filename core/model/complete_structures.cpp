@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/model/conditional.h"
 #include "core/model/joint_alignment.h"
 

@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "core/adapt/judge_fit.h"
-#include "core/base/json.h"
+#include "core/base/encoding/json.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
 

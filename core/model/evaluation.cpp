@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <ostream>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 
 namespace homolog {
 

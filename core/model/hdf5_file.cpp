@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/model/hdf5_reader.h"
 
 namespace homolog {

@@ -3,9 +3,9 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/files.h"
-#include "core/base/hash.h"
-#include "core/base/json.h"
+#include "core/base/encoding/hash.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/files.h"
 #include "core/mesh/formats/text.h"
 #include "core/model/hdf_tree.h"
 

@@ -5,8 +5,8 @@
 #include <new>
 #include <string_view>
 
-#include "core/base/confined.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
+#include "core/base/processes/confined.h"
 
 // read_hdf5 starts the program once more, which reads the file before its `main` and writes what it found to its
 // standard output: records that begin with one character and hold texts (their size, their bytes) and numbers as they

@@ -3,7 +3,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/base/rotation.h"
+#include "core/base/numbers/rotation.h"
 #include "core/model/shape_model.h"
 #include "core/placement/relative_pose.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 #include "core/model/complete_structures.h"
 #include "core/model/shape_files.h"
 

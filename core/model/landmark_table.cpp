@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
-#include "core/base/files.h"
-#include "core/base/text.h"
+#include "core/base/files/files.h"
+#include "core/base/text/text.h"
 #include "core/model/model_files.h"
 
 namespace homolog {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <numeric>
 
-#include "core/base/index.h"
-#include "core/base/parallel.h"
+#include "core/base/numbers/index.h"
+#include "core/base/processes/parallel.h"
 #include "core/measure/compare.h"
 #include "core/model/leave_one_out.h"
 

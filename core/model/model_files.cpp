@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/file_stem.h"
-#include "core/base/files.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/files/files.h"
 #include "core/mesh/formats/text.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/case_file.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file_stem.h"
+#include "core/base/files/file_stem.h"
 #include "core/model/conditional.h"
 
 namespace homolog {

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <set>
 
-#include "core/base/file_stem.h"
-#include "core/base/parallel.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/processes/parallel.h"
 #include "core/measure/meeting.h"
 #include "core/mesh/inside_out.h"
 #include "core/mesh/mesh_quality.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/base/rotation.h"
+#include "core/base/numbers/rotation.h"
+#include "core/base/processes/parallel.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/case/document.h"
 #include "core/measure/recipe/measuring.h"
 #include "core/model/shape_files.h"

@@ -4,9 +4,9 @@
 #include <atomic>
 #include <utility>
 
-#include "core/base/files.h"
-#include "core/base/parallel.h"
-#include "core/base/text.h"
+#include "core/base/files/files.h"
+#include "core/base/processes/parallel.h"
+#include "core/base/text/text.h"
 #include "core/mesh/mirror.h"
 #include "core/model/doubtful_shapes.h"
 #include "core/model/shape_folder.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/case/document.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/case_file.h"

@@ -3,10 +3,10 @@
 #include <map>
 #include <string_view>
 
-#include "core/base/file_stem.h"
-#include "core/base/files.h"
-#include "core/base/json.h"
-#include "core/base/listed.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/files/files.h"
+#include "core/base/text/listed.h"
 #include "core/mesh/formats/formats.h"
 #include "core/session/case_file.h"
 

@@ -11,7 +11,7 @@
 #include <random>
 #include <utility>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 
 namespace homolog {
 

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <ctime>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/model/hdf_tree.h"
 #include "core/model/statismo_parts.h"
 #include "core/model/statismo_values.h"

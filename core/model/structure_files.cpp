@@ -5,12 +5,12 @@
 #include <set>
 #include <string_view>
 
-#include "core/base/file_stem.h"
-#include "core/base/files.h"
-#include "core/base/listed.h"
-#include "core/base/nearest_names.h"
-#include "core/base/paths.h"
-#include "core/base/text.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/files/files.h"
+#include "core/base/files/paths.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/nearest_names.h"
+#include "core/base/text/text.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/shape_folder.h"
 #include "core/model/study.h"

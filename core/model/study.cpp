@@ -7,12 +7,12 @@
 #include <set>
 #include <type_traits>
 
-#include "core/base/file_record.h"
-#include "core/base/file_stem.h"
-#include "core/base/files.h"
-#include "core/base/json.h"
-#include "core/base/paths.h"
-#include "core/base/text.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/file_record.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/files/files.h"
+#include "core/base/files/paths.h"
+#include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
 
 namespace homolog {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/model/leave_one_out.h"
 
 namespace homolog {

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <utility>
 
-#include "core/base/file_stem.h"
-#include "core/base/listed.h"
-#include "core/base/statistics.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/numbers/statistics.h"
+#include "core/base/text/listed.h"
 #include "core/mesh/inside_out.h"
 #include "core/mesh/mirror.h"
 #include "core/model/numbering.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/topology.h"

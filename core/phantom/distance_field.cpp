@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/surface_search.h"
 #include "core/mesh/voxelise.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 
 /// Solids as functions of a point: about the distance to the surface in mm, negative inside. Near the surface the
 /// gradient's length is near 1, farther away only the sign is right.

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 
 namespace homolog::phantom {
 

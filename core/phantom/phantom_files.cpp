@@ -1,6 +1,6 @@
 #include "core/phantom/phantom_files.h"
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/mesh/landmark_io.h"
 #include "core/volume/labels/write_segmentation.h"
 #include "core/volume/volume_io.h"

@@ -1,6 +1,6 @@
 #include "core/phantom/spine_image.h"
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/phantom/distance_field.h"
 #include "core/phantom/imaging.h"
 #include "core/phantom/implicit.h"

@@ -1,4 +1,4 @@
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/voxelise.h"
 #include "core/phantom/imaging.h"
 #include "core/phantom/phantom_scene.h"

@@ -3,7 +3,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/base/rotation.h"
+#include "core/base/numbers/rotation.h"
 
 namespace homolog {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/rotation.h"
+#include "core/base/numbers/rotation.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {

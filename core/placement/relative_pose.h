@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/base/rotation.h"
+#include "core/base/numbers/rotation.h"
 
 namespace homolog {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/json.h"
+#include "core/base/encoding/json.h"
 #include "core/case/action_json.h"
 #include "core/case/action_line.h"
 #include "core/session/case_header.h"

@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <string_view>
 
-#include "core/base/file_record.h"
-#include "core/base/json.h"
-#include "core/base/limits.h"
-#include "core/base/paths.h"
-#include "core/base/text.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/file_record.h"
+#include "core/base/files/paths.h"
+#include "core/base/numbers/limits.h"
+#include "core/base/text/text.h"
 #include "core/case/action_json.h"
 #include "core/catalogue/catalogue.h"
 #include "core/template/template_mark.h"

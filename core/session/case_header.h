@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/session/case_templates.h"
 
 namespace homolog {

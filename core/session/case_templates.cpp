@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/base/paths.h"
+#include "core/base/files/paths.h"
 #include "core/catalogue/catalogue.h"
 #include "core/template/template_mark.h"
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <type_traits>
 
-#include "core/base/colour.h"
-#include "core/base/hash.h"
-#include "core/base/json.h"
+#include "core/base/encoding/hash.h"
+#include "core/base/encoding/json.h"
+#include "core/base/pictures/colour.h"
 #include "core/case/action_json.h"
 #include "core/case/actions/contours.h"
 #include "core/case/actions/fields.h"

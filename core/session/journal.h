@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/base/result.h"
 #include "core/session/line_file.h"
 

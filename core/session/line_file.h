@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/base/open_file.h"
+#include "core/base/files/open_file.h"
 #include "core/base/result.h"
 
 namespace homolog {

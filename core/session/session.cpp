@@ -5,7 +5,7 @@
 #include <new>
 #include <utility>
 
-#include "core/base/paths.h"
+#include "core/base/files/paths.h"
 #include "core/case/action_line.h"
 #include "core/case/edit_words.h"
 #include "core/case/moved_points.h"

@@ -11,7 +11,7 @@
 #include <utility>
 #include <variant>
 
-#include "core/base/guarded.h"
+#include "core/base/processes/guarded.h"
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
 #include "core/session/unsaved_cases.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <tuple>
 
-#include "core/base/limits.h"
+#include "core/base/numbers/limits.h"
 #include "core/case/actions/contours.h"
 #include "core/case/members.h"
 #include "core/case/placing.h"

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "core/base/files.h"
-#include "core/base/process.h"
+#include "core/base/files/files.h"
+#include "core/base/processes/process.h"
 #include "core/session/case_file.h"
 
 namespace homolog {

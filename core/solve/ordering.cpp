@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include "core/base/system_modules.h"
+#include "core/base/processes/system_modules.h"
 
 namespace homolog {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 #include "core/solve/elimination_plan.h"
 
 namespace homolog {

@@ -5,8 +5,8 @@
 #include <set>
 #include <utility>
 
-#include "core/base/text.h"
-#include "core/base/text_table.h"
+#include "core/base/text/text.h"
+#include "core/base/text/text_table.h"
 
 namespace homolog {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/statistics/linear_test.h"
 
 namespace homolog {

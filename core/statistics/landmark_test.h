@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/statistics/design.h"
 #include "core/statistics/permutations.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 
 namespace homolog {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/statistics/design.h"
 #include "core/statistics/permutations.h"
 

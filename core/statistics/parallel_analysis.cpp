@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/phantom/noise.h"
 
 namespace homolog {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 
 namespace homolog {
 

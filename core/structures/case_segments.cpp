@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "core/base/file_stem.h"
-#include "core/base/text.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
 
 namespace homolog {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/adapt/label_fit.h"
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/structures/keep_apart.h"

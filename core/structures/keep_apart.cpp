@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
-#include "core/base/index.h"
-#include "core/base/parallel.h"
+#include "core/base/numbers/index.h"
+#include "core/base/processes/parallel.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"

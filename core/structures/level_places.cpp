@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/structures/level_names.h"
 #include "core/structures/neighbours_say.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "core/base/index.h"
-#include "core/base/text.h"
+#include "core/base/numbers/index.h"
+#include "core/base/text/text.h"
 #include "core/case/actions/history_marks.h"
 #include "core/mesh/voxelise.h"
 #include "core/structures/case_segments.h"

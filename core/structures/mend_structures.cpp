@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxelise.h"
 #include "core/structures/mending.h"

@@ -4,8 +4,8 @@
 
 #include "core/adapt/choose_closing.h"
 #include "core/adapt/snap.h"
-#include "core/base/index.h"
-#include "core/base/parallel.h"
+#include "core/base/numbers/index.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxelise.h"
 #include "core/placement/similarity_fit.h"

@@ -8,8 +8,8 @@
 
 #include "core/adapt/boundary/find_placement.h"
 #include "core/adapt/choose_closing.h"
-#include "core/base/parallel.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
+#include "core/base/processes/parallel.h"
 #include "core/structures/level_names.h"
 #include "core/structures/level_places.h"
 

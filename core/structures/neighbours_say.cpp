@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {

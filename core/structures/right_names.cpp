@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/structures/level_names.h"
 #include "core/structures/name_levels.h"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <numeric>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/structures/neighbours_say.h"
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/case/placing.h"
 #include "core/structures/keep_apart.h"
 #include "core/template/template_mark.h"

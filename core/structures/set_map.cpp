@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/mesh/voxelise.h"
 #include "core/volume/labels/label_boxes.h"
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <numeric>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/structures/keep_apart.h"
 
 namespace homolog {

@@ -5,12 +5,12 @@
 #include <set>
 #include <utility>
 
-#include "core/base/colour.h"
-#include "core/base/file_record.h"
-#include "core/base/files.h"
-#include "core/base/json.h"
-#include "core/base/paths.h"
-#include "core/base/text.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/file_record.h"
+#include "core/base/files/files.h"
+#include "core/base/files/paths.h"
+#include "core/base/pictures/colour.h"
+#include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/surface_search.h"
 

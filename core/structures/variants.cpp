@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 #include "core/structures/level_names.h"
 #include "core/structures/neighbours_say.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/template_making/distance_map.h"
 #include "core/template_making/voxel_components.h"
 #include "core/volume/labels/label_boxes.h"

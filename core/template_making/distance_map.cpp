@@ -19,7 +19,7 @@ std::vector<float> distance_to(const std::vector<std::uint8_t>& set, const Volum
   mask->SetSpacing(Mask::SpacingType(grid.spacing_mm.data()));
   mask->GetPixelContainer()->SetImportPointer(const_cast<std::uint8_t*>(set.data()), set.size());  // only read
 
-  // On the calling thread alone: how many threads work is for core/base/parallel.h to say.
+  // On the calling thread alone: how many threads work is for core/base/processes/parallel.h to say.
   [[maybe_unused]] static const bool threader_chosen = [] {
     itk::MultiThreaderBase::SetGlobalDefaultThreader(itk::MultiThreaderBase::ThreaderType::Platform);
     return true;

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <string>
 
-#include "core/base/index.h"
-#include "core/base/parallel.h"
+#include "core/base/numbers/index.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/surface_search.h"
 #include "core/mesh/voxelise.h"

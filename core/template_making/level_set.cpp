@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/mesh/isosurface.h"
 #include "core/template_making/distance_map.h"
 

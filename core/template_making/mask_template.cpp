@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/colours.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_faults.h"

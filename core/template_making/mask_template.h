@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/measure/compare.h"
 #include "core/template_making/tunnels.h"
 #include "core/volume/volume.h"

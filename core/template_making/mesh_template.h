@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_repair.h"

@@ -5,8 +5,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/base/index.h"
-#include "core/base/parallel.h"
+#include "core/base/numbers/index.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mesh_repair.h"
 #include "core/mesh/remesh.h"

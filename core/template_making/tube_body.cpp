@@ -6,7 +6,7 @@
 #include <limits>
 #include <tuple>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/voxelise.h"
 

@@ -7,8 +7,8 @@
 #include <map>
 #include <optional>
 
-#include "core/base/memory.h"
-#include "core/base/text.h"
+#include "core/base/processes/memory.h"
+#include "core/base/text/text.h"
 #include "core/volume/dicom/dicom_stack.h"
 #include "core/volume/dicom/resample_slices.h"
 #include "core/volume/referenced_images.h"

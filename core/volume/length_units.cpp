@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "core/base/files.h"
-#include "core/base/text.h"
+#include "core/base/files/files.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 namespace {

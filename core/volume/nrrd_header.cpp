@@ -7,8 +7,8 @@
 #include <optional>
 #include <string_view>
 
-#include "core/base/files.h"
-#include "core/base/text.h"
+#include "core/base/files/files.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 namespace fs = std::filesystem;

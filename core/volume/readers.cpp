@@ -5,8 +5,8 @@
 #include <cctype>
 #include <limits>
 
-#include "core/base/memory.h"
-#include "core/base/text.h"
+#include "core/base/processes/memory.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 

@@ -7,8 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/numbers/scalar.h"
 #include "core/base/result.h"
-#include "core/base/scalar.h"
 #include "core/volume/volume.h"
 
 namespace homolog {

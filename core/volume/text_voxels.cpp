@@ -6,8 +6,8 @@
 #include <string_view>
 #include <type_traits>
 
-#include "core/base/files.h"
-#include "core/base/memory.h"
+#include "core/base/files/files.h"
+#include "core/base/processes/memory.h"
 
 namespace homolog {
 

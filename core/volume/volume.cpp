@@ -7,7 +7,7 @@
 #include <span>
 #include <type_traits>
 
-#include "core/base/hash.h"
+#include "core/base/encoding/hash.h"
 
 namespace homolog {
 namespace {

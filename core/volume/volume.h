@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 
 namespace homolog {
 

@@ -2,9 +2,9 @@
 
 #include <new>
 
-#include "core/base/file_record.h"
-#include "core/base/files.h"
-#include "core/base/listed.h"
+#include "core/base/files/file_record.h"
+#include "core/base/files/files.h"
+#include "core/base/text/listed.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/labels/label_tables.h"
 #include "core/volume/readers.h"

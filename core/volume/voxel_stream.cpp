@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 
 namespace homolog {
 namespace fs = std::filesystem;

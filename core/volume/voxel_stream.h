@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 
 namespace homolog {

@@ -4,7 +4,7 @@
 #include <sstream>
 #include <string>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/volume/volume.h"
 

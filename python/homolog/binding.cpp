@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "app/verbs/case_pool.h"
-#include "core/base/limits.h"
-#include "core/base/parallel.h"
+#include "core/base/numbers/limits.h"
+#include "core/base/processes/parallel.h"
 
 namespace homolog::python {
 

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/geometry.h"
-#include "core/base/progress.h"
+#include "core/base/numbers/geometry.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "core/base/paths.h"
+#include "core/base/files/paths.h"
 #include "core/session/session.h"
 #include "python/homolog/binding.h"
 

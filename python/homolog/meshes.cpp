@@ -1,5 +1,5 @@
 #include "app/verbs/describe.h"
-#include "core/base/file_record.h"
+#include "core/base/files/file_record.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "core/base/limits.h"
+#include "core/base/numbers/limits.h"
 #include "core/model/score.h"
 #include "core/model/shape_model.h"
 #include "core/model/statismo.h"

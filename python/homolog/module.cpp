@@ -3,9 +3,9 @@
 #include <cstring>
 
 #include "app/version.h"
-#include "core/base/confined.h"
-#include "core/base/parallel.h"
-#include "core/base/picture_io.h"
+#include "core/base/pictures/picture_io.h"
+#include "core/base/processes/confined.h"
+#include "core/base/processes/parallel.h"
 #include "python/homolog/binding.h"
 
 namespace homolog::python {

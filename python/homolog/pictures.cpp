@@ -1,7 +1,7 @@
 #include "app/pictures/pictures.h"
 
-#include "core/base/picture_io.h"
-#include "core/base/picture_module.h"
+#include "core/base/pictures/picture_io.h"
+#include "core/base/pictures/picture_module.h"
 #include "python/homolog/binding.h"
 #include "python/homolog/held_case.h"
 #include "python/homolog/held_model.h"

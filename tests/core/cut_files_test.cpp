@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/landmark_io.h"
 #include "core/model/shape_model.h"

@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/case/document.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"

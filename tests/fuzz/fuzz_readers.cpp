@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "app/editor/update/command_log.h"
-#include "core/base/picture_readers.h"
+#include "core/base/pictures/picture_readers.h"
 #include "core/model/hdf_tree.h"
 #include "core/model/statismo.h"
 #include "core/model/study.h"

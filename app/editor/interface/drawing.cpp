@@ -15,7 +15,7 @@
 #include "app/editor/update/results/results.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/widgets/plots.h"
-#include "core/base/caption_sizes.h"
+#include "core/base/pictures/caption_sizes.h"
 
 namespace homolog {
 

@@ -8,7 +8,7 @@
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 
 namespace homolog {
 

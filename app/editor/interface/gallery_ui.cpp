@@ -10,7 +10,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
 #include "app/editor/work/models/study_folder.h"
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 
 namespace homolog {
 

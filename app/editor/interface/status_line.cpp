@@ -8,7 +8,7 @@
 #include "app/editor/update/status.h"
 #include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "app/editor/widgets/widgets.h"
-#include "core/base/caption_sizes.h"
+#include "core/base/pictures/caption_sizes.h"
 
 namespace homolog {
 

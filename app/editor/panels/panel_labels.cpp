@@ -5,7 +5,7 @@
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "render/label_colours.h"
 
 // The labels of the map, while the case has no structures of them yet.

@@ -2,7 +2,7 @@
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 #include "core/catalogue/catalogue.h"
 
 namespace homolog {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/base/nearest_on_segment.h"
+#include "core/base/numbers/nearest_on_segment.h"
 
 namespace homolog {
 

@@ -5,7 +5,7 @@
 
 #include "app/editor/scene/mesh_colouring.h"
 #include "app/editor/state/label_map_layer.h"
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "render/label_colours.h"
 
 namespace homolog {

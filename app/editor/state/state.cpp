@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "app/editor/state/view_colours.h"
-#include "core/base/file_stem.h"
+#include "core/base/files/file_stem.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/session/unsaved_cases.h"
 

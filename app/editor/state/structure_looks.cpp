@@ -4,7 +4,7 @@
 #include <iterator>
 #include <tuple>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/volume/labels/segmentation.h"
 
 namespace homolog {

@@ -5,8 +5,8 @@
 #include <sstream>
 #include <utility>
 
-#include "core/base/files.h"
-#include "core/base/json.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/files.h"
 #include "core/case/action_json.h"
 #include "core/case/actions/fields.h"
 

@@ -26,7 +26,7 @@
 #include "app/editor/work/template_maker.h"
 #include "app/editor/work/worklist.h"
 #include "app/editor_options.h"
-#include "core/base/picture_io.h"
+#include "core/base/pictures/picture_io.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/editor/state/files/file_extensions.h"
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/mesh/formats/formats.h"
 #include "core/volume/formats/formats.h"
 

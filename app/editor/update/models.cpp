@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <system_error>
 
-#include "core/base/files.h"
-#include "core/base/index.h"
-#include "core/base/memory.h"
-#include "core/base/paths.h"
+#include "core/base/files/files.h"
+#include "core/base/files/paths.h"
+#include "core/base/numbers/index.h"
+#include "core/base/processes/memory.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/case_of_shape.h"
 #include "core/model/statismo.h"

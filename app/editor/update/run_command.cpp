@@ -2,7 +2,7 @@
 
 #include "app/editor/update/editing.h"
 #include "app/editor/update/status.h"
-#include "core/base/guarded.h"
+#include "core/base/processes/guarded.h"
 
 namespace homolog {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "app/editor/work/opening/recovery.h"
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/mesh/mirror.h"
 #include "core/session/unsaved_cases.h"
 

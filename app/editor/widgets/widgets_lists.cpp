@@ -6,7 +6,7 @@
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 
 // ImTextCharToUtf8 is declared here only.
 #include <imgui_internal.h>

@@ -6,7 +6,7 @@
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/base/short_names.h"
+#include "core/base/text/short_names.h"
 
 // Texts, and what fits into a width.
 

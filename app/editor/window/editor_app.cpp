@@ -8,8 +8,8 @@
 
 #include "app/editor/update/results/opening.h"
 #include "app/editor/update/results/results.h"
-#include "core/base/guarded.h"
-#include "core/base/paths.h"
+#include "core/base/files/paths.h"
+#include "core/base/processes/guarded.h"
 #include "core/structures/template_set.h"
 
 namespace homolog {

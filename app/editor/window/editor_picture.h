@@ -6,7 +6,7 @@
 
 #include "app/editor/update/commands.h"
 #include "app/editor/widgets/drawn_items.h"
-#include "core/base/picture.h"
+#include "core/base/pictures/picture.h"
 #include "core/session/session.h"
 
 namespace homolog {

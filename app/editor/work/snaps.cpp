@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "app/editor/state/state.h"
-#include "core/base/guarded.h"
+#include "core/base/processes/guarded.h"
 
 namespace homolog {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/editor/state/settings.h"
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/model/study.h"
 #include "core/volume/labels/segmentation.h"

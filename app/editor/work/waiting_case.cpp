@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 #include "core/mesh/isosurface.h"
 #include "core/volume/labels/read_labels.h"
 #include "core/volume/volume_io.h"

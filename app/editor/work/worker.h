@@ -11,8 +11,8 @@
 #include <thread>
 #include <utility>
 
-#include "core/base/guarded.h"
-#include "core/base/progress.h"
+#include "core/base/processes/guarded.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 
 namespace homolog {

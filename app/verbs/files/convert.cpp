@@ -7,7 +7,7 @@
 #include "app/verbs/model/model_part.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/record.h"
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
 #include "core/mesh/formats/formats.h"

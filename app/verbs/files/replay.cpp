@@ -3,8 +3,8 @@
 
 #include "app/verbs/record.h"
 #include "app/verbs/verb.h"
-#include "core/base/listed.h"
-#include "core/base/text.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/text.h"
 #include "core/deform/fold_guard.h"
 #include "core/session/case_file.h"
 

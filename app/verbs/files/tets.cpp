@@ -3,7 +3,7 @@
 
 #include "app/verbs/plain_report.h"
 #include "app/verbs/verbs.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/deform/volume_carrier.h"
 #include "core/mesh/mirror.h"

@@ -7,7 +7,7 @@
 #include "app/verbs/study/study_make.h"
 #include "core/adapt/propagate.h"
 #include "core/assist/assist.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/rims.h"

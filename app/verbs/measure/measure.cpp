@@ -2,8 +2,8 @@
 
 #include "app/verbs/measure/measure_recipe.h"
 #include "app/verbs/verb.h"
-#include "core/base/files.h"
-#include "core/base/listed.h"
+#include "core/base/files/files.h"
+#include "core/base/text/listed.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/meeting.h"
 #include "core/mesh/formats/formats.h"

@@ -8,8 +8,8 @@
 
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/read_image.h"
-#include "core/base/files.h"
-#include "core/base/listed.h"
+#include "core/base/files/files.h"
+#include "core/base/text/listed.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/inside_out.h"
 #include "core/mesh/landmark_io.h"

@@ -3,8 +3,8 @@
 
 #include "app/verbs/describe.h"
 #include "app/verbs/model/training.h"
-#include "core/base/listed.h"
-#include "core/base/text.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/text.h"
 #include "core/model/evaluation.h"
 
 // The verb `evaluate`: measures of a training set.

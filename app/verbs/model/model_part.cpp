@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "core/base/listed.h"
-#include "core/base/nearest_names.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/nearest_names.h"
 #include "core/model/statismo.h"
 
 namespace homolog {

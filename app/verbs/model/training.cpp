@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 #include "core/measure/meeting.h"
 #include "core/mesh/formats/formats.h"
 #include "core/model/joint_alignment.h"

@@ -7,7 +7,7 @@
 
 #include "app/verbs/report/report_measurements.h"
 #include "app/verbs/statistics/test_cases.h"
-#include "core/base/file_stem.h"
+#include "core/base/files/file_stem.h"
 #include "core/model/leave_one_out.h"
 #include "core/model/model_files.h"
 #include "core/model/shape_files.h"

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "app/verbs/report/report_methods.h"
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/recipe/recipe.h"
 #include "core/model/shape_files.h"

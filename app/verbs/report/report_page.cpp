@@ -9,8 +9,8 @@
 #include "app/verbs/report/report_measurements.h"
 #include "app/verbs/report/report_methods.h"
 #include "app/version.h"
-#include "core/base/base64.h"
-#include "core/base/text.h"
+#include "core/base/encoding/base64.h"
+#include "core/base/text/text.h"
 #include "core/mesh/colours.h"
 #include "render/shaders.h"
 

@@ -4,7 +4,7 @@
 #include "app/verbs/set/set_edit.h"
 #include "app/verbs/set/set_making.h"
 #include "app/verbs/verbs.h"
-#include "core/base/paths.h"
+#include "core/base/files/paths.h"
 #include "core/catalogue/catalogue.h"
 #include "core/structures/built_in_set.h"
 #include "core/template/template.h"

@@ -5,7 +5,7 @@
 #include "app/verbs/set/set_cases.h"
 #include "app/verbs/set/set_making.h"
 #include "app/verbs/template/template_job.h"
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/groupwise/cohort_template.h"
 #include "core/structures/fit_set.h"
 #include "core/structures/neighbours_say.h"

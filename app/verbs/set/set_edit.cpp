@@ -6,8 +6,8 @@
 
 #include "app/verbs/set/set_cases.h"
 #include "app/verbs/set/set_making.h"
-#include "core/base/files.h"
-#include "core/base/text.h"
+#include "core/base/files/files.h"
+#include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/structures/built_in_set.h"
 #include "core/structures/share_vertices.h"

@@ -6,7 +6,7 @@
 
 #include "app/verbs/statistics/test_job.h"
 #include "app/verbs/statistics/test_tables.h"
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 #include "core/mesh/formats/formats.h"
 
 // The verb `test`: what shapes have to do with what is known of their cases.

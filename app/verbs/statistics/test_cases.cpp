@@ -7,9 +7,9 @@
 #include <numeric>
 #include <set>
 
-#include "core/base/file_stem.h"
-#include "core/base/nearest_names.h"
-#include "core/base/text_table.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/text/nearest_names.h"
+#include "core/base/text/text_table.h"
 #include "core/model/joint_set.h"
 #include "core/model/model_files.h"
 #include "core/model/self_mirror.h"

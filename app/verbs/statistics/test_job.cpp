@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/statistics/parallel_analysis.h"
 
 namespace homolog {

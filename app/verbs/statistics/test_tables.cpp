@@ -5,10 +5,10 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/files.h"
-#include "core/base/listed.h"
-#include "core/base/nearest_names.h"
-#include "core/base/text.h"
+#include "core/base/files/files.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/nearest_names.h"
+#include "core/base/text/text.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/model/groups.h"

@@ -5,10 +5,10 @@
 #include <sstream>
 
 #include "app/verbs/record.h"
-#include "core/base/file_record.h"
-#include "core/base/files.h"
-#include "core/base/json.h"
-#include "core/base/paths.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/file_record.h"
+#include "core/base/files/files.h"
+#include "core/base/files/paths.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/statismo.h"

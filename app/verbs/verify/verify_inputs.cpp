@@ -4,10 +4,10 @@
 #include <set>
 
 #include "app/verbs/record.h"
-#include "core/base/files.h"
-#include "core/base/paths.h"
-#include "core/base/sha256.h"
-#include "core/base/text.h"
+#include "core/base/encoding/sha256.h"
+#include "core/base/files/files.h"
+#include "core/base/files/paths.h"
+#include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/adapt/boundary/label_parts.h"
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_faults.h"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/placement/landmark_warp.h"
 #include "core/placement/likely_similarity.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
 #include "core/mesh/surface_search.h"

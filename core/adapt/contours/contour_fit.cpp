@@ -11,7 +11,7 @@
 #include "core/adapt/roundness.h"
 #include "core/adapt/slide_doubt.h"
 #include "core/adapt/untangle.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/deform/fold_guard.h"
 #include "core/deform/local_rotations.h"
 #include "core/mesh/mesh_quality.h"

@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/placement/landmark_warp.h"
 

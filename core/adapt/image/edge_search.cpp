@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "core/adapt/image/tissue.h"
-#include "core/base/parallel.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
+#include "core/base/processes/parallel.h"
 
 namespace homolog {
 

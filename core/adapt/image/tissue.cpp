@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 
 namespace homolog {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "core/base/rotation.h"
+#include "core/base/numbers/rotation.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {

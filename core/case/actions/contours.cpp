@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/limits.h"
+#include "core/base/numbers/limits.h"
 #include "core/case/actions/fields.h"
 
 namespace homolog {

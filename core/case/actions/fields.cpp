@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "core/base/limits.h"
+#include "core/base/numbers/limits.h"
 
 namespace homolog {
 

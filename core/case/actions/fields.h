@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 #include "core/base/result.h"
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/base/hash.h"
-#include "core/base/text.h"
+#include "core/base/encoding/hash.h"
+#include "core/base/text/text.h"
 #include "core/case/actions/fields.h"
 
 namespace homolog {

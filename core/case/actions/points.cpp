@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/base/limits.h"
+#include "core/base/numbers/limits.h"
 #include "core/case/actions/decided.h"
 #include "core/case/actions/fields.h"
 #include "core/case/moved_points.h"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/colour.h"
+#include "core/base/pictures/colour.h"
 #include "core/case/actions/brush.h"
 #include "core/case/actions/fields.h"
 #include "core/mesh/curvature.h"

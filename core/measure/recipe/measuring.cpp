@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/measure/recipe/step_kinds.h"
 #include "core/mesh/mesh_quality.h"
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/measure/recipe/step_kinds.h"
 
 namespace homolog {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/nearest_names.h"
-#include "core/base/text.h"
+#include "core/base/text/nearest_names.h"
+#include "core/base/text/text.h"
 #include "core/measure/recipe/step_kinds.h"
 
 namespace homolog {

@@ -8,11 +8,11 @@
 #include <set>
 #include <utility>
 
-#include "core/base/files.h"
-#include "core/base/json.h"
-#include "core/base/listed.h"
-#include "core/base/nearest_names.h"
-#include "core/base/text.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/files.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/nearest_names.h"
+#include "core/base/text/text.h"
 #include "core/measure/recipe/step_kinds.h"
 
 namespace homolog {

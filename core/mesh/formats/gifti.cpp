@@ -3,9 +3,9 @@
 #include <array>
 #include <pugixml.hpp>
 
-#include "core/base/base64.h"
-#include "core/base/files.h"
-#include "core/base/text.h"
+#include "core/base/encoding/base64.h"
+#include "core/base/files/files.h"
+#include "core/base/text/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"

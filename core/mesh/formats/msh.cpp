@@ -1,7 +1,7 @@
 #include <unordered_map>
 
-#include "core/base/file_record.h"
-#include "core/base/text.h"
+#include "core/base/files/file_record.h"
+#include "core/base/text/text.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"
 #include "core/mesh/formats/text.h"

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <optional>
 
-#include "core/base/colour.h"
-#include "core/base/file_record.h"
-#include "core/base/json.h"
-#include "core/base/text.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/file_record.h"
+#include "core/base/pictures/colour.h"
+#include "core/base/text/text.h"
 #include "core/mesh/formats/text.h"
 
 namespace homolog::formats {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 
 namespace homolog::formats {
 

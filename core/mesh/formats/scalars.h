@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/base/scalar.h"
+#include "core/base/numbers/scalar.h"
 
 /// Numbers as they lie in binary files.
 namespace homolog::formats {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/mesh/formats/text.h"
 
 namespace homolog::formats {

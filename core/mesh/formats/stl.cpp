@@ -1,6 +1,6 @@
 #include <unordered_map>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"

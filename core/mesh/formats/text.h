@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 
 /// Walking through the text of a whole file.
 namespace homolog::formats {

@@ -1,5 +1,5 @@
-#include "core/base/file_record.h"
-#include "core/base/text.h"
+#include "core/base/files/file_record.h"
+#include "core/base/text/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/file_record.h"
-#include "core/base/text.h"
+#include "core/base/files/file_record.h"
+#include "core/base/text/text.h"
 #include "core/mesh/formats/scalars.h"
 #include "core/mesh/formats/text.h"
 #include "core/mesh/formats/vertex_arrays.h"

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/scalar.h"
+#include "core/base/numbers/scalar.h"
 #include "core/mesh/formats/byte_source.h"
 #include "core/mesh/formats/scalars.h"
 #include "core/mesh/formats/space.h"

@@ -1,4 +1,4 @@
-#include "core/base/limits.h"
+#include "core/base/numbers/limits.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/vertex_arrays.h"

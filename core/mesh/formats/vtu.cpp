@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/file_record.h"
+#include "core/base/files/file_record.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"
 #include "core/mesh/formats/vertex_arrays.h"

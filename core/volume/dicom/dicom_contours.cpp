@@ -5,8 +5,8 @@
 #include <set>
 #include <utility>
 
-#include "core/base/listed.h"
-#include "core/base/text.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/text.h"
 #include "core/volume/contours.h"
 #include "core/volume/dicom/dicom_set.h"
 #include "core/volume/dicom/dicom_text.h"

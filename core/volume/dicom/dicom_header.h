@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 #include "core/base/result.h"
 #include "core/volume/dicom/dicom_clocks.h"
 #include "core/volume/dicom/dicom_set.h"

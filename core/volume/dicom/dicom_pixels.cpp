@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/picture_module.h"
-#include "core/base/process.h"
-#include "core/base/text.h"
+#include "core/base/pictures/picture_module.h"
+#include "core/base/processes/process.h"
+#include "core/base/text/text.h"
 #include "core/volume/dicom/codestream.h"
 #include "core/volume/dicom/dicom_rle.h"
 #include "core/volume/readers.h"

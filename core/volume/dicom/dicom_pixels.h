@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/volume/dicom/dicom_header.h"
 

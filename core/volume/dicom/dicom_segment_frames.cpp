@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/volume/dicom/dicom_text.h"
 
 namespace homolog {

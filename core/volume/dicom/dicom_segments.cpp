@@ -8,8 +8,8 @@
 #include <set>
 #include <string>
 
-#include "core/base/memory.h"
-#include "core/base/text.h"
+#include "core/base/processes/memory.h"
+#include "core/base/text/text.h"
 #include "core/volume/dicom/dicom_pixels.h"
 #include "core/volume/dicom/dicom_segment_frames.h"
 #include "core/volume/stored_voxels.h"

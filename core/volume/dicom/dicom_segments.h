@@ -3,7 +3,7 @@
 #include <functional>
 #include <optional>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/volume/dicom/dicom_set.h"
 #include "core/volume/volume_io.h"

@@ -11,8 +11,8 @@
 #include <sstream>
 #include <string_view>
 
-#include "core/base/files.h"
-#include "core/base/text.h"
+#include "core/base/files/files.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 namespace fs = std::filesystem;

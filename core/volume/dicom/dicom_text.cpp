@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/system_text.h"
-#include "core/base/text.h"
+#include "core/base/text/system_text.h"
+#include "core/base/text/text.h"
 #include "core/volume/labels/segmentation.h"
 
 namespace homolog {

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/hash.h"
-#include "core/base/progress.h"
+#include "core/base/encoding/hash.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/volume/labels/map_on_grid.h"
 #include "core/volume/volume_io.h"

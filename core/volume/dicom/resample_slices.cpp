@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "core/base/memory.h"
-#include "core/base/parallel.h"
+#include "core/base/processes/memory.h"
+#include "core/base/processes/parallel.h"
 #include "core/volume/dicom/dicom_stack.h"
 #include "core/volume/readers.h"
 

@@ -8,11 +8,11 @@
 #include <optional>
 #include <set>
 
-#include "core/base/files.h"
-#include "core/base/hash.h"
-#include "core/base/listed.h"
-#include "core/base/memory.h"
-#include "core/base/text.h"
+#include "core/base/encoding/hash.h"
+#include "core/base/files/files.h"
+#include "core/base/processes/memory.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/text.h"
 #include "core/volume/dicom/dicom_elements.h"
 #include "core/volume/dicom/dicom_series.h"
 #include "core/volume/dicom/dicom_text.h"

@@ -4,8 +4,8 @@
 #include <numeric>
 #include <set>
 
-#include "core/base/listed.h"
-#include "core/base/memory.h"
+#include "core/base/processes/memory.h"
+#include "core/base/text/listed.h"
 #include "core/volume/dicom/dicom_arrangement.h"
 #include "core/volume/dicom/dicom_copies.h"
 #include "core/volume/dicom/dicom_header.h"

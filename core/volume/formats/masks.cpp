@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/file_stem.h"
-#include "core/base/memory.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/processes/memory.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/labels/label_boxes.h"
 #include "core/volume/labels/read_labels.h"

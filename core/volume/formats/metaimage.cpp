@@ -6,8 +6,8 @@
 #include <optional>
 #include <string_view>
 
-#include "core/base/files.h"
-#include "core/base/text.h"
+#include "core/base/files/files.h"
+#include "core/base/text/text.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/length_units.h"
 #include "core/volume/readers.h"

@@ -9,7 +9,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/labels/label_tables.h"
 #include "core/volume/length_units.h"

@@ -7,8 +7,8 @@
 #include <mutex>
 #include <optional>
 
-#include "core/base/file_record.h"
-#include "core/base/files.h"
+#include "core/base/files/file_record.h"
+#include "core/base/files/files.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/labels/read_labels.h"
 #include "core/volume/labels/slicer_segments.h"

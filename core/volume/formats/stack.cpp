@@ -2,8 +2,8 @@
 #include <cctype>
 #include <cmath>
 
-#include "core/base/memory.h"
-#include "core/base/picture_module.h"
+#include "core/base/pictures/picture_module.h"
+#include "core/base/processes/memory.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
 

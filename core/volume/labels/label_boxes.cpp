@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 
 namespace homolog {
 

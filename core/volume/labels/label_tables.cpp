@@ -4,9 +4,9 @@
 #include <array>
 #include <vector>
 
-#include "core/base/file_stem.h"
-#include "core/base/files.h"
-#include "core/base/text.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/files/files.h"
+#include "core/base/text/text.h"
 #include "core/volume/labels/label_likeness.h"
 
 namespace homolog {

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/base/colour.h"
-#include "core/base/json.h"
-#include "core/base/text.h"
+#include "core/base/encoding/json.h"
+#include "core/base/pictures/colour.h"
+#include "core/base/text/text.h"
 #include "core/volume/labels/label_tables.h"
 #include "core/volume/labels/named_labels.h"
 

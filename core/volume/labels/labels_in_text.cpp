@@ -3,8 +3,8 @@
 #include <map>
 #include <vector>
 
-#include "core/base/colour.h"
-#include "core/base/text.h"
+#include "core/base/pictures/colour.h"
+#include "core/base/text/text.h"
 #include "core/volume/labels/label_tables.h"
 #include "core/volume/labels/named_labels.h"
 

@@ -4,7 +4,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/volume/labels/label_tables.h"
 #include "core/volume/labels/named_labels.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 

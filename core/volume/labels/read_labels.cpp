@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 
 namespace homolog {
 namespace fs = std::filesystem;

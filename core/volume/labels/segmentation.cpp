@@ -4,9 +4,9 @@
 #include <string_view>
 #include <utility>
 
-#include "core/base/listed.h"
-#include "core/base/nearest_names.h"
-#include "core/base/text.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/nearest_names.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/colour.h"
-#include "core/base/file_record.h"
-#include "core/base/file_stem.h"
-#include "core/base/files.h"
+#include "core/base/files/file_record.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/files/files.h"
+#include "core/base/pictures/colour.h"
 #include "core/volume/labels/label_boxes.h"
 #include "core/volume/labels/label_likeness.h"
 #include "core/volume/labels/label_tables.h"

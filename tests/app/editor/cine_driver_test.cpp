@@ -3,7 +3,7 @@
 #include <map>
 
 #include "app/editor/update/status.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "tests/beating_ball.h"
 #include "tests/driver.h"
 #include "tests/must.h"

@@ -7,7 +7,7 @@
 
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/keys.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"

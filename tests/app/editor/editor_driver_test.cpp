@@ -9,7 +9,7 @@
 
 #include "app/editor/interface/interface.h"
 #include "app/editor/update/controls.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"

@@ -5,7 +5,7 @@
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/models/build_study_model.h"
 #include "app/editor/work/models/model_help.h"
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/model/shape_model.h"

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <thread>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "app/sample/sample.h"
-#include "core/base/files.h"
-#include "core/base/picture_io.h"
+#include "core/base/files/files.h"
+#include "core/base/pictures/picture_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"
 #include "tests/screens.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/editor/update/controls.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"

@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "app/editor/state/key_codes.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/session/case_file.h"

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/structures/template_set.h"

@@ -6,7 +6,7 @@
 
 #include "app/editor/update/controls.h"
 #include "app/editor/update/status.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/case/edit_words.h"
 #include "core/case/held_landmarks.h"
 #include "core/mesh/icosphere.h"

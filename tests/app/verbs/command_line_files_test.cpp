@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "core/base/picture_io.h"
+#include "core/base/pictures/picture_io.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/mesh_io.h"

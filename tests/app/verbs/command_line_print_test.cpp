@@ -2,9 +2,9 @@
 #include <fstream>
 #include <regex>
 
-#include "core/base/base64.h"
-#include "core/base/file_record.h"
-#include "core/base/picture_io.h"
+#include "core/base/encoding/base64.h"
+#include "core/base/files/file_record.h"
+#include "core/base/pictures/picture_io.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "tests/command_line.h"

@@ -1,7 +1,7 @@
 // The command-line contract of docs/commands.md: report.
 #include <cstring>
 
-#include "core/base/base64.h"
+#include "core/base/encoding/base64.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/statismo.h"

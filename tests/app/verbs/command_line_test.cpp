@@ -3,7 +3,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/base/picture_io.h"
+#include "core/base/pictures/picture_io.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"

@@ -1,5 +1,5 @@
 // The command-line contract of docs/verify.md: records in what verbs write, and `verify`.
-#include "core/base/picture_io.h"
+#include "core/base/pictures/picture_io.h"
 #include "core/mesh/mesh_io.h"
 #include "tests/verify_folder.h"
 

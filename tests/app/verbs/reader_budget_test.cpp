@@ -9,7 +9,7 @@
 #include <random>
 #include <sstream>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "tests/command_line.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"

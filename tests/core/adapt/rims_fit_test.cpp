@@ -10,7 +10,7 @@
 
 #include "core/adapt/fit.h"
 #include "core/adapt/judge_fit.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 #include "core/mesh/clip.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "tests/must.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"

@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/recipe/measured_lines.h"
 #include "core/measure/recipe/measuring.h"

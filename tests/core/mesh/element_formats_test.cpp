@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/base/base64.h"
-#include "core/base/files.h"
+#include "core/base/encoding/base64.h"
+#include "core/base/files/files.h"
 #include "core/mesh/mesh_io.h"
 #include "tests/must.h"
 #include "tests/refusal.h"

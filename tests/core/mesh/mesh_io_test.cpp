@@ -9,9 +9,9 @@
 #include <fstream>
 #include <limits>
 
-#include "core/base/file_stem.h"
-#include "core/base/files.h"
-#include "core/base/listed.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/files/files.h"
+#include "core/base/text/listed.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/mirror.h"
 #include "core/volume/formats/formats.h"

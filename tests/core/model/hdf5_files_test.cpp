@@ -4,7 +4,7 @@
 #include <fstream>
 #include <functional>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/model/hdf5_reader.h"
 #include "core/model/hdf_tree.h"
 #include "core/model/statismo.h"

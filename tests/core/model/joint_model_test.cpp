@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <fstream>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/model/complete_structures.h"
 #include "core/model/joint_alignment.h"
 #include "core/model/joint_set.h"

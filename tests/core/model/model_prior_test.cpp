@@ -4,7 +4,7 @@
 
 #include "core/adapt/fit.h"
 #include "core/adapt/snap.h"
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/measure/compare.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"

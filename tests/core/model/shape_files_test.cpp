@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"

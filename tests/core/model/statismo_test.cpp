@@ -5,7 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/model/hdf_tree.h"
 #include "tests/environment_variable.h"
 #include "tests/refusal.h"

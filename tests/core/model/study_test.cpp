@@ -5,7 +5,7 @@
 #include <chrono>
 #include <fstream>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "tests/temporary_folder.h"
 
 namespace fs = std::filesystem;

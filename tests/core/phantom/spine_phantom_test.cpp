@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/mesh/voxelise.h"

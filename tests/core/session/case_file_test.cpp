@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/session/unsaved_cases.h"
 #include "core/volume/volume_io.h"

@@ -8,7 +8,7 @@
 #include <random>
 #include <span>
 
-#include "core/base/json.h"
+#include "core/base/encoding/json.h"
 #include "core/case/action_line.h"
 #include "core/case/members.h"
 #include "core/case/packed.h"

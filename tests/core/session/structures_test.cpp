@@ -2,8 +2,8 @@
 
 #include <random>
 
-#include "core/base/files.h"
-#include "core/base/json.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/files.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/case_keeping.h"
 #include "core/session/session_thread.h"

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/base/rotation.h"
+#include "core/base/numbers/rotation.h"
 #include "core/deform/local_rotations.h"
 #include "core/solve/shape_solver.h"
 #include "tests/refusal.h"

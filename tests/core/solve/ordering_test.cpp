@@ -9,7 +9,7 @@
 #include <numeric>
 #include <thread>
 
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/mesh/icosphere.h"
 
 using namespace homolog;

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/files.h"
-#include "core/base/text_table.h"
+#include "core/base/files/files.h"
+#include "core/base/text/text_table.h"
 #include "core/statistics/covariates.h"
 #include "core/statistics/formula.h"
 #include "core/statistics/permutations.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/phantom/noise.h"
 #include "core/statistics/landmark_test.h"
 #include "core/statistics/parallel_analysis.h"

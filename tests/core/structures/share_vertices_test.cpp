@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/structures/fit_set.h"
 #include "core/structures/set_map.h"

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/mesh/icosphere.h"
 #include "tests/must.h"
 #include "tests/refusal.h"

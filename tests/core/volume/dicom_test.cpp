@@ -8,7 +8,7 @@
 #include <fstream>
 #include <numeric>
 
-#include "core/base/picture_module.h"
+#include "core/base/pictures/picture_module.h"
 #include "core/volume/dicom/codestream.h"
 #include "core/volume/dicom/dicom_header.h"
 #include "core/volume/dicom/dicom_rle.h"

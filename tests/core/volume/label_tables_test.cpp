@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "core/base/colour.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
+#include "core/base/pictures/colour.h"
 #include "core/volume/labels/write_segmentation.h"
 #include "core/volume/volume_io.h"
 #include "tests/must.h"

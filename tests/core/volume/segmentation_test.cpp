@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/geometry.h"
+#include "core/base/numbers/geometry.h"
 #include "tests/refusal.h"
 
 using namespace homolog;

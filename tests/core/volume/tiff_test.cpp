@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "core/base/picture_io.h"
+#include "core/base/pictures/picture_io.h"
 #include "core/volume/volume_io.h"
 #include "tests/cpu_time.h"
 #include "tests/peak_memory.h"

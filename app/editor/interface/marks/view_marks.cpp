@@ -14,7 +14,7 @@
 #include "app/editor/state/icons.h"
 #include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/base/caption_sizes.h"
+#include "core/base/pictures/caption_sizes.h"
 
 namespace homolog {
 

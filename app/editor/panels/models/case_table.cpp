@@ -7,7 +7,7 @@
 #include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/base/listed.h"
+#include "core/base/text/listed.h"
 
 namespace homolog {
 

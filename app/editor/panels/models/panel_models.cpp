@@ -6,7 +6,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/plots.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/base/file_stem.h"
+#include "core/base/files/file_stem.h"
 
 namespace homolog {
 

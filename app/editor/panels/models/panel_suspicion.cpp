@@ -7,7 +7,7 @@
 #include "app/editor/panels/models/models_panel.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/base/statistics.h"
+#include "core/base/numbers/statistics.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 
 #include "app/editor/state/structure_looks.h"
 #include "core/adapt/judge_fit.h"
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/cell_grid.h"
+#include "core/base/pictures/cell_grid.h"
 #include "render/renderer.h"
 
 namespace homolog {

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <set>
 
-#include "core/base/file_stem.h"
-#include "core/base/paths.h"
-#include "core/base/text.h"
+#include "core/base/files/file_stem.h"
+#include "core/base/files/paths.h"
+#include "core/base/text/text.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/model_files.h"
 

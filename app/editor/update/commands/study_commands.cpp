@@ -8,7 +8,7 @@
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/imports.h"
 #include "app/editor/update/results/worklist.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/model/landmark_table.h"
 #include "core/model/leave_one_out.h"

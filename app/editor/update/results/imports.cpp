@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/adapt/choose_closing.h"
-#include "core/base/paths.h"
-#include "core/base/text.h"
+#include "core/base/files/paths.h"
+#include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/curve_io.h"
 #include "core/mesh/landmark_io.h"

@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "app/editor/update/results/imports.h"
-#include "core/base/paths.h"
+#include "core/base/files/paths.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/meeting.h"
 #include "core/session/unsaved_cases.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "app/editor/update/results/results.h"
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/case/moved_points.h"
 #include "core/structures/set_in_case.h"
 

@@ -4,7 +4,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/base/file_stem.h"
+#include "core/base/files/file_stem.h"
 
 namespace homolog {
 

@@ -6,7 +6,7 @@
 
 #include "app/editor/state/outcomes.h"
 #include "core/assist/assist.h"
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/session/session_thread.h"
 #include "core/volume/labels/segmentation.h"
 

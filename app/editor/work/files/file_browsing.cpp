@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/base/text.h"
+#include "core/base/text/text.h"
 #include "core/session/unsaved_cases.h"
 
 namespace homolog {

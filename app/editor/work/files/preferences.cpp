@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "core/base/files.h"
-#include "core/base/json.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/files.h"
 
 namespace homolog {
 

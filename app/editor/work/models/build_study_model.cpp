@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/parallel.h"
+#include "core/base/processes/parallel.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/editor/state/models/study_model.h"
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/model/training_set.h"
 
 namespace homolog {

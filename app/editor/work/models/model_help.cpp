@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "app/editor/work/models/build_study_model.h"
-#include "core/base/index.h"
+#include "core/base/numbers/index.h"
 #include "core/model/conditional.h"
 #include "core/model/leave_one_out.h"
 

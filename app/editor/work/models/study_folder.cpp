@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/editor/state/models/models_state.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/unsaved_cases.h"

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "core/base/progress.h"
+#include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/phantom/phantom.h"
 

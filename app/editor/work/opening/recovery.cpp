@@ -6,8 +6,8 @@
 #include <fstream>
 #include <string>
 
-#include "core/base/files.h"
-#include "core/base/json.h"
+#include "core/base/encoding/json.h"
+#include "core/base/files/files.h"
 #include "core/session/journal.h"
 #include "core/session/unsaved_cases.h"
 

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/adapt/contours/contour_target.h"
-#include "core/base/files.h"
+#include "core/base/files/files.h"
 #include "core/measure/compare.h"
 #include "core/measure/plane_section.h"
 #include "core/mesh/curve_io.h"

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "core/adapt/annealing.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 
 using namespace homolog;
 

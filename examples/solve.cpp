@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/solve/energy.h"
 #include "core/solve/shape_solver.h"
 

@@ -10,7 +10,7 @@
 
 #include "core/adapt/fit.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/template_making/template_file.h"
 
 /// What tests of fits share.

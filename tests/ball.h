@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "core/case/document.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "tests/must.h"
 
 namespace homolog {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"
 #include "tests/shapes.h"

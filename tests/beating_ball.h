@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/case/document.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/volume/volume.h"
 #include "tests/changed_shape.h"
 #include "tests/must.h"

@@ -11,9 +11,9 @@
 
 #include "core/case/document.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/volume/volume_io.h"
 #include "tests/must.h"
 #include "tests/temporary_folder.h"

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/model/structure_parts.h"
 
 namespace homolog {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/case/document.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 
 #include "core/catalogue/catalogue.h"

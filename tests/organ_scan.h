@@ -11,7 +11,7 @@
 
 #include "core/case/document.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume.h"
 #include "tests/must.h"

@@ -6,7 +6,7 @@
 
 #include "core/base/encoding/json.h"
 #include "core/base/files/files.h"
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/files/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
 

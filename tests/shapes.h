@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh/icosphere.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/construction/icosphere.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/topology.h"
 
 /// Small shapes with known properties, made in code, for every test.

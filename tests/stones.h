@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/structures/set_map.h"
 #include "core/structures/structures_in_map.h"
 #include "tests/must.h"

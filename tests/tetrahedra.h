@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh/icosphere.h"
-#include "core/mesh/volume_mesh.h"
+#include "core/mesh/construction/icosphere.h"
+#include "core/mesh/files/volume_mesh.h"
 
 namespace homolog {
 

@@ -6,7 +6,7 @@
 
 #include "core/adapt/boundary/find_placement.h"
 #include "core/base/processes/parallel.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 
 namespace homolog {
 

@@ -17,7 +17,7 @@
 #include "app/lab/experiment.h"
 #include "app/lab/median.h"
 #include "core/base/processes/process.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/session.h"
 #include "core/solve/dense_front.h"

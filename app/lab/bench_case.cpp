@@ -9,7 +9,7 @@
 #include "core/base/processes/memory.h"
 #include "core/base/processes/process.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/session/case_file.h"
 
 namespace homolog {

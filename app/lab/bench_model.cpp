@@ -3,7 +3,7 @@
 #include "app/lab/median.h"
 #include "core/base/processes/memory.h"
 #include "core/base/processes/parallel.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/model/measures.h"
 
 namespace homolog {

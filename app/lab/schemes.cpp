@@ -6,10 +6,10 @@
 #include "core/assist/assist.h"
 #include "core/deform/fold_guard.h"
 #include "core/measure/compare.h"
-#include "core/mesh/isosurface.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/voxels/isosurface.h"
+#include "core/mesh/voxels/label_map.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/numbers/nearest_on_segment.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 
 namespace homolog {
 

@@ -12,9 +12,9 @@
 #include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
 #include "core/measure/plane_section.h"
-#include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/volume/volume_io.h"
 
 // The verb `study contours`: fits to a few contours of label maps against shape-based interpolation.

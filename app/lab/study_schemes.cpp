@@ -9,7 +9,7 @@
 #include "app/verbs/case_pool.h"
 #include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/files/landmark_io.h"
 #include "core/model/measures.h"
 #include "core/model/model_files.h"
 #include "core/session/case_file.h"

@@ -3,7 +3,7 @@
 #include "app/verbs/read_image.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/files/landmark_io.h"
 #include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
 

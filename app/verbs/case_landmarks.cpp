@@ -5,7 +5,7 @@
 
 #include "core/base/files/file_record.h"
 #include "core/base/files/file_stem.h"
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/files/landmark_io.h"
 
 namespace homolog {
 

@@ -2,7 +2,7 @@
 
 #include <charconv>
 
-#include "core/mesh/mesh_faults.h"
+#include "core/mesh/repair/mesh_faults.h"
 
 namespace homolog {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/verbs/verb.h"
-#include "core/mesh/mesh_repair.h"
+#include "core/mesh/repair/mesh_repair.h"
 #include "core/template_making/mesh_template.h"
 
 namespace homolog {

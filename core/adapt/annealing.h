@@ -6,7 +6,7 @@
 
 #include "core/adapt/force.h"
 #include "core/base/result.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/solve/shape_solver.h"
 
 namespace homolog {

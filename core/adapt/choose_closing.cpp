@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include "core/measure/compare.h"
+#include "core/mesh/construction/remesh.h"
 #include "core/mesh/formats/text.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/remesh.h"
 #include "core/template_making/label_body.h"
 
 namespace homolog {

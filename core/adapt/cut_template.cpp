@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/patches.h"
+#include "core/mesh/parts/patches.h"
 
 namespace homolog {
 

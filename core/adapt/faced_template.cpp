@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/adapt/boundary/boundary.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/template_file.h"
 
 namespace homolog {

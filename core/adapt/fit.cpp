@@ -3,7 +3,7 @@
 #include "core/adapt/boundary/cut_faces.h"
 #include "core/adapt/cut_template.h"
 #include "core/adapt/fitting.h"
-#include "core/mesh/rims.h"
+#include "core/mesh/parts/rims.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {

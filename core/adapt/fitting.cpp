@@ -14,8 +14,8 @@
 #include "core/adapt/untangle.h"
 #include "core/base/numbers/statistics.h"
 #include "core/deform/fold_guard.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/surface_search.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {

@@ -8,10 +8,10 @@
 
 #include "core/adapt/boundary/cut_faces.h"
 #include "core/base/numbers/statistics.h"
-#include "core/mesh/clip.h"
-#include "core/mesh/mesh_faults.h"
+#include "core/mesh/construction/clip.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/repair/mesh_faults.h"
 
 namespace homolog {
 

@@ -8,7 +8,7 @@
 
 #include "core/adapt/fit.h"
 #include "core/measure/compare.h"
-#include "core/mesh/rims.h"
+#include "core/mesh/parts/rims.h"
 #include "core/template/template.h"
 
 namespace homolog {

@@ -6,8 +6,8 @@
 
 #include "core/adapt/boundary/partial_placements.h"
 #include "core/adapt/match/coherent_match.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/surface_search.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {

@@ -7,9 +7,9 @@
 
 #include "core/adapt/boundary/boundary_warp.h"
 #include "core/adapt/match/coherent_match.h"
+#include "core/mesh/construction/remesh.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/remesh.h"
-#include "core/mesh/rims.h"
+#include "core/mesh/parts/rims.h"
 
 namespace homolog {
 

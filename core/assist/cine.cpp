@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/base/numbers/statistics.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/surface_search.h"
 
 namespace homolog {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/mesh/mesh_frame.h"
+#include "core/mesh/files/mesh_frame.h"
 
 namespace homolog {
 

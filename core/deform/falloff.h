@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 
 namespace homolog {
 

@@ -2,7 +2,7 @@
 
 #include "core/deform/surface_walk.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/rims.h"
+#include "core/mesh/parts/rims.h"
 
 namespace homolog {
 

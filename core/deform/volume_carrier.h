@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "core/base/processes/progress.h"
-#include "core/mesh/surface_search.h"
-#include "core/mesh/volume_mesh.h"
+#include "core/mesh/files/volume_mesh.h"
+#include "core/mesh/geometry/surface_search.h"
 
 namespace homolog {
 

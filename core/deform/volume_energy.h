@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/mesh/volume_mesh.h"
+#include "core/mesh/files/volume_mesh.h"
 
 namespace homolog {
 

@@ -7,9 +7,9 @@
 
 #include "core/base/numbers/statistics.h"
 #include "core/groupwise/other_organs.h"
-#include "core/mesh/isosurface.h"
-#include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/repair/mesh_faults.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/template_file.h"
 
 namespace homolog {

@@ -10,10 +10,10 @@
 #include "core/adapt/judge_fit.h"
 #include "core/base/processes/parallel.h"
 #include "core/groupwise/other_organs.h"
+#include "core/mesh/construction/mirror.h"
+#include "core/mesh/construction/remesh.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/mirror.h"
-#include "core/mesh/remesh.h"
-#include "core/mesh/surface_search.h"
 #include "core/model/procrustes.h"
 #include "core/placement/similarity_fit.h"
 

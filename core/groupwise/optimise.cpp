@@ -5,7 +5,7 @@
 #include "core/base/processes/parallel.h"
 #include "core/deform/fold_guard.h"
 #include "core/measure/compare.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/model/measures.h"
 
 namespace homolog {

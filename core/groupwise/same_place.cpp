@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/base/processes/parallel.h"
-#include "core/mesh/patches.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
+#include "core/mesh/parts/patches.h"
 
 namespace homolog {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/groupwise/surface_features.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/topology.h"
 #include "core/solve/shape_solver.h"
 

@@ -9,7 +9,7 @@
 #include "core/base/numbers/statistics.h"
 #include "core/base/processes/parallel.h"
 #include "core/groupwise/other_organs.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/model/procrustes.h"
 
 namespace homolog {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "core/mesh/isosurface.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/surface_search.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/isosurface.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/volume/labels/label_likeness.h"
 
 namespace homolog {

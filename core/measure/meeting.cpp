@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/surface_search.h"
 
 namespace homolog {
 

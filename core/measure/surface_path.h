@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 
 namespace homolog {
 

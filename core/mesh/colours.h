@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/mesh/curvature.h"
+#include "core/mesh/geometry/curvature.h"
 #include "core/mesh/topology.h"
 
 namespace homolog {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/mesh/regions.h"
+#include "core/mesh/parts/regions.h"
 #include "core/mesh/shared_triangles.h"
 
 namespace homolog {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/base/numbers/index.h"
-#include "core/mesh/rims.h"
+#include "core/mesh/parts/rims.h"
 
 namespace homolog {
 namespace {

@@ -1,8 +1,8 @@
 #include <algorithm>
 
+#include "core/mesh/geometry/predicates.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/predicates.h"
-#include "core/mesh/surface_search.h"
 
 namespace homolog {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "core/adapt/judge_fit.h"
 #include "core/base/encoding/json.h"
-#include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/repair/mesh_faults.h"
 
 namespace homolog {
 

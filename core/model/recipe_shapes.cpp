@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "core/mesh/mirror.h"
+#include "core/mesh/construction/mirror.h"
 #include "core/model/model_files.h"
 #include "core/model/procrustes.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/mirror.h"
 
 namespace homolog {
 

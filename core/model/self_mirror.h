@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 
 namespace homolog {
 

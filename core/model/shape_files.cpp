@@ -7,7 +7,7 @@
 #include "core/base/files/files.h"
 #include "core/base/processes/parallel.h"
 #include "core/base/text/text.h"
-#include "core/mesh/mirror.h"
+#include "core/mesh/construction/mirror.h"
 #include "core/model/doubtful_shapes.h"
 #include "core/model/shape_folder.h"
 #include "core/model/study.h"

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <set>
 
-#include "core/mesh/inside_out.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/repair/inside_out.h"
 #include "core/model/model_files.h"
 #include "core/model/procrustes.h"
 

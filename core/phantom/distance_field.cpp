@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/processes/parallel.h"
-#include "core/mesh/surface_search.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/geometry/surface_search.h"
+#include "core/mesh/voxels/voxelise.h"
 
 namespace homolog::phantom {
 namespace {

@@ -1,7 +1,7 @@
 #include "core/phantom/phantom_files.h"
 
 #include "core/base/files/files.h"
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/files/landmark_io.h"
 #include "core/volume/labels/write_segmentation.h"
 #include "core/volume/volume_io.h"
 

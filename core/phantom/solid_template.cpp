@@ -3,8 +3,8 @@
 #include <cassert>
 
 #include "core/mesh/colours.h"
-#include "core/mesh/remesh.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/construction/remesh.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/phantom/imaging.h"
 #include "core/template_making/level_set.h"
 

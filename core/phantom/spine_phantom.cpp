@@ -1,5 +1,5 @@
 #include "core/base/processes/parallel.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/phantom/imaging.h"
 #include "core/phantom/phantom_scene.h"
 #include "core/phantom/spine_image.h"

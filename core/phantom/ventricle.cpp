@@ -2,8 +2,8 @@
 #include <functional>
 #include <numbers>
 
-#include "core/mesh/tube_mesh.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/construction/tube_mesh.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/phantom/chest.h"
 #include "core/phantom/deformation.h"
 #include "core/phantom/imaging.h"

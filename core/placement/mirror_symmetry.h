@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 
 namespace homolog {
 

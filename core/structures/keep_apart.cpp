@@ -9,8 +9,8 @@
 #include "core/base/numbers/index.h"
 #include "core/base/processes/parallel.h"
 #include "core/deform/fold_guard.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/surface_search.h"
 
 namespace homolog {
 

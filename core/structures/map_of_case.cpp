@@ -11,7 +11,7 @@
 #include "core/base/numbers/index.h"
 #include "core/base/text/text.h"
 #include "core/case/actions/history_marks.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/structures/case_segments.h"
 #include "core/structures/structures_in_map.h"
 #include "core/volume/labels/label_boxes.h"

@@ -6,7 +6,7 @@
 
 #include "core/base/processes/parallel.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/structures/mending.h"
 #include "core/structures/neighbours_say.h"
 #include "core/structures/second_body.h"

@@ -7,7 +7,7 @@
 #include "core/base/numbers/index.h"
 #include "core/base/processes/parallel.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/placement/similarity_fit.h"
 
 // How voxels of a map are changed.

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/numbers/index.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/volume/labels/label_boxes.h"
 
 namespace homolog {

@@ -13,7 +13,7 @@
 #include "core/base/numbers/statistics.h"
 #include "core/base/processes/parallel.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/structures/neighbours_say.h"
 #include "core/template_making/voxel_components.h"
 #include "core/volume/labels/label_boxes.h"

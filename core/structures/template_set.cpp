@@ -12,7 +12,7 @@
 #include "core/base/pictures/colour.h"
 #include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 
 namespace homolog {
 

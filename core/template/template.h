@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/surface_search.h"
 #include "core/mesh/topology.h"
 
 namespace homolog {

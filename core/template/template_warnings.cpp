@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "core/mesh/inside_out.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/repair/inside_out.h"
 
 namespace homolog {
 

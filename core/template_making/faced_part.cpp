@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/mesh/clip.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/construction/clip.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/patches.h"
+#include "core/mesh/parts/patches.h"
+#include "core/mesh/voxels/isosurface.h"
 
 namespace homolog {
 

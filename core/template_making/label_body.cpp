@@ -9,9 +9,9 @@
 
 #include "core/base/numbers/index.h"
 #include "core/base/processes/parallel.h"
-#include "core/mesh/isosurface.h"
-#include "core/mesh/surface_search.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/geometry/surface_search.h"
+#include "core/mesh/voxels/isosurface.h"
+#include "core/mesh/voxels/voxelise.h"
 
 namespace homolog {
 namespace {

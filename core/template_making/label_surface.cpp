@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/label_body.h"
 #include "core/template_making/level_set.h"
 

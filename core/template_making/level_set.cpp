@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/base/numbers/index.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/distance_map.h"
 
 namespace homolog {

@@ -7,10 +7,10 @@
 
 #include "core/base/processes/parallel.h"
 #include "core/mesh/colours.h"
-#include "core/mesh/isosurface.h"
-#include "core/mesh/mesh_faults.h"
+#include "core/mesh/construction/remesh.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/remesh.h"
+#include "core/mesh/repair/mesh_faults.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/label_body.h"
 #include "core/template_making/solid_voxels.h"
 

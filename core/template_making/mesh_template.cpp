@@ -6,11 +6,11 @@
 #include <set>
 #include <utility>
 
-#include "core/mesh/mesh_faults.h"
+#include "core/mesh/construction/remesh.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/remesh.h"
-#include "core/mesh/rims.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/parts/rims.h"
+#include "core/mesh/repair/mesh_faults.h"
 #include "core/template_making/solid_voxels.h"
 
 namespace homolog {

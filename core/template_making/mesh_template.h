@@ -7,7 +7,7 @@
 #include "core/base/processes/progress.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/mesh_repair.h"
+#include "core/mesh/repair/mesh_repair.h"
 #include "core/template_making/mask_template.h"
 
 namespace homolog {

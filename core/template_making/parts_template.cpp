@@ -11,8 +11,8 @@
 #include <variant>
 #include <vector>
 
-#include "core/mesh/isosurface.h"
-#include "core/mesh/mesh_repair.h"
+#include "core/mesh/repair/mesh_repair.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/label_body.h"
 #include "core/template_making/voxel_components.h"
 

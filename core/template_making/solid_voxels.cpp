@@ -7,10 +7,10 @@
 
 #include "core/base/numbers/index.h"
 #include "core/base/processes/parallel.h"
+#include "core/mesh/construction/remesh.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/mesh_repair.h"
-#include "core/mesh/remesh.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/repair/mesh_repair.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/template_making/distance_map.h"
 #include "core/template_making/level_set.h"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/template_making/tube_body.h"
 

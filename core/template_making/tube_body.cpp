@@ -7,8 +7,8 @@
 #include <tuple>
 
 #include "core/base/numbers/index.h"
-#include "core/mesh/isosurface.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/isosurface.h"
+#include "core/mesh/voxels/voxelise.h"
 
 namespace homolog {
 namespace {

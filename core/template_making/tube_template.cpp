@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/mesh/isosurface.h"
+#include "core/mesh/construction/tube_mesh.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/tube_mesh.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/tube_body.h"
 
 namespace homolog {

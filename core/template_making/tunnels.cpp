@@ -9,7 +9,7 @@
 #include <optional>
 #include <queue>
 
-#include "core/mesh/cube_cases.h"
+#include "core/mesh/voxels/cube_cases.h"
 #include "core/template_making/distance_map.h"
 #include "core/template_making/voxel_components.h"
 

@@ -8,7 +8,7 @@
 #include "core/case/actions/points.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/shape_model.h"
 #include "core/phantom/phantom.h"

@@ -3,8 +3,8 @@
 #include <random>
 
 #include "core/base/files/files.h"
+#include "core/mesh/files/landmark_io.h"
 #include "core/mesh/formats/formats.h"
-#include "core/mesh/landmark_io.h"
 #include "core/model/shape_model.h"
 #include "core/model/statismo.h"
 #include "core/volume/formats/formats.h"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <set>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "render/mesh_pass.h"
 #include "render/outline.h"
 #include "tests/render_help.h"

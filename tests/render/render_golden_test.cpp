@@ -4,7 +4,7 @@
 #include <string>
 
 #include "core/mesh/colours.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "tests/golden.h"
 #include "tests/render_help.h"
 

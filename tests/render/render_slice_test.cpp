@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "render/label_colours.h"
 #include "render/mesh_pass.h"
 #include "tests/render_help.h"

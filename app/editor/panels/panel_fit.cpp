@@ -6,7 +6,7 @@
 #include "app/editor/work/label_surfaces.h"
 #include "core/case/actions/confirm.h"
 #include "core/case/held_landmarks.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 
 // The automatic fit to the label map that is shown, in the section Place, and to the mesh's own surface, in the section
 // Correspondence.

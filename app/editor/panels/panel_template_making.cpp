@@ -7,7 +7,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/base/files/file_stem.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/label_body.h"
 #include "render/label_colours.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/case/document.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "render/outlines.h"
 #include "render/renderer.h"
 

@@ -1,6 +1,6 @@
 #include "app/editor/state/guide.h"
 
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 
 namespace homolog {
 

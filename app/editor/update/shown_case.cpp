@@ -4,7 +4,7 @@
 
 #include "app/editor/work/opening/recovery.h"
 #include "core/base/text/text.h"
-#include "core/mesh/mirror.h"
+#include "core/mesh/construction/mirror.h"
 #include "core/session/unsaved_cases.h"
 
 namespace homolog {

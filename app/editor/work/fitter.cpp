@@ -10,9 +10,9 @@
 #include "app/editor/work/models/model_help.h"
 #include "core/adapt/label_fit.h"
 #include "core/assist/assist.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/mirror.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/model/model_prior.h"
 
 namespace homolog {

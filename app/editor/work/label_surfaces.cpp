@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "app/editor/work/fitter.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/label_surface.h"
 
 namespace homolog {

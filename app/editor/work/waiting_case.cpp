@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/text/listed.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/volume/labels/read_labels.h"
 #include "core/volume/volume_io.h"
 

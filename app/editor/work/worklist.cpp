@@ -14,7 +14,7 @@
 #include "core/base/files/paths.h"
 #include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
 #include "core/volume/labels/label_likeness.h"

@@ -7,9 +7,9 @@
 #include "app/verbs/describe.h"
 #include "app/verbs/mending_report.h"
 #include "app/verbs/record.h"
-#include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/repair/mesh_faults.h"
 
 // The verb `repair-mesh`: a manifold mesh from whatever faces a file holds.
 

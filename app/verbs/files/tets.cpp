@@ -6,8 +6,8 @@
 #include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/deform/volume_carrier.h"
-#include "core/mesh/mirror.h"
-#include "core/mesh/rims.h"
+#include "core/mesh/construction/mirror.h"
+#include "core/mesh/parts/rims.h"
 #include "core/model/model_files.h"
 #include "core/model/shape_files.h"
 

@@ -7,7 +7,7 @@
 #include "app/verbs/record.h"
 #include "core/assist/assist.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/mesh_frame.h"
+#include "core/mesh/files/mesh_frame.h"
 #include "core/session/case_file.h"
 #include "core/template/template_warnings.h"
 

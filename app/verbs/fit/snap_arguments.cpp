@@ -2,7 +2,7 @@
 
 #include "app/verbs/read_image.h"
 #include "core/deform/fold_guard.h"
-#include "core/mesh/mesh_frame.h"
+#include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
 

@@ -12,7 +12,7 @@
 #include "app/verbs/picture/picture_verb.h"
 #include "core/base/files/file_stem.h"
 #include "core/base/pictures/picture_io.h"
-#include "core/mesh/mirror.h"
+#include "core/mesh/construction/mirror.h"
 #include "core/model/joint_set.h"
 #include "core/model/shape_files.h"
 #include "core/model/structure_files.h"

@@ -17,9 +17,9 @@
 #include "core/base/files/paths.h"
 #include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/mesh_frame.h"
+#include "core/mesh/construction/mirror.h"
+#include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/mirror.h"
 #include "core/model/doubtful_shapes.h"
 #include "core/session/case_file.h"
 

@@ -8,7 +8,7 @@
 #include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
 #include "core/groupwise/cohort_template.h"
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/files/landmark_io.h"
 
 namespace homolog {
 

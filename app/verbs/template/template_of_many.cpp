@@ -13,7 +13,7 @@
 #include "app/verbs/template/template_job.h"
 #include "core/groupwise/cohort_template.h"
 #include "core/groupwise/suited_template.h"
-#include "core/mesh/mirror.h"
+#include "core/mesh/construction/mirror.h"
 #include "core/template/template.h"
 
 // Templates of several subjects: the verb `template` with --consensus and --best-of.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/adapt/boundary/boundary.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/placement/likely_similarity.h"
 #include "core/template/template.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/surface_search.h"
 
 namespace homolog {
 

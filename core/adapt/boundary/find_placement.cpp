@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/base/numbers/statistics.h"
+#include "core/mesh/construction/mirror.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/mirror.h"
-#include "core/mesh/surface_search.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {

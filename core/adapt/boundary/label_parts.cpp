@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/voxel_components.h"
 
 namespace homolog {

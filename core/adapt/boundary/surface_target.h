@@ -7,8 +7,8 @@
 
 #include "core/adapt/boundary/boundary.h"
 #include "core/adapt/target.h"
-#include "core/mesh/rims.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
+#include "core/mesh/parts/rims.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 
 #include "core/adapt/contours/contour_samples.h"
 #include "core/adapt/target.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 
 namespace homolog {
 

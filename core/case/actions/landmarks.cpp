@@ -7,7 +7,7 @@
 #include "core/case/actions/fields.h"
 #include "core/case/held_landmarks.h"
 #include "core/case/placing.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 
 namespace homolog {
 

@@ -2,7 +2,7 @@
 
 #include "core/case/actions/fields.h"
 #include "core/case/placing.h"
-#include "core/mesh/mirror.h"
+#include "core/mesh/construction/mirror.h"
 
 namespace homolog {
 

@@ -9,8 +9,8 @@
 #include "core/base/pictures/colour.h"
 #include "core/case/actions/brush.h"
 #include "core/case/actions/fields.h"
-#include "core/mesh/curvature.h"
-#include "core/mesh/patches.h"
+#include "core/mesh/geometry/curvature.h"
+#include "core/mesh/parts/patches.h"
 
 namespace homolog {
 

@@ -11,8 +11,8 @@
 #include "core/measure/plane_section.h"
 #include "core/measure/primitive_fits.h"
 #include "core/measure/recipe/recipe.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/surface_search.h"
 #include "core/volume/volume.h"
 
 namespace homolog {

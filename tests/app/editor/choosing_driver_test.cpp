@@ -5,9 +5,9 @@
 
 #include "app/editor/update/file_purposes.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
 #include "tests/ball.h"

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "app/editor/update/tools/tool.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/construction/icosphere.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/volume/volume_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"

@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "app/editor/update/controls.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/case_file.h"
 #include "tests/core/volume/structure_set_file.h"

@@ -7,7 +7,7 @@
 
 #include "app/editor/update/controls.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/case_file.h"
 #include "core/session/checkpoint.h"

@@ -12,7 +12,7 @@
 #include "app/editor/window/editor_picture.h"
 #include "app/editor/work/models/study_folder.h"
 #include "core/experiment/demo_case.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"
 #include "tests/must.h"

@@ -9,7 +9,7 @@
 
 #include "app/editor/update/keys.h"
 #include "app/editor/update/tools/tool.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "tests/ball.h"
 #include "tests/changed_shape.h"
 

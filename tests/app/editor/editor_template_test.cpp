@@ -5,7 +5,7 @@
 #include "app/editor/scene/mesh_colouring.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/work/template_maker.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/session/session.h"
 #include "tests/ball.h"
 #include "tests/wait.h"

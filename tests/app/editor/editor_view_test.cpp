@@ -4,7 +4,7 @@
 #include "app/editor/picking/shown_mesh.h"
 #include "app/editor/state/layout.h"
 #include "app/editor/state/view_geometry.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "tests/changed_shape.h"
 #include "tests/render_help.h"
 

@@ -14,7 +14,7 @@
 #include "app/editor/work/opening/opener.h"
 #include "app/editor/work/shape_monitor.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/case_file.h"
 #include "core/volume/dicom/write_dicom_segmentation.h"

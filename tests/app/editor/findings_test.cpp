@@ -4,7 +4,7 @@
 #include "app/editor/work/opening/demo.h"
 #include "app/editor/work/shape_monitor.h"
 #include "core/measure/compare.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "tests/ball.h"
 #include "tests/desk.h"

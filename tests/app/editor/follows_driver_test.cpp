@@ -4,10 +4,10 @@
 #include <thread>
 
 #include "core/base/files/files.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/construction/icosphere.h"
+#include "core/mesh/files/landmark_io.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/volume/volume_io.h"
 #include "tests/beating_ball.h"
 #include "tests/driver.h"

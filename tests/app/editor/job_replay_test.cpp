@@ -7,10 +7,10 @@
 
 #include "app/editor/update/controls.h"
 #include "core/base/files/files.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/construction/icosphere.h"
+#include "core/mesh/files/landmark_io.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/phantom/phantom_files.h"
 #include "core/volume/volume_io.h"
 #include "tests/beating_ball.h"

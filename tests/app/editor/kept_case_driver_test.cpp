@@ -4,8 +4,8 @@
 
 #include "app/editor/state/key_codes.h"
 #include "core/base/files/files.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/construction/icosphere.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/session/case_file.h"
 #include "core/session/journal.h"
 #include "core/session/unsaved_cases.h"

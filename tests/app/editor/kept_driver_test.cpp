@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/experiment/demo_case.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/formats/formats.h"
-#include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/study.h"
 #include "core/volume/volume_io.h"

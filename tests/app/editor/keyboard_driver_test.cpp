@@ -4,7 +4,7 @@
 
 #include "app/editor/window/key_pointer.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"

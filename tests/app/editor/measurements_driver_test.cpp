@@ -2,7 +2,7 @@
 
 #include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"

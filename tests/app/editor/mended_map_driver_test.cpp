@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/structures/defects.h"
 #include "core/volume/labels/read_labels.h"
 #include "tests/driver.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/study.h"
 #include "tests/command_line.h"

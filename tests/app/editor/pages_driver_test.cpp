@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "app/editor/state/models/gallery.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/study.h"
 #include "tests/driver.h"

@@ -5,9 +5,9 @@
 #include <map>
 
 #include "app/editor/scene/mesh_colouring.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/volume/volume_io.h"
 #include "tests/ball.h"
 #include "tests/beating_ball.h"

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "render/label_colours.h"
 #include "tests/ball.h"
 #include "tests/changed_shape.h"

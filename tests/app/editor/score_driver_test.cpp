@@ -5,7 +5,7 @@
 #include "app/editor/scene/mesh_colouring.h"
 #include "app/editor/work/models/model_help.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/statismo.h"
 #include "core/model/study.h"

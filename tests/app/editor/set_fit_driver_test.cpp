@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
 #include "core/base/files/files.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/construction/icosphere.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/structures/template_set.h"
 #include "core/volume/volume_io.h"
 #include "tests/driver.h"

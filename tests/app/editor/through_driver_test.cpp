@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/editor/state/view_geometry.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "tests/beating_ball.h"
 #include "tests/changed_shape.h"
 #include "tests/driver.h"

@@ -3,9 +3,9 @@
 #include <fstream>
 #include <map>
 
-#include "core/mesh/label_map.h"
+#include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/mirror.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/phantom/phantom.h"
 #include "core/volume/volume_io.h"
 #include "tests/ball_folder.h"

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "core/base/pictures/picture_io.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/mesh_frame.h"
+#include "core/mesh/construction/icosphere.h"
+#include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/statismo.h"
 #include "core/volume/volume_io.h"

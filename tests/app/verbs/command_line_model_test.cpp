@@ -2,11 +2,11 @@
 #include <cmath>
 #include <fstream>
 
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/construction/icosphere.h"
+#include "core/mesh/construction/mirror.h"
+#include "core/mesh/files/landmark_io.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/mirror.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/phantom/noise.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"

@@ -5,7 +5,7 @@
 #include "core/base/encoding/base64.h"
 #include "core/base/files/file_record.h"
 #include "core/base/pictures/picture_io.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "tests/command_line.h"
 

@@ -1,5 +1,5 @@
 // The command-line contract of docs/commands.md: measure --recipe.
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/phantom/phantom.h"
 #include "tests/command_line.h"

@@ -2,7 +2,7 @@
 #include <cstring>
 
 #include "core/base/encoding/base64.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/statismo.h"
 #include "tests/command_line.h"

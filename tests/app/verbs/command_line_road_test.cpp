@@ -3,8 +3,8 @@
 #include <fstream>
 #include <thread>
 
+#include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/mirror.h"
 #include "core/model/doubtful_shapes.h"
 #include "core/model/shape_files.h"
 #include "core/model/study.h"

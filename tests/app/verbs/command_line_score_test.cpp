@@ -1,7 +1,7 @@
 // The command-line contract of docs/commands.md: score.
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"
 #include "tests/joint_cases.h"

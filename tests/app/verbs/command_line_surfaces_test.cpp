@@ -4,8 +4,8 @@
 #include <limits>
 #include <numbers>
 
-#include "core/mesh/clip.h"
-#include "core/mesh/mesh_repair.h"
+#include "core/mesh/construction/clip.h"
+#include "core/mesh/repair/mesh_repair.h"
 #include "tests/ball_folder.h"
 #include "tests/tetrahedra.h"
 

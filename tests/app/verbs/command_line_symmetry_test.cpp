@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/phantom/noise.h"
 #include "tests/command_line.h"

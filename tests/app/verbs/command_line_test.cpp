@@ -5,8 +5,8 @@
 
 #include "core/base/pictures/picture_io.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"
 #include "core/volume/volume_io.h"

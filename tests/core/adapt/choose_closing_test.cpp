@@ -4,7 +4,7 @@
 
 #include "core/adapt/choose_closing.h"
 #include "core/measure/compare.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/volume/volume_io.h"
 #include "tests/real_data.h"
 

@@ -7,7 +7,7 @@
 
 #include "core/adapt/fit.h"
 #include "core/adapt/judge_fit.h"
-#include "core/mesh/clip.h"
+#include "core/mesh/construction/clip.h"
 #include "core/template_making/mesh_template.h"
 #include "core/template_making/template_file.h"
 #include "tests/must.h"

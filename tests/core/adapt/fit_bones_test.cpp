@@ -4,7 +4,7 @@
 
 #include "core/adapt/fit.h"
 #include "core/adapt/judge_fit.h"
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/files/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/template_making/mesh_template.h"
 #include "core/template_making/template_file.h"

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "core/mesh/icosphere.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/construction/icosphere.h"
+#include "core/mesh/voxels/label_map.h"
 #include "tests/must.h"
 
 namespace homolog {

@@ -1,4 +1,4 @@
-#include "core/mesh/rims.h"
+#include "core/mesh/parts/rims.h"
 
 #include <doctest/doctest.h>
 
@@ -11,8 +11,8 @@
 #include "core/adapt/fit.h"
 #include "core/adapt/judge_fit.h"
 #include "core/base/numbers/statistics.h"
-#include "core/mesh/clip.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/clip.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/template_making/mesh_template.h"

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/case/action_json.h"
-#include "core/mesh/curvature.h"
+#include "core/mesh/geometry/curvature.h"
 #include "core/session/session.h"
 #include "tests/ball.h"
 #include "tests/refusal.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 
 // Whether several fits with one template are off at the same place, so that the template is unsuited.
 

@@ -2,9 +2,9 @@
 
 #include <doctest/doctest.h>
 
-#include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/isosurface.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/volume/volume_io.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"

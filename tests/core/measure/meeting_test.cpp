@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 
 using namespace homolog;
 

@@ -8,7 +8,7 @@
 #include "core/measure/recipe/measured_lines.h"
 #include "core/measure/recipe/measuring.h"
 #include "core/measure/recipe/step_kinds.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "tests/must.h"
 #include "tests/shapes.h"
 

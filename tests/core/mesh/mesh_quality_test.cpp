@@ -1,13 +1,13 @@
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/mesh_faults.h"
+#include "core/mesh/repair/mesh_faults.h"
 
 #include <doctest/doctest.h>
 
 #include <numbers>
 #include <random>
 
-#include "core/mesh/mirror.h"
-#include "core/mesh/predicates.h"
+#include "core/mesh/construction/mirror.h"
+#include "core/mesh/geometry/predicates.h"
 #include "tests/shapes.h"
 
 using namespace homolog;

@@ -6,7 +6,7 @@
 #include "core/adapt/snap.h"
 #include "core/base/processes/parallel.h"
 #include "core/measure/compare.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "tests/must.h"
 #include "tests/refusal.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/model/procrustes.h"
 #include "tests/must.h"
 

@@ -5,9 +5,9 @@
 #include <doctest/doctest.h>
 
 #include "core/base/files/files.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
+#include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/mirror.h"
 #include "core/model/case_of_shape.h"
 #include "core/model/groups.h"
 #include "core/model/model_files.h"

@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "core/base/files/files.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/model/landmark_table.h"
 #include "core/model/observers.h"
 #include "core/model/sizes.h"

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <random>
 
+#include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/mirror.h"
 #include "core/model/model_files.h"
 #include "core/model/shape_model.h"
 #include "tests/real_data.h"

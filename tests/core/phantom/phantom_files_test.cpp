@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/files/landmark_io.h"
 #include "core/volume/volume_io.h"
 
 using namespace homolog;

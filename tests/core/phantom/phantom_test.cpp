@@ -6,7 +6,7 @@
 
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/phantom/deformation.h"
 #include "core/phantom/noise.h"
 #include "tests/shapes.h"

@@ -6,9 +6,9 @@
 #include <set>
 
 #include "core/base/processes/parallel.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/surface_search.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "core/phantom/noise.h"
 #include "core/phantom/phantom_scene.h"
 #include "core/phantom/spine_levels.h"

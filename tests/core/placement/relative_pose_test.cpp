@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 
 namespace homolog {
 

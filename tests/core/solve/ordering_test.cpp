@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "core/base/numbers/index.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 
 using namespace homolog;
 

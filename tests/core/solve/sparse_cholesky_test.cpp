@@ -10,7 +10,7 @@
 #include <random>
 #include <thread>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/solve/energy.h"
 #include "core/solve/shape_solver.h"

@@ -7,10 +7,10 @@
 
 #include "core/case/placing.h"
 #include "core/measure/compare.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/isosurface.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/voxels/isosurface.h"
+#include "core/mesh/voxels/label_map.h"
 #include "core/structures/keep_apart.h"
 #include "core/structures/set_in_case.h"
 #include "core/structures/set_map.h"

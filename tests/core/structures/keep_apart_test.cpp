@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/deform/fold_guard.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/structures/set_in_case.h"
 #include "tests/must.h"

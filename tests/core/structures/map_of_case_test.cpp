@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "core/case/actions/history_marks.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/voxels/voxelise.h"
 #include "tests/stones.h"
 
 // A label map as a case has it after a repair and a hand.

@@ -7,8 +7,8 @@
 #include <map>
 
 #include "core/experiment/corrupt_labels.h"
-#include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/structures/level_names.h"
 #include "core/structures/right_names.h"
 #include "core/structures/set_model.h"

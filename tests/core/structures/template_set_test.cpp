@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "core/base/files/files.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "tests/must.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/adapt/boundary/boundary.h"
-#include "core/mesh/rims.h"
+#include "core/mesh/parts/rims.h"
 #include "tests/must.h"
 
 namespace homolog {

@@ -2,10 +2,10 @@
 
 #include <doctest/doctest.h>
 
-#include "core/mesh/icosphere.h"
-#include "core/mesh/isosurface.h"
-#include "core/mesh/label_map.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/voxels/isosurface.h"
+#include "core/mesh/voxels/label_map.h"
 #include "tests/must.h"
 
 namespace homolog {

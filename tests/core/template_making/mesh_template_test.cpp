@@ -9,11 +9,11 @@
 #include <map>
 #include <random>
 
-#include "core/mesh/mesh_faults.h"
+#include "core/mesh/construction/remesh.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/mesh_repair.h"
-#include "core/mesh/remesh.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/repair/mesh_faults.h"
+#include "core/mesh/repair/mesh_repair.h"
 #include "core/template_making/solid_voxels.h"
 #include "core/template_making/tunnels.h"
 #include "tests/cpu_time.h"

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <random>
 
-#include "core/mesh/isosurface.h"
-#include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/repair/mesh_faults.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/distance_map.h"
 #include "core/template_making/label_body.h"
 #include "core/template_making/mask_template.h"

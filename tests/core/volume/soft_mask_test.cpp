@@ -8,9 +8,9 @@
 
 #include "core/adapt/boundary/boundary.h"
 #include "core/measure/compare.h"
-#include "core/mesh/icosphere.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/voxels/isosurface.h"
 #include "core/template_making/label_body.h"
 #include "core/template_making/mask_template.h"
 #include "core/template_making/parts_template.h"

@@ -13,7 +13,7 @@
 #include "core/base/files/files.h"
 #include "core/base/files/paths.h"
 #include "core/base/text/text.h"
-#include "core/mesh/slicer_curves.h"
+#include "core/mesh/files/slicer_curves.h"
 #include "core/session/unsaved_cases.h"
 #include "core/structures/template_set.h"
 

@@ -4,7 +4,7 @@
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/imports.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 
 namespace homolog {
 

@@ -8,7 +8,7 @@
 #include "app/editor/work/snaps.h"
 #include "core/adapt/label_fit.h"
 #include "core/base/processes/guarded.h"
-#include "core/mesh/isosurface.h"
+#include "core/mesh/voxels/isosurface.h"
 
 namespace homolog {
 

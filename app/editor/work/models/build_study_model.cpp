@@ -8,8 +8,8 @@
 
 #include "core/base/processes/parallel.h"
 #include "core/catalogue/catalogue.h"
+#include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/mirror.h"
 #include "core/model/doubtful_shapes.h"
 
 namespace homolog {

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "tests/adapting.h"
 

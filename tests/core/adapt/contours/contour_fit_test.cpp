@@ -10,7 +10,7 @@
 #include "core/base/files/files.h"
 #include "core/measure/compare.h"
 #include "core/measure/plane_section.h"
-#include "core/mesh/curve_io.h"
+#include "core/mesh/files/curve_io.h"
 #include "tests/ball.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"

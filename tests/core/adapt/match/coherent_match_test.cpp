@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "core/adapt/match/coherent_match.h"
-#include "core/mesh/surface_search.h"
+#include "core/mesh/geometry/surface_search.h"
 #include "tests/adapting.h"
 #include "tests/shapes.h"
 

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "core/mesh/landmark_io.h"
+#include "core/mesh/files/landmark_io.h"
 #include "core/model/statismo.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"

@@ -4,7 +4,7 @@
 
 #include "core/base/encoding/sha256.h"
 #include "core/base/files/files.h"
-#include "core/mesh/icosphere.h"
+#include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "tests/temporary_folder.h"
 

@@ -8,7 +8,7 @@
 
 #include "core/base/processes/progress.h"
 #include "core/base/result.h"
-#include "core/model/procrustes.h"
+#include "core/model/alignment/procrustes.h"
 #include "core/phantom/phantom.h"
 
 // What the command line and the editor know of each other.

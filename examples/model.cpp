@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "core/mesh/mesh_io.h"
-#include "core/model/measures.h"
+#include "core/model/measures/measures.h"
 #include "core/model/shape_model.h"
 #include "core/phantom/phantom.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/mesh/construction/icosphere.h"
-#include "core/model/structure_parts.h"
+#include "core/model/joint_models/structure_parts.h"
 
 namespace homolog {
 

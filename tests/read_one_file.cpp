@@ -9,8 +9,8 @@
 
 #include "core/base/pictures/picture_io.h"
 #include "core/base/text/text.h"
-#include "core/model/statismo.h"
-#include "core/model/study.h"
+#include "core/model/files/statismo.h"
+#include "core/model/shapes/study.h"
 #include "core/session/case_file.h"
 #include "tests/readers.h"
 

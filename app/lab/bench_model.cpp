@@ -4,7 +4,7 @@
 #include "core/base/processes/memory.h"
 #include "core/base/processes/parallel.h"
 #include "core/mesh/construction/icosphere.h"
-#include "core/model/measures.h"
+#include "core/model/measures/measures.h"
 
 namespace homolog {
 

@@ -10,8 +10,8 @@
 #include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/files/landmark_io.h"
-#include "core/model/measures.h"
-#include "core/model/model_files.h"
+#include "core/model/files/model_files.h"
+#include "core/model/measures/measures.h"
 #include "core/session/case_file.h"
 
 // The verb `study schemes`: the claims measured [docs/lab.md].

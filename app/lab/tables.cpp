@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "core/base/files/files.h"
-#include "core/model/model_files.h"
+#include "core/model/files/model_files.h"
 
 namespace homolog {
 

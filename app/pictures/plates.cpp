@@ -7,7 +7,7 @@
 #include "core/base/numbers/index.h"
 #include "core/base/text/short_names.h"
 #include "core/base/text/text.h"
-#include "core/model/groups.h"
+#include "core/model/measures/groups.h"
 
 // Plates for print: shapes with what was measured of them, and plots.
 

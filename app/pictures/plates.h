@@ -5,7 +5,7 @@
 
 #include "app/pictures/pictures.h"
 #include "core/base/text/text_table.h"
-#include "core/model/score.h"
+#include "core/model/measures/score.h"
 
 namespace homolog {
 

@@ -3,7 +3,7 @@
 #include "core/base/files/paths.h"
 #include "core/case/actions/frames.h"
 #include "core/case/actions/points.h"
-#include "core/model/shape_folder.h"
+#include "core/model/shapes/shape_folder.h"
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/case/actions/history_marks.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "core/template/template.h"
 #include "core/volume/volume.h"
 

@@ -9,8 +9,8 @@
 #include "core/measure/compare.h"
 #include "core/mesh/voxels/isosurface.h"
 #include "core/mesh/voxels/label_map.h"
-#include "core/model/leave_one_out.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
+#include "core/model/measures/leave_one_out.h"
 #include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
 

@@ -14,7 +14,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/parts/rims.h"
 #include "core/mesh/repair/inside_out.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
 #include "core/session/case_file.h"
 #include "core/volume/contours.h"
 #include "core/volume/labels/label_likeness.h"

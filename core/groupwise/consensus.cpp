@@ -14,7 +14,7 @@
 #include "core/mesh/construction/remesh.h"
 #include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/model/procrustes.h"
+#include "core/model/alignment/procrustes.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {

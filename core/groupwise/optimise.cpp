@@ -6,7 +6,7 @@
 #include "core/deform/fold_guard.h"
 #include "core/measure/compare.h"
 #include "core/mesh/geometry/surface_search.h"
-#include "core/model/measures.h"
+#include "core/model/measures/measures.h"
 
 namespace homolog {
 

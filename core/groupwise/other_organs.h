@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/model/procrustes.h"
+#include "core/model/alignment/procrustes.h"
 
 namespace homolog {
 

@@ -7,7 +7,7 @@
 #include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/mesh/topology.h"
-#include "core/model/procrustes.h"
+#include "core/model/alignment/procrustes.h"
 
 namespace homolog {
 

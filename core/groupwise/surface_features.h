@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/mesh/topology.h"
-#include "core/model/procrustes.h"
+#include "core/model/alignment/procrustes.h"
 
 namespace homolog {
 

@@ -10,7 +10,7 @@
 #include "core/base/processes/parallel.h"
 #include "core/groupwise/other_organs.h"
 #include "core/mesh/geometry/surface_search.h"
-#include "core/model/procrustes.h"
+#include "core/model/alignment/procrustes.h"
 
 namespace homolog {
 

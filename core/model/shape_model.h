@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/mesh/topology.h"
-#include "core/model/procrustes.h"
-#include "core/model/structure_parts.h"
+#include "core/model/alignment/procrustes.h"
+#include "core/model/joint_models/structure_parts.h"
 
 namespace homolog {
 

@@ -13,9 +13,9 @@
 #include "core/base/text/listed.h"
 #include "core/mesh/construction/mirror.h"
 #include "core/mesh/repair/inside_out.h"
-#include "core/model/numbering.h"
-#include "core/model/shape_files.h"
-#include "core/model/study.h"
+#include "core/model/alignment/numbering.h"
+#include "core/model/shapes/shape_files.h"
+#include "core/model/shapes/study.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {

@@ -10,8 +10,8 @@
 #include "core/base/result.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/topology.h"
-#include "core/model/doubtful_shapes.h"
-#include "core/model/procrustes.h"
+#include "core/model/alignment/procrustes.h"
+#include "core/model/shapes/doubtful_shapes.h"
 
 namespace homolog {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/model/complete_structures.h"
+#include "core/model/joint_models/complete_structures.h"
 #include "core/model/model_prior.h"
 #include "core/structures/neighbours_say.h"
 

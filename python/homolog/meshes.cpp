@@ -4,7 +4,7 @@
 #include "core/mesh/files/landmark_io.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxels/label_map.h"
-#include "core/model/shape_files.h"
+#include "core/model/shapes/shape_files.h"
 #include "core/phantom/phantom.h"
 #include "core/phantom/phantom_scene.h"
 #include "python/homolog/binding.h"

@@ -1,10 +1,10 @@
 #include <cmath>
 
 #include "core/base/numbers/limits.h"
-#include "core/model/score.h"
+#include "core/model/files/statismo.h"
+#include "core/model/measures/score.h"
 #include "core/model/shape_model.h"
-#include "core/model/statismo.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "python/homolog/binding.h"
 #include "python/homolog/held_model.h"
 

@@ -1,4 +1,4 @@
-#include "core/model/hdf5_reader.h"
+#include "core/model/files/hdf5_reader.h"
 
 // The program that the Python module starts to read an HDF5 file, since Python itself is none that could
 // [core/base/processes/confined.h]. It does so before main().

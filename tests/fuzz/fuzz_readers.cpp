@@ -10,9 +10,9 @@
 
 #include "app/editor/update/command_log.h"
 #include "core/base/pictures/picture_readers.h"
-#include "core/model/hdf_tree.h"
-#include "core/model/statismo.h"
-#include "core/model/study.h"
+#include "core/model/files/hdf_tree.h"
+#include "core/model/files/statismo.h"
+#include "core/model/shapes/study.h"
 #include "core/session/case_file.h"
 #include "core/volume/labels/label_tables.h"
 #include "tests/readers.h"

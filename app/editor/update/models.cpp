@@ -9,8 +9,8 @@
 #include "core/base/numbers/index.h"
 #include "core/base/processes/memory.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/model/case_of_shape.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
+#include "core/model/shapes/case_of_shape.h"
 
 namespace homolog {
 

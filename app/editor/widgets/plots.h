@@ -7,7 +7,7 @@
 #include "app/editor/state/dialogs.h"
 #include "app/editor/state/layout.h"
 #include "app/editor/widgets/theme.h"
-#include "core/model/evaluation.h"
+#include "core/model/measures/evaluation.h"
 
 namespace homolog {
 

@@ -8,7 +8,7 @@
 #include "app/editor/state/settings.h"
 #include "core/base/processes/progress.h"
 #include "core/base/result.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "core/volume/labels/segmentation.h"
 
 namespace homolog {

@@ -6,7 +6,7 @@
 #include "app/editor/state/settings.h"
 #include "app/editor/work/fitter.h"
 #include "core/base/processes/progress.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "core/session/session.h"
 #include "core/volume/labels/segmentation.h"
 

@@ -11,7 +11,7 @@
 #include "app/editor/state/settings.h"
 #include "app/editor/work/study_template.h"
 #include "app/editor/work/worker.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "core/template/template.h"
 #include "core/volume/labels/segmentation.h"
 

@@ -14,7 +14,7 @@
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/voxels/label_map.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
 #include "core/session/case_file.h"
 #include "core/structures/case_segments.h"
 #include "core/volume/contour_labels.h"

@@ -8,8 +8,8 @@
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/voxels/isosurface.h"
-#include "core/model/observers.h"
-#include "core/model/shape_files.h"
+#include "core/model/measures/observers.h"
+#include "core/model/shapes/shape_files.h"
 #include "core/phantom/phantom_files.h"
 #include "core/volume/volume_io.h"
 

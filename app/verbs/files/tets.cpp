@@ -8,8 +8,8 @@
 #include "core/deform/volume_carrier.h"
 #include "core/mesh/construction/mirror.h"
 #include "core/mesh/parts/rims.h"
-#include "core/model/model_files.h"
-#include "core/model/shape_files.h"
+#include "core/model/files/model_files.h"
+#include "core/model/shapes/shape_files.h"
 
 // The verb `tets`: a user's mesh of tetrahedra in the shape of each case.
 

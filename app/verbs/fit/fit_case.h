@@ -11,7 +11,7 @@
 #include "app/verbs/record.h"
 #include "app/verbs/verb.h"
 #include "core/adapt/judge_fit.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

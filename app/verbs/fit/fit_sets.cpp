@@ -12,7 +12,7 @@
 #include "core/base/numbers/statistics.h"
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/parts/rims.h"
-#include "core/model/doubtful_shapes.h"
+#include "core/model/shapes/doubtful_shapes.h"
 #include "core/structures/fit_set.h"
 #include "core/structures/right_names.h"
 #include "core/structures/set_map.h"

@@ -11,8 +11,8 @@
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/parts/rims.h"
-#include "core/model/shape_folder.h"
-#include "core/model/study.h"
+#include "core/model/shapes/shape_folder.h"
+#include "core/model/shapes/study.h"
 #include "core/session/case_file.h"
 #include "core/template/template_warnings.h"
 

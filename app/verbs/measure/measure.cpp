@@ -7,11 +7,11 @@
 #include "core/catalogue/catalogue.h"
 #include "core/measure/meeting.h"
 #include "core/mesh/formats/formats.h"
-#include "core/model/landmark_table.h"
-#include "core/model/model_files.h"
-#include "core/model/observers.h"
-#include "core/model/shape_files.h"
-#include "core/model/sizes.h"
+#include "core/model/files/landmark_table.h"
+#include "core/model/files/model_files.h"
+#include "core/model/measures/observers.h"
+#include "core/model/measures/sizes.h"
+#include "core/model/shapes/shape_files.h"
 
 // Verbs that put shapes into tables: measure, landmarks, observers.
 

@@ -14,11 +14,11 @@
 #include "core/mesh/files/landmark_io.h"
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/repair/inside_out.h"
-#include "core/model/model_files.h"
-#include "core/model/recipe_shapes.h"
-#include "core/model/sizes.h"
-#include "core/model/statismo.h"
-#include "core/model/structure_files.h"
+#include "core/model/files/model_files.h"
+#include "core/model/files/statismo.h"
+#include "core/model/joint_models/structure_files.h"
+#include "core/model/measures/sizes.h"
+#include "core/model/shapes/recipe_shapes.h"
 
 namespace homolog {
 

@@ -5,7 +5,7 @@
 #include "app/verbs/model/training.h"
 #include "core/base/text/listed.h"
 #include "core/base/text/text.h"
-#include "core/model/evaluation.h"
+#include "core/model/measures/evaluation.h"
 
 // The verb `evaluate`: measures of a training set.
 

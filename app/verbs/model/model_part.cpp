@@ -4,7 +4,7 @@
 
 #include "core/base/text/listed.h"
 #include "core/base/text/nearest_names.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
 
 namespace homolog {
 

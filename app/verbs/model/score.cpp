@@ -8,9 +8,9 @@
 #include "core/base/files/files.h"
 #include "core/base/text/listed.h"
 #include "core/mesh/formats/formats.h"
-#include "core/model/model_files.h"
-#include "core/model/score.h"
-#include "core/model/statismo.h"
+#include "core/model/files/model_files.h"
+#include "core/model/files/statismo.h"
+#include "core/model/measures/score.h"
 #include "core/model/training_set.h"
 
 // The verb `score`: subjects against a model that stays as it is.

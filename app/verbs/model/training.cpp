@@ -6,9 +6,9 @@
 #include "core/base/text/listed.h"
 #include "core/measure/meeting.h"
 #include "core/mesh/formats/formats.h"
-#include "core/model/joint_alignment.h"
-#include "core/model/joint_set.h"
-#include "core/model/structure_files.h"
+#include "core/model/joint_models/joint_alignment.h"
+#include "core/model/joint_models/joint_set.h"
+#include "core/model/joint_models/structure_files.h"
 
 namespace homolog {
 

@@ -11,8 +11,8 @@
 #include "app/verbs/statistics/test_cases.h"
 #include "core/base/files/file_stem.h"
 #include "core/base/text/text.h"
-#include "core/model/shape_files.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
+#include "core/model/shapes/shape_files.h"
 #include "core/statistics/design.h"
 
 // The verbs `picture map`, `groups`, `score` and `plot`: what was measured, for print.

@@ -12,7 +12,7 @@
 #include "core/base/text/listed.h"
 #include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
 
 // The verb `report`: a model as one page to read and to send.
 

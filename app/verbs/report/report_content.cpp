@@ -8,11 +8,11 @@
 #include "app/verbs/report/report_measurements.h"
 #include "app/verbs/statistics/test_cases.h"
 #include "core/base/files/file_stem.h"
-#include "core/model/leave_one_out.h"
-#include "core/model/model_files.h"
-#include "core/model/shape_files.h"
-#include "core/model/statismo.h"
-#include "core/model/study.h"
+#include "core/model/files/model_files.h"
+#include "core/model/files/statismo.h"
+#include "core/model/measures/leave_one_out.h"
+#include "core/model/shapes/shape_files.h"
+#include "core/model/shapes/study.h"
 
 namespace homolog {
 

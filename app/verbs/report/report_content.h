@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "app/verbs/model/training.h"
-#include "core/model/measures.h"
-#include "core/model/recipe_shapes.h"
+#include "core/model/measures/measures.h"
 #include "core/model/shape_model.h"
+#include "core/model/shapes/recipe_shapes.h"
 
 namespace homolog {
 

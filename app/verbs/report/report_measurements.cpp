@@ -7,7 +7,7 @@
 #include "core/base/text/listed.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/recipe/recipe.h"
-#include "core/model/shape_files.h"
+#include "core/model/shapes/shape_files.h"
 
 namespace homolog {
 

@@ -13,7 +13,7 @@
 #include "core/base/files/file_stem.h"
 #include "core/base/files/files.h"
 #include "core/base/files/paths.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
 #include "core/placement/similarity_fit.h"
 #include "core/session/case_file.h"
 #include "core/structures/repair.h"

@@ -11,7 +11,7 @@
 #include "core/base/files/file_stem.h"
 #include "core/base/files/files.h"
 #include "core/base/files/paths.h"
-#include "core/model/shape_folder.h"
+#include "core/model/shapes/shape_folder.h"
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
 #include "core/structures/set_in_case.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/verbs/verb.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "core/structures/fit_set.h"
 #include "core/structures/variants.h"
 

@@ -10,12 +10,12 @@
 #include "core/base/files/file_stem.h"
 #include "core/base/text/nearest_names.h"
 #include "core/base/text/text_table.h"
-#include "core/model/joint_set.h"
-#include "core/model/model_files.h"
-#include "core/model/self_mirror.h"
-#include "core/model/shape_files.h"
-#include "core/model/structure_files.h"
-#include "core/model/study.h"
+#include "core/model/alignment/self_mirror.h"
+#include "core/model/files/model_files.h"
+#include "core/model/joint_models/joint_set.h"
+#include "core/model/joint_models/structure_files.h"
+#include "core/model/shapes/shape_files.h"
+#include "core/model/shapes/study.h"
 
 namespace homolog {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/verbs/model/training.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "core/statistics/covariates.h"
 #include "core/statistics/formula.h"
 

@@ -11,9 +11,9 @@
 #include "core/base/text/text.h"
 #include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/model/groups.h"
-#include "core/model/model_files.h"
-#include "core/model/shape_files.h"
+#include "core/model/files/model_files.h"
+#include "core/model/measures/groups.h"
+#include "core/model/shapes/shape_files.h"
 #include "core/statistics/landmark_test.h"
 
 namespace homolog {

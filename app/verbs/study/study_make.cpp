@@ -20,7 +20,7 @@
 #include "core/mesh/construction/mirror.h"
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
-#include "core/model/doubtful_shapes.h"
+#include "core/model/shapes/doubtful_shapes.h"
 #include "core/session/case_file.h"
 
 // The verb `study make`: a study with scans, label maps, groups and covariates.

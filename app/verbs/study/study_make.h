@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/verbs/verb.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 
 namespace homolog {
 

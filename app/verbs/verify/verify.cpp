@@ -17,7 +17,7 @@
 #include "core/base/text/listed.h"
 #include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
 #include "core/session/case_file.h"
 
 // The verb `verify`: makes a file anew, as its record says, and compares.

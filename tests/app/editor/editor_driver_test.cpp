@@ -15,7 +15,7 @@
 #include "core/mesh/files/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/voxels/label_map.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "core/volume/volume_io.h"
 #include "tests/desk.h"
 #include "tests/driver.h"

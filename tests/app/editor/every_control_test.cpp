@@ -15,7 +15,7 @@
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/voxels/label_map.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
 #include "core/volume/volume_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"

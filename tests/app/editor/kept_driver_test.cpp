@@ -6,7 +6,7 @@
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/mesh_io.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "core/volume/volume_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"

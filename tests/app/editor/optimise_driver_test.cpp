@@ -5,7 +5,7 @@
 
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "tests/command_line.h"
 #include "tests/driver.h"
 #include "tests/must.h"

@@ -3,7 +3,7 @@
 #include "app/editor/state/models/gallery.h"
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "tests/driver.h"
 #include "tests/must.h"
 

@@ -7,7 +7,7 @@
 #include "app/editor/state/models/gallery.h"
 #include "app/editor/update/controls.h"
 #include "core/mesh/mesh_io.h"
-#include "core/model/doubtful_shapes.h"
+#include "core/model/shapes/doubtful_shapes.h"
 #include "core/session/case_file.h"
 #include "tests/driver.h"
 #include "tests/globe.h"

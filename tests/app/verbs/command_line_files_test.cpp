@@ -11,7 +11,7 @@
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"
 #include "tests/real_data.h"

@@ -4,7 +4,7 @@
 #include "core/base/encoding/base64.h"
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
 #include "tests/command_line.h"
 
 namespace homolog {

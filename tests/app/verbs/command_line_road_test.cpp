@@ -5,9 +5,9 @@
 
 #include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_io.h"
-#include "core/model/doubtful_shapes.h"
-#include "core/model/shape_files.h"
-#include "core/model/study.h"
+#include "core/model/shapes/doubtful_shapes.h"
+#include "core/model/shapes/shape_files.h"
+#include "core/model/shapes/study.h"
 #include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"

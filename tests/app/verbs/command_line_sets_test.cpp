@@ -1,6 +1,6 @@
 #include "core/mesh/mesh_io.h"
-#include "core/model/structure_files.h"
-#include "core/model/study.h"
+#include "core/model/joint_models/structure_files.h"
+#include "core/model/shapes/study.h"
 #include "core/session/case_file.h"
 #include "core/structures/set_map.h"
 #include "core/structures/template_set.h"

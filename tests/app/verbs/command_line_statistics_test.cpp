@@ -2,7 +2,7 @@
 
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
-#include "core/model/doubtful_shapes.h"
+#include "core/model/shapes/doubtful_shapes.h"
 #include "core/phantom/noise.h"
 #include "tests/command_line.h"
 

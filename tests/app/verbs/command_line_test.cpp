@@ -7,7 +7,7 @@
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/voxels/label_map.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 #include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"

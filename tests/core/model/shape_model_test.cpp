@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "core/measure/compare.h"
-#include "core/model/evaluation.h"
-#include "core/model/leave_one_out.h"
-#include "core/model/measures.h"
+#include "core/model/measures/evaluation.h"
+#include "core/model/measures/leave_one_out.h"
+#include "core/model/measures/measures.h"
 #include "tests/shapes.h"
 
 using namespace homolog;

@@ -9,7 +9,7 @@
 
 #include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_io.h"
-#include "core/model/model_files.h"
+#include "core/model/files/model_files.h"
 #include "core/model/shape_model.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"

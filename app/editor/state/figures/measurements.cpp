@@ -1,6 +1,6 @@
 #include "app/editor/state/figures/measurements.h"
 
-#include "core/model/recipe_shapes.h"
+#include "core/model/shapes/recipe_shapes.h"
 
 namespace homolog {
 

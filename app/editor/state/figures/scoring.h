@@ -6,7 +6,7 @@
 
 #include "app/editor/state/models/study_model.h"
 #include "core/case/document.h"
-#include "core/model/score.h"
+#include "core/model/measures/score.h"
 
 namespace homolog {
 

@@ -10,7 +10,7 @@
 #include "core/base/files/paths.h"
 #include "core/base/text/text.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/model/model_files.h"
+#include "core/model/files/model_files.h"
 
 namespace homolog {
 

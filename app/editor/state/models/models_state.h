@@ -11,8 +11,8 @@
 
 #include "app/editor/state/models/study_optimisation.h"
 #include "app/editor/state/view_geometry.h"
-#include "core/model/evaluation.h"
-#include "core/model/observers.h"
+#include "core/model/measures/evaluation.h"
+#include "core/model/measures/observers.h"
 
 namespace homolog {
 

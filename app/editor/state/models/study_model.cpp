@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/mesh/mesh_quality.h"
-#include "core/model/groups.h"
+#include "core/model/measures/groups.h"
 
 namespace homolog {
 

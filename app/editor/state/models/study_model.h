@@ -10,12 +10,12 @@
 
 #include "core/case/document.h"
 #include "core/mesh/colours.h"
-#include "core/model/procrustes.h"
-#include "core/model/shape_files.h"
+#include "core/model/alignment/procrustes.h"
+#include "core/model/measures/sizes.h"
+#include "core/model/measures/suspicion.h"
 #include "core/model/shape_model.h"
-#include "core/model/sizes.h"
-#include "core/model/study.h"
-#include "core/model/suspicion.h"
+#include "core/model/shapes/shape_files.h"
+#include "core/model/shapes/study.h"
 
 namespace homolog {
 

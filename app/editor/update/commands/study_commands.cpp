@@ -10,9 +10,9 @@
 #include "app/editor/update/results/worklist.h"
 #include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
-#include "core/model/landmark_table.h"
-#include "core/model/leave_one_out.h"
-#include "core/model/statismo.h"
+#include "core/model/files/landmark_table.h"
+#include "core/model/files/statismo.h"
+#include "core/model/measures/leave_one_out.h"
 
 namespace homolog {
 

@@ -10,7 +10,7 @@
 #include "core/mesh/files/curve_io.h"
 #include "core/mesh/files/landmark_io.h"
 #include "core/mesh/geometry/surface_search.h"
-#include "core/model/statismo.h"
+#include "core/model/files/statismo.h"
 #include "core/template_making/template_file.h"
 #include "core/volume/referenced_images.h"
 

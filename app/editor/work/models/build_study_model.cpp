@@ -10,7 +10,7 @@
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/model/doubtful_shapes.h"
+#include "core/model/shapes/doubtful_shapes.h"
 
 namespace homolog {
 

@@ -5,7 +5,7 @@
 #include "app/editor/work/models/build_study_model.h"
 #include "core/base/numbers/index.h"
 #include "core/model/conditional.h"
-#include "core/model/leave_one_out.h"
+#include "core/model/measures/leave_one_out.h"
 
 namespace homolog {
 

@@ -8,7 +8,7 @@
 
 #include "app/editor/work/worker.h"
 #include "core/adapt/image/appearance.h"
-#include "core/model/study.h"
+#include "core/model/shapes/study.h"
 
 namespace homolog {
 

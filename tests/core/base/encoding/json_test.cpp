@@ -3,8 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "core/mesh/files/landmark_io.h"
-#include "core/model/statismo.h"
-#include "core/model/study.h"
+#include "core/model/files/statismo.h"
+#include "core/model/shapes/study.h"
 #include "core/session/case_file.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"

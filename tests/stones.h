@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/mesh/construction/icosphere.h"
-#include "core/structures/set_map.h"
-#include "core/structures/structures_in_map.h"
+#include "core/structures/maps/set_map.h"
+#include "core/structures/maps/structures_in_map.h"
 #include "tests/must.h"
 
 // Five stones in a row, as the vertebrae of a spine: a template set, and a label map of another subject.

@@ -11,7 +11,7 @@
 #include "core/base/encoding/json.h"
 #include "core/base/files/files.h"
 #include "core/base/numbers/statistics.h"
-#include "core/structures/repair.h"
+#include "core/structures/repair/repair.h"
 #include "core/volume/labels/read_labels.h"
 
 // The verb `repairs` of the laboratory: how much of what `corrupt` planted `repair` finds and mends.

@@ -8,7 +8,7 @@
 
 #include "core/base/numbers/index.h"
 #include "core/phantom/noise.h"
-#include "core/structures/level_names.h"
+#include "core/structures/naming/level_names.h"
 #include "core/structures/template_set.h"
 #include "core/volume/labels/label_boxes.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/structures/defects.h"
+#include "core/structures/repair/defects.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

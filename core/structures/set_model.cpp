@@ -5,7 +5,7 @@
 
 #include "core/model/joint_models/complete_structures.h"
 #include "core/model/model_prior.h"
-#include "core/structures/neighbours_say.h"
+#include "core/structures/fitting/neighbours_say.h"
 
 namespace homolog {
 

@@ -7,7 +7,7 @@
 
 #include "core/adapt/allowed_shapes.h"
 #include "core/model/shape_model.h"
-#include "core/structures/fit_set.h"
+#include "core/structures/fitting/fit_set.h"
 
 namespace homolog {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/base/text/listed.h"
-#include "core/structures/level_names.h"
-#include "core/structures/neighbours_say.h"
+#include "core/structures/fitting/neighbours_say.h"
+#include "core/structures/naming/level_names.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/structures/fit_set.h"
+#include "core/structures/fitting/fit_set.h"
 
 namespace homolog {
 

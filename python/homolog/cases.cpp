@@ -8,7 +8,7 @@
 #include "core/case/action_line.h"
 #include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
-#include "core/structures/set_in_case.h"
+#include "core/structures/fitting/set_in_case.h"
 #include "core/template_making/label_body.h"
 #include "core/volume/referenced_images.h"
 #include "python/homolog/binding.h"

@@ -4,7 +4,7 @@
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/structures/level_names.h"
+#include "core/structures/naming/level_names.h"
 
 // The list of the case's structures.
 

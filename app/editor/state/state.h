@@ -25,7 +25,7 @@
 #include "core/assist/cine.h"
 #include "core/case/action.h"
 #include "core/deform/sigma_presets.h"
-#include "core/structures/structures_in_map.h"
+#include "core/structures/maps/structures_in_map.h"
 
 namespace homolog {
 

@@ -9,7 +9,7 @@
 #include "core/case/actions/kept_structures.h"
 #include "core/case/document.h"
 #include "core/mesh/colours.h"
-#include "core/structures/case_segments.h"
+#include "core/structures/maps/case_segments.h"
 
 namespace homolog {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/structures/map_of_case.h"
-#include "core/structures/right_names.h"
+#include "core/structures/maps/map_of_case.h"
+#include "core/structures/naming/right_names.h"
 #include "core/structures/variants.h"
 #include "core/volume/labels/read_labels.h"
 

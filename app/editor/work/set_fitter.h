@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "app/editor/work/worker.h"
-#include "core/structures/fit_repaired.h"
-#include "core/structures/fit_set.h"
+#include "core/structures/fitting/fit_set.h"
+#include "core/structures/repair/fit_repaired.h"
 
 namespace homolog {
 

@@ -16,7 +16,7 @@
 #include "core/mesh/voxels/label_map.h"
 #include "core/model/files/statismo.h"
 #include "core/session/case_file.h"
-#include "core/structures/case_segments.h"
+#include "core/structures/maps/case_segments.h"
 #include "core/volume/contour_labels.h"
 #include "core/volume/dicom/write_dicom_segmentation.h"
 #include "core/volume/labels/label_likeness.h"

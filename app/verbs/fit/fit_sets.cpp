@@ -13,9 +13,9 @@
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/parts/rims.h"
 #include "core/model/shapes/doubtful_shapes.h"
-#include "core/structures/fit_set.h"
-#include "core/structures/right_names.h"
-#include "core/structures/set_map.h"
+#include "core/structures/fitting/fit_set.h"
+#include "core/structures/maps/set_map.h"
+#include "core/structures/naming/right_names.h"
 #include "core/volume/labels/label_boxes.h"
 #include "core/volume/labels/write_segmentation.h"
 

@@ -16,7 +16,7 @@
 #include "core/model/files/statismo.h"
 #include "core/placement/similarity_fit.h"
 #include "core/session/case_file.h"
-#include "core/structures/repair.h"
+#include "core/structures/repair/repair.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/labels/write_segmentation.h"
 #include "core/volume/readers.h"

@@ -14,7 +14,7 @@
 #include "core/model/shapes/shape_folder.h"
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
-#include "core/structures/set_in_case.h"
+#include "core/structures/fitting/set_in_case.h"
 #include "core/volume/labels/read_labels.h"
 
 namespace homolog {

@@ -8,7 +8,7 @@
 
 #include "app/verbs/verb.h"
 #include "core/model/shapes/study.h"
-#include "core/structures/fit_set.h"
+#include "core/structures/fitting/fit_set.h"
 #include "core/structures/variants.h"
 
 namespace homolog {

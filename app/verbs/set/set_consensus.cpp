@@ -7,8 +7,8 @@
 #include "app/verbs/template/template_job.h"
 #include "core/base/text/text.h"
 #include "core/groupwise/cohort_template.h"
-#include "core/structures/fit_set.h"
-#include "core/structures/neighbours_say.h"
+#include "core/structures/fitting/fit_set.h"
+#include "core/structures/fitting/neighbours_say.h"
 
 // `set make --consensus`: templates that no subject decides, each where it lies on average.
 

@@ -10,7 +10,7 @@
 #include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/structures/built_in_set.h"
-#include "core/structures/share_vertices.h"
+#include "core/structures/fitting/share_vertices.h"
 
 // The verbs that change a template set: `set add`, `set rename`, `set share`.
 

@@ -12,8 +12,8 @@
 #include "core/base/files/paths.h"
 #include "core/base/text/listed.h"
 #include "core/base/text/text.h"
-#include "core/structures/fit_set.h"
-#include "core/structures/neighbours_say.h"
+#include "core/structures/fitting/fit_set.h"
+#include "core/structures/fitting/neighbours_say.h"
 #include "core/volume/labels/read_labels.h"
 
 // The making of template sets, of one map or of several.

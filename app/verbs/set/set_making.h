@@ -7,7 +7,7 @@
 #include "app/verbs/record.h"
 #include "app/verbs/verb.h"
 #include "core/mesh/mesh_io.h"
-#include "core/structures/structures_in_map.h"
+#include "core/structures/maps/structures_in_map.h"
 
 namespace homolog {
 

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "core/mesh/voxels/voxelise.h"
-#include "core/structures/defects.h"
+#include "core/structures/repair/defects.h"
 #include "core/volume/labels/read_labels.h"
 #include "tests/driver.h"
 #include "tests/must.h"

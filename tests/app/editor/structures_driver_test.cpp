@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "core/mesh/mesh_io.h"
-#include "core/structures/keep_apart.h"
+#include "core/structures/fitting/keep_apart.h"
 #include "core/volume/labels/read_labels.h"
 
 #include "tests/desk.h"

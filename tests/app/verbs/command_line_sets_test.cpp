@@ -2,7 +2,7 @@
 #include "core/model/joint_models/structure_files.h"
 #include "core/model/shapes/study.h"
 #include "core/session/case_file.h"
-#include "core/structures/set_map.h"
+#include "core/structures/maps/set_map.h"
 #include "core/structures/template_set.h"
 #include "core/volume/labels/write_segmentation.h"
 #include "tests/ball_folder.h"

@@ -9,8 +9,8 @@
 #include "core/case/actions/fields.h"
 #include "core/case/placing.h"
 #include "core/placement/similarity_fit.h"
-#include "core/structures/level_names.h"
-#include "core/structures/set_in_case.h"
+#include "core/structures/fitting/set_in_case.h"
+#include "core/structures/naming/level_names.h"
 
 namespace homolog {
 

@@ -6,7 +6,7 @@
 #include "app/editor/update/results/results.h"
 #include "core/base/text/text.h"
 #include "core/case/moved_points.h"
-#include "core/structures/set_in_case.h"
+#include "core/structures/fitting/set_in_case.h"
 
 namespace homolog {
 

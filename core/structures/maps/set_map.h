@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/mesh/topology.h"
+#include "core/structures/fitting/keep_apart.h"
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+/// A structure to write into a label map.
+struct MeshOfSegment {
+  Segment segment;
+  Mesh mesh;
+};
+
+struct MapOfMeshes {
+  VolumeRead map;
+  std::size_t contested_voxels = 0;  ///< that two meshes hold which may not overlap
+};
+
+/// A label map with names and colours. Structures lie in the layers that their segments say; within a layer a voxel
+/// that several meshes hold goes to the first of them. So it does for those of two layers that lie `apart` all the same
+/// (by their places among the meshes). Layers that no mesh is of are left out.
+MapOfMeshes map_of_meshes(const std::vector<MeshOfSegment>& meshes, const VolumeGeometry& grid,
+                          std::span<const MeshPair> apart = {});
+
+}  // namespace homolog

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "core/structures/fitting/fit_set.h"
+#include "core/structures/repair/voxel_body.h"
+
+namespace homolog {
+
+/// Voxels of one layer of a label map, as they would be changed.
+struct VoxelChange {
+  std::size_t voxel = 0;  ///< in the frame, i fastest
+  int from = 0, to = 0;
+};
+
+/// The label of a structure's voxels in the surroundings of another one: their label where both are of one layer, else
+/// a number below 0 of its own.
+int label_around(const SetInMap& subject, std::size_t of, std::size_t other);
+
+/// The places of structures of other layers that may not overlap one; of one that is missing, those that overlap none.
+class HeldByOthers {
+ public:
+  /// `within`: of those, the ones that may reach into a box in mm.
+  HeldByOthers(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
+               const std::optional<Box>& within = std::nullopt);
+  /// The label_around of the structure that holds a place; 0: none does.
+  int label_at(const Vec3& p_mm) const;
+  bool empty() const { return all_.empty(); }
+
+ private:
+  struct Held {
+    VoxelGrid layer;
+    int value = 0, label = 0;
+  };
+  std::vector<Held> all_;
+};
+
+/// The map around a structure: its layer, and where nothing is there, what HeldByOthers says.
+Neighbourhood around_structure(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
+                               const Box& reach, int margin);
+
+/// Signs that tell whether a structure of a label map is right, against its fit and against the shape that its
+/// neighbours expect of it. All are shares of its voxels or of the expected ones, unless something else is said.
+struct StructureSigns {
+  double islands = 0;      ///< apart from the largest part
+  std::size_t specks = 0;  ///< how many parts they are
+  double holes = 0;        ///< deep within the fit, without a label
+  double bridges = 0;      ///< far outside of the fit, but joined to the structure
+  /// Narrow ways into the expected shape, which a fit may follow, and thin parts outside of it and of the fit.
+  double tunnels = 0, bars = 0;
+  double volume = 0;     ///< logarithm of the volume against the expected one, less the median of that of all
+  double lacking = 0;    ///< of the expected shape: without a label, far from the structure
+  double gap = 0;        ///< how far from the structure a large part that lacks reaches, as a share of its size
+  double beyond = 0;     ///< of the expected shape: outside of the map
+  double at_border = 0;  ///< of its voxels: in the outermost slices of the map
+  std::map<std::size_t, double> lost_to;  ///< by another structure's place in the set: voxels with its label that are
+                                          ///< deeper in this one's expected shape than in its own
+  /// How the signs would be mended.
+  std::vector<VoxelChange> without_islands, without_holes, without_bridges, without_bars;
+};
+
+/// The shape that is expected of each structure: its template where its neighbours say, then moved onto what the map
+/// has of it, as one that may lack parts or have too much. None where no neighbour says, or where the template itself
+/// is cut off. `progress` may cancel the work; what is left out then has none.
+std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
+                                                 const FittedSet& fitted, const Progress* progress = nullptr);
+
+/// Returns the signs of each structure of a set, in its order: of those that have a fit as they are found in the map,
+/// of the others the values above. `progress` may cancel the work, as in expected_shapes.
+std::vector<StructureSigns> structure_signs(const SetOfTemplates& set, const VolumeRead& map, int frame,
+                                            const SetInMap& subject, const FittedSet& fitted,
+                                            const std::vector<std::optional<Mesh>>& expected,
+                                            const Progress* progress = nullptr);
+
+}  // namespace homolog

@@ -8,7 +8,7 @@
 namespace homolog {
 namespace {
 
-gl::Texture make_texture(GLint stored_as, GLenum channels, GLenum type, int width_px, int height_px) {
+gl::Texture make_layer_texture(GLint stored_as, GLenum channels, GLenum type, int width_px, int height_px) {
   gl::Texture texture = gl::Texture::make();
   glBindTexture(GL_TEXTURE_2D, texture.name());
   glTexImage2D(GL_TEXTURE_2D, 0, stored_as, width_px, height_px, 0, channels, type, nullptr);
@@ -36,8 +36,8 @@ Result<FaintLayer> FaintLayer::make(int width_px, int height_px) {
   auto parts = std::make_unique<Parts>();
   parts->width_px = width_px;
   parts->height_px = height_px;
-  parts->colour = make_texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width_px, height_px);
-  parts->depth = make_texture(GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, width_px, height_px);
+  parts->colour = make_layer_texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width_px, height_px);
+  parts->depth = make_layer_texture(GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, width_px, height_px);
   parts->framebuffer = gl::FramebufferObject::make();
   GLint before = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);

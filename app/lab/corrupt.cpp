@@ -27,7 +27,7 @@ struct CorruptJob {
   std::uint64_t seed = 1;
 };
 
-Json row_of(const std::string& file, const fs::path& truth, const std::vector<PlantedDefect>& planted) {
+Json row_of_corrupted(const std::string& file, const fs::path& truth, const std::vector<PlantedDefect>& planted) {
   Json defects = Json::array();
   for (const PlantedDefect& one : planted)
     defects.push_back({{"structure", one.structure},
@@ -63,7 +63,7 @@ Result<Report> corrupt(const CorruptJob& job, Progress& progress) {
       std::snprintf(number, sizeof number, "-%03d", made++);
       const std::string name = case_name_of(path) + number + ".seg.nrrd";
       if (auto written = write_segmentation(one->map, job.out / name); !written) return fail(written.error());
-      files.push_back(row_of(name, path, one->planted));
+      files.push_back(row_of_corrupted(name, path, one->planted));
     }
   }
   if (auto written = write_whole_file(job.out / "planted.json", files.dump(1) + '\n'); !written)

@@ -53,7 +53,7 @@ Result<std::vector<PlotRow>> plot_rows(const TextTable& table, const TablePlot& 
 }
 
 /// Words in the order of their first rows, each once.
-std::vector<std::string> words_of(const std::vector<PlotRow>& rows, std::string PlotRow::*word) {
+std::vector<std::string> words_in_column(const std::vector<PlotRow>& rows, std::string PlotRow::*word) {
   std::vector<std::string> words;
   std::set<std::string> seen;
   for (const PlotRow& row : rows)
@@ -95,8 +95,8 @@ Result<Page> table_plot(const TextTable& table, const TablePlot& shown, double w
     if (const auto number = plot_number(row.x)) x.push_back(*number);
   }
   const bool is_named = x.size() < rows->size();  // one word, and all are names
-  const auto names = is_named ? words_of(*rows, &PlotRow::x) : std::vector<std::string>();
-  const auto groups = words_of(*rows, &PlotRow::by);
+  const auto names = is_named ? words_in_column(*rows, &PlotRow::x) : std::vector<std::string>();
+  const auto groups = words_in_column(*rows, &PlotRow::by);
   const std::size_t most = plot_colours.size();
   if (groups.size() > most || (is_named && names.size() > 20))
     return fail("", "has " + std::to_string(groups.size() > most ? groups.size() : names.size()) + " groups in " +

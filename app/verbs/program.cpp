@@ -168,7 +168,7 @@ std::string in_plain_words(const std::string& message) {
 }
 
 /// The words of a command line, where "help VERB" is another spelling of "VERB --help".
-std::vector<std::string> words_of(int argc, char** argv) {
+std::vector<std::string> words_given(int argc, char** argv) {
   std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
   if (!words.empty() && words.front() == "help") {
     words.erase(words.begin());
@@ -255,7 +255,7 @@ int run_program(int argc, char** argv, const Program& program) {
   check_values(app);
   dress_help(app);
 
-  std::vector<std::string> words = words_of(argc, argv);
+  std::vector<std::string> words = words_given(argc, argv);
   if (program.edits && !words.empty() && is_verb_of_lab_alone(words.front())) return wrong_command_line;
   try {
     std::ranges::reverse(words);  // the parser takes them from the back

@@ -25,7 +25,7 @@ double labelled_mm3(const CohortMap& map) {
 }
 
 /// Indices of those that can be read, from the smallest to the largest.
-std::vector<std::size_t> by_size(const std::vector<CohortMember>& members, Progress& progress) {
+std::vector<std::size_t> members_by_size(const std::vector<CohortMember>& members, Progress& progress) {
   std::vector<std::pair<double, std::size_t>> sized;
   for (std::size_t k = 0; k < members.size(); ++k)
     if (const auto map = members[k].read(progress)) sized.emplace_back(labelled_mm3(*map), k);
@@ -48,7 +48,7 @@ Result<CohortClosing> choose_cohort_closing(const std::vector<CohortMember>& mem
                                             Progress* progress) {
   Progress none;
   Progress& reading = progress != nullptr ? *progress : none;
-  const auto order = by_size(members, reading);
+  const auto order = members_by_size(members, reading);
   CohortClosing choice;
   if (order.empty()) return choice;
   for (const std::size_t at : std::set{order.size() / 4, order.size() / 2, 3 * order.size() / 4}) {

@@ -69,7 +69,7 @@ void draw_farthest_vertex(const UiContext& ui, const ScoredShape& scored, ImU32 
     out.send(LookAt{scored.points->row(vertex)});
 }
 
-void draw_figures(const UiContext& ui, const ScoredShape& scored, Outbox& out) {
+void draw_score_figures(const UiContext& ui, const ScoredShape& scored, Outbox& out) {
   const Theme& theme = ui.theme;
   const ShapeScore& score = *scored.score;
   const ShapeModel& model = *scored.model;
@@ -142,7 +142,7 @@ void draw_score_section(const UiContext& ui, Outbox& out) {
     return explanation(ui.theme, error.empty() ? "Scoring\xe2\x80\xa6" : error);
   }
   if (!scored->score) return explanation(ui.theme, scored->refusal);
-  draw_figures(ui, *scored, out);
+  draw_score_figures(ui, *scored, out);
   draw_score_colours(ui, out);
 }
 

@@ -45,7 +45,7 @@ Result<std::shared_ptr<const AllowedShapes>> allowed_shapes(const Template& the_
 }
 
 /// What a person may want to know of a fit beside its figures.
-std::vector<std::string> remarks_on(const LabelFit& fitted, bool partial) {
+std::vector<std::string> remarks_on_fit(const LabelFit& fitted, bool partial) {
   std::vector<std::string> remarks;
   const auto add = [&](const char* format, double first, double second) {
     char remark[200];
@@ -144,7 +144,8 @@ Result<Fitted> fit_to_labels(const ShapeView& shown, const NamedLabels& labels, 
   done.figures = figures_of_fit(fitted->judgement, fitted->fit, settings.partial);
   done.figures.mesh = mesh_hash(*done.edit.points);
   done.doubtful = fitted->judgement.doubtful;
-  for (std::string& remark : remarks_on(*fitted, settings.partial)) done.figures.remarks.push_back(std::move(remark));
+  for (std::string& remark : remarks_on_fit(*fitted, settings.partial))
+    done.figures.remarks.push_back(std::move(remark));
   return done;
 }
 

@@ -44,7 +44,7 @@ fs::path case_path_of(const PropagateVerb& verb) {
 
 /// A case with a mesh in every frame. The frames' points become what the case keeps of them, so that the meshes that
 /// are written are those of the case.
-Result<EditSession> case_of(const PropagateVerb& verb, const Document& initial, Propagation& propagation) {
+Result<EditSession> case_of_cine(const PropagateVerb& verb, const Document& initial, Propagation& propagation) {
   EditSession session(initial);
   const auto apply = [&](Action action) { return session.apply(std::move(action)); };
   if (auto done = apply(SetPlacement{Similarity{}}); !done) return fail(done.error());
@@ -100,7 +100,7 @@ std::string volume_table(const Propagation& propagation, double frame_seconds) {
 }
 
 /// Errors: a mesh that would be written is the one that is carried.
-Result<void> check_written(const PropagateVerb& verb, int frames) {
+Result<void> check_written_frames(const PropagateVerb& verb, int frames) {
   std::vector<fs::path> written;
   for (int f = 0; f < frames; ++f) written.push_back(verb.out / (frame_name(static_cast<std::size_t>(f)) + ".ply"));
   return check_not_read(written, {fs::path(verb.mesh)});
@@ -110,7 +110,7 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
                        std::vector<std::string>& warnings, Progress& progress) {
   const auto made = ResultFolder::make(verb.out);
   if (!made) return fail(made.error());
-  auto session = case_of(verb, initial, propagation);
+  auto session = case_of_cine(verb, initial, propagation);
   if (!session) return fail(session.error());
   const Template& the_template = *initial.structure()->the_template;
   MeshFile file = to_mesh_file(the_template);
@@ -193,7 +193,7 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   if (!noted) return fail(noted.error());
   auto image = read_image(verb.image, verb.frame, progress);
   if (!image) return fail(image.error());
-  if (auto safe = check_written(verb, image->volume.frames); !safe) return fail(safe.error());
+  if (auto safe = check_written_frames(verb, image->volume.frames); !safe) return fail(safe.error());
   PropagateOptions options = verb.options;
   options.progress = &progress;
   options.missing_share = (*the_template)->missing_share;

@@ -113,7 +113,7 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   return report;
 }
 
-void check(const SnapVerb& verb) {
+void check_snap(const SnapVerb& verb) {
   if (!verb.of_case() && verb.image.empty()) throw CLI::RequiredError("--image");
   if (!verb.of_case() && verb.out.empty()) throw CLI::RequiredError("--output");
   if (verb.of_case() && !verb.image.empty())
@@ -142,7 +142,7 @@ void add_snap(CLI::App& app, CommandLine& asked) {
   add_snap_arguments(*verb, options->snap);
   verb->callback([options, verb, &asked] {
     options->frame_given = verb->count("--frame") > 0;
-    check(*options);
+    check_snap(*options);
     options->command = given_command(*verb);
     asked.run = [options](Progress& progress) { return run_snap(*options, progress); };
   });

@@ -201,7 +201,7 @@ Result<std::vector<PageCase>> cases_of_set(const ReportVerb& verb, const Trainin
 }
 
 /// The name of the template of the first study, without its folder.
-std::string template_of(const std::vector<fs::path>& files) {
+std::string template_name_of(const std::vector<fs::path>& files) {
   for (const fs::path& file : files) {
     if (!is_study_file(file)) continue;
     const auto read = read_study(file);
@@ -218,7 +218,7 @@ Result<PageContent> content_of_set(const ReportVerb& verb, Progress& progress) {
     return fail(verb.training.files.front().string(),
                 "has points without faces, which cannot be drawn; give one mesh of the same numbering with them");
   PageContent content;
-  content.template_name = template_of(verb.training.files);
+  content.template_name = template_name_of(verb.training.files);
   auto cases = cases_of_set(verb, *training);
   if (!cases) return fail(cases.error());
   content.cases = std::move(*cases);

@@ -92,7 +92,7 @@ Result<fs::path> write_mended(const MapRepairJob& job, const VolumeRead& map, co
 }
 
 /// What a person has to look at, as a sentence.
-std::string sentence_of(const RepairedStructure& found) {
+std::string sentence_of_repaired(const RepairedStructure& found) {
   return found.defects.empty() ? "Little confidence in this structure." : sentence_of_defects(found.defects);
 }
 
@@ -148,7 +148,7 @@ Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const Set
       fitted.points = repaired.expected[k]->points;
       fitted.placement = nearest_similarity(fitted.template_of_file->points, fitted.points, {});
     }
-    fitted.doubt = sentence_of(repaired.structures[k]);
+    fitted.doubt = sentence_of_repaired(repaired.structures[k]);
     if (map.read.volume.frames > 1) fitted.frame = map.frame;
     fitted.record = record_of_output(record, folder.filename().string() + "/" + fitted.name + case_extension);
     auto one = write_case_of_fit(fitted, folder, warnings);

@@ -58,7 +58,7 @@ Json described_test(const LinearTest& test, const TestJob& job) {
   return values;
 }
 
-Json report_of(const TestJob& job, const LinearTest& test) {
+Json report_of_test(const TestJob& job, const LinearTest& test) {
   Json values{{"shapes", job.design.cases()},
               {"vertices", job.cases.shapes.rows() / 3},
               {"formula", job.options.formula},
@@ -184,7 +184,7 @@ Result<Report> run_test(TestOptions options, Progress& progress) {
   const LinearTest test = tests_of(job, job.responses, progress);
   if (progress.cancelled()) return fail("", "cancelled");
   Report report;
-  report.values = report_of(job, test);
+  report.values = report_of_test(job, test);
   if (!options.tables.empty()) {
     auto landmarks = write_tables(job, progress);
     if (!landmarks) return fail(landmarks.error());

@@ -300,7 +300,7 @@ void add_tube_options(CLI::App& verb, TemplateJob& options) {
 }
 
 /// Refuses options that were given and do nothing for such a template.
-void check_effect(const TemplateJob& options, const CLI::App& verb) {
+void check_template_effect(const TemplateJob& options, const CLI::App& verb) {
   if (options.keep_vertices) {
     if (options.in.empty() || !keeps_numbers(options.in))
       throw CLI::ValidationError("--keep-vertices", "has no effect here: it is for a mesh whose format keeps vertices");
@@ -390,7 +390,7 @@ void add_template(CLI::App& app, CommandLine& asked) {
   verb->callback([options, verb, &asked] {
     if (options->in.empty() && options->consensus.empty() && options->best_of.empty())
       throw CLI::RequiredError("MASK, or --consensus or --best-of with several subjects");
-    check_effect(*options, *verb);
+    check_template_effect(*options, *verb);
     if (!options->axis.empty() && Vec3(options->axis.data()).norm() < 1e-9)
       throw CLI::ValidationError("--axis", "needs a direction other than 0,0,0");
     if (options->base == options->apex && !options->base.empty())

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-tl::unexpected<Error> damaged(const fs::path& path, const std::string& reason) {
+tl::unexpected<Error> damaged_png(const fs::path& path, const std::string& reason) {
   return fail(path.string(), "is no PNG picture, or is damaged" + (reason.empty() ? "" : " (" + reason + ")") +
                                  "; check what it is and copy it again");
 }
@@ -36,8 +36,8 @@ class PngFile {
 
   /// Reads all that stands before the pixels.
   Result<void> read_header() {
-    if (file_ == nullptr || info_ == nullptr) return damaged(path_, "it cannot be opened");
-    if (!header_read()) return damaged(path_, reason_);
+    if (file_ == nullptr || info_ == nullptr) return damaged_png(path_, "it cannot be opened");
+    if (!header_read()) return damaged_png(path_, reason_);
     std::error_code error;
     const auto size = static_cast<double>(fs::file_size(path_, error));
     constexpr double best_ratio = 1032;  // of Deflate, which is all that PNG packs by (zlib's technical details)
@@ -45,7 +45,7 @@ class PngFile {
     constexpr png_uint_32 most = std::numeric_limits<int>::max();
     if (error || bytes > best_ratio * size || png_get_image_width(png_, info_) > most ||
         png_get_image_height(png_, info_) > most)
-      return damaged(path_, "it is far too small for its size in pixels");
+      return damaged_png(path_, "it is far too small for its size in pixels");
     // Interlaced rows are there only when all of them are: memory is taken before anything has arrived.
     constexpr double most_at_once = 64 << 20;
     if (bytes > most_at_once && png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE)
@@ -63,11 +63,11 @@ class PngFile {
       const std::size_t count = std::min(band, height - y);
       const auto out = room(count * row_bytes);
       if (!out) return fail(out.error());
-      if (out->size() != count * row_bytes) return damaged(path_, "its size changed while it was read");
+      if (out->size() != count * row_bytes) return damaged_png(path_, "its size changed while it was read");
       for (std::size_t r = 0; r < count; ++r) rows[r] = reinterpret_cast<png_bytep>(out->data() + r * row_bytes);
-      if (!rows_read(rows.data(), count, whole)) return damaged(path_, reason_);
+      if (!rows_read(rows.data(), count, whole)) return damaged_png(path_, reason_);
     }
-    if (!end_read()) return damaged(path_, reason_);
+    if (!end_read()) return damaged_png(path_, reason_);
     return {};
   }
   /// Asks libpng for RGBA of 8 bits, or for the greys as they are (fewer than 8 bits spread over 8).
@@ -143,7 +143,7 @@ Result<PicturePages> grey_page(PngFile& file, const fs::path& path) {
 Result<Picture> read_png(const fs::path& path) {
   PngFile file(path);
   if (auto header = file.read_header(); !header) return fail(header.error());
-  if (!file.prepare(true)) return damaged(path, file.reason());
+  if (!file.prepare(true)) return damaged_png(path, file.reason());
   Picture picture{file.width(), file.height(), {}};
   picture.rgba.reserve(4 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height));
   const PageRoom room = [&](std::size_t bytes) -> Result<std::span<std::byte>> {
@@ -163,8 +163,8 @@ Result<void> read_png_page(const fs::path& path, const PicturePages& expected, c
   PngFile file(path);
   const auto page = grey_page(file, path);
   if (!page) return fail(page.error());
-  if (*page != expected) return damaged(path, "it changed while it was read");
-  if (!file.prepare(false)) return damaged(path, file.reason());
+  if (*page != expected) return damaged_png(path, "it changed while it was read");
+  if (!file.prepare(false)) return damaged_png(path, file.reason());
   return file.read_pixels(room);
 }
 

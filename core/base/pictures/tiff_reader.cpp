@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-tl::unexpected<Error> damaged(const fs::path& path, const std::string& reason) {
+tl::unexpected<Error> damaged_tiff(const fs::path& path, const std::string& reason) {
   return fail(path.string(), "is no TIFF picture, or is damaged" + (reason.empty() ? "" : " (" + reason + ")") +
                                  "; check what it is and copy it again");
 }
@@ -108,7 +108,7 @@ Result<PageKind> kind_of_page(TIFF* tiff, const fs::path& path) {
   std::uint16_t photometric = samples < 3 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB;
   TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
   constexpr std::uint32_t most = std::numeric_limits<int>::max();
-  if (width < 1 || height < 1 || width > most || height > most) return damaged(path, "it has no size");
+  if (width < 1 || height < 1 || width > most || height > most) return damaged_tiff(path, "it has no size");
   const bool grey = photometric == PHOTOMETRIC_MINISBLACK || photometric == PHOTOMETRIC_MINISWHITE;
   if (!grey || samples > 2 || (samples == 2 && !second_is_alpha(tiff)))
     return fail(path.string(), "has colours or several values for each pixel; save it as a greyscale picture");
@@ -172,7 +172,7 @@ class TiffFile {
     TIFFOpenOptionsSetMaxSingleMemAlloc(options, static_cast<tmsize_t>(2 * size_ + table));
     tiff_.reset(TIFFOpenExt(path_.c_str(), "rm", options));  // "m": not mapped, which a file cut meanwhile would crash
     TIFFOpenOptionsFree(options);
-    if (!tiff_) return damaged(path_, messages_.error);
+    if (!tiff_) return damaged_tiff(path_, messages_.error);
     return {};
   }
   /// Goes to the next page; false behind the last one, which says itself that it is.
@@ -217,11 +217,11 @@ class TiffFile {
 Result<void> TiffFile::check_pixels(const PageKind& kind) {
   const int compression = field<std::uint16_t>(tiff_.get(), TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   const std::uint64_t width = piece_width(kind), height = piece_height(kind);
-  if (width < 1 || height < 1) return damaged(path_, "its pieces have no size");
+  if (width < 1 || height < 1) return damaged_tiff(path_, "its pieces have no size");
   const std::uint64_t across = (static_cast<std::uint64_t>(kind.pages.width) + width - 1) / width,
                       down = (static_cast<std::uint64_t>(kind.pages.height) + height - 1) / height;
   const std::uint64_t pieces = tiled() ? TIFFNumberOfTiles(tiff_.get()) : TIFFNumberOfStrips(tiff_.get());
-  if (pieces < across * down) return damaged(path_, "pieces of its pages are missing");
+  if (pieces < across * down) return damaged_tiff(path_, "pieces of its pages are missing");
   TiffRow row = kind.row;
   row.pixels = width;
   const double row_bytes = static_cast<double>(stored_bytes(row));
@@ -236,7 +236,7 @@ Result<void> TiffFile::check_pixels(const PageKind& kind) {
       return cut_short(path_, page_);
     used_ += bytes;
   }
-  if (used_ > size_) return damaged(path_, "its pages share their pixels");
+  if (used_ > size_) return damaged_tiff(path_, "its pages share their pixels");
   return {};
 }
 
@@ -278,7 +278,7 @@ Result<void> TiffFile::read_page(const PageKind& kind, const PageRoom& room) {
   whole.pixels = across;
   const std::size_t row_bytes = stored_bytes(whole);
   const auto piece_bytes = static_cast<std::size_t>(tiled() ? TIFFTileSize(tiff_.get()) : TIFFStripSize(tiff_.get()));
-  if (piece_bytes != row_bytes * down) return damaged(path_, "its pieces have no size");
+  if (piece_bytes != row_bytes * down) return damaged_tiff(path_, "its pieces have no size");
   const std::unique_ptr<std::byte[]> buffer = std::make_unique_for_overwrite<std::byte[]>(piece_bytes);
   messages_.error.clear();
   messages_.decoding = true;
@@ -342,11 +342,11 @@ Result<void> read_tiff_pages(const fs::path& path, const PicturePages& expected,
     const auto kind = file.page_kind();
     if (!kind) return fail(kind.error());
     if (kind->pages != PicturePages{expected.width, expected.height, 1, expected.values} || ++pages > expected.pages)
-      return damaged(path, "it changed while it was read");
+      return damaged_tiff(path, "it changed while it was read");
     if (auto there = file.check_pixels(*kind); !there) return there;
     if (auto read = file.read_page(*kind, room); !read) return read;
   }
-  if (pages != expected.pages) return damaged(path, "it changed while it was read");
+  if (pages != expected.pages) return damaged_tiff(path, "it changed while it was read");
   return {};
 }
 

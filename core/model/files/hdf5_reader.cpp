@@ -68,7 +68,7 @@ std::vector<std::string> arguments_of(const fs::path& file, const HdfParts& part
   return arguments;
 }
 
-HdfParts parts_of(const std::vector<std::string>& arguments) {
+HdfParts parts_named(const std::vector<std::string>& arguments) {
   HdfParts parts;
   for (std::size_t k = 2; k + 1 < arguments.size(); k += 2) {
     if (arguments[k] == "dataset") parts.datasets.push_back(arguments[k + 1]);
@@ -89,7 +89,7 @@ int read_and_send(const std::vector<std::string>& arguments) {
   confine_this_process(3 * most_value_bytes(bytes) + (std::uintmax_t{64} << 20), most_reading_seconds(bytes));
   Sender sender(stdout);
   try {
-    if (auto tree = read_hdf5_unconfined(path, parts_of(arguments)))
+    if (auto tree = read_hdf5_unconfined(path, parts_named(arguments)))
       sender.send_tree(*tree);
     else
       sender.send_error(tree.error());

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t rle_header_bytes = 64, most_segments = 15;
 
-std::uint32_t number_at(std::span<const char> bytes, std::size_t offset) {
+std::uint32_t rle_number_at(std::span<const char> bytes, std::size_t offset) {
   std::uint32_t number = 0;
   for (std::size_t b = 4; b-- > 0;) number = number << 8 | static_cast<unsigned char>(bytes[offset + b]);
   return number;
@@ -39,9 +39,9 @@ bool decode_segment(std::span<const char> segment, std::span<std::byte> out, std
 
 bool decode_rle(std::span<const char> fragment, std::size_t value_bytes, std::span<std::byte> out) {
   if (fragment.size() < rle_header_bytes || value_bytes < 1 || value_bytes > most_segments) return false;
-  if (number_at(fragment, 0) != value_bytes) return false;
+  if (rle_number_at(fragment, 0) != value_bytes) return false;
   std::array<std::size_t, most_segments + 1> begins{};
-  for (std::size_t s = 0; s < value_bytes; ++s) begins[s] = number_at(fragment, 4 * (s + 1));
+  for (std::size_t s = 0; s < value_bytes; ++s) begins[s] = rle_number_at(fragment, 4 * (s + 1));
   begins[value_bytes] = fragment.size();
   if (begins[0] < rle_header_bytes) return false;
   for (std::size_t s = 0; s < value_bytes; ++s) {

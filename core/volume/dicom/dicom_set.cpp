@@ -218,7 +218,7 @@ bool has_converted_line_ends(const fs::path& path) {
   return any;
 }
 
-tl::unexpected<Error> cut_short(const fs::path& path) {
+tl::unexpected<Error> cut_short_set(const fs::path& path) {
   if (has_converted_line_ends(path))
     return fail(path.string(),
                 "is damaged: its line ends were converted, as a transfer as text does; copy it again as a binary file");
@@ -237,7 +237,7 @@ Result<void> parse_deflated(std::uint64_t begin, DicomSet& set) {
   const std::uint64_t size = inflated->size();
   std::istringstream in(std::move(*inflated));
   Parser parser(in, size, set);
-  if (!parser.read_data_set(true, false)) return cut_short(set.path);
+  if (!parser.read_data_set(true, false)) return cut_short_set(set.path);
   if (set.pixels) {
     set.pixels->block.skip = set.pixels->block.offset;
     set.pixels->block.offset = begin;
@@ -283,7 +283,7 @@ Result<DicomSet> parse_dicom(const fs::path& path) {
   parser.skip(marked ? start.size() : 0, *size);
   if (!marked) in.seekg(0);
   DicomItem meta;
-  if (!parser.read_meta(meta)) return cut_short(path);
+  if (!parser.read_meta(meta)) return cut_short_set(path);
   set.transfer_syntax = text_of(meta, transfer_syntax_tag);
   if (set.transfer_syntax.empty() && marked)
     return fail(path.string(), "does not say how it is encoded (its transfer syntax is missing); export it again");
@@ -295,7 +295,7 @@ Result<DicomSet> parse_dicom(const fs::path& path) {
     const bool typed = marked ? set.transfer_syntax != implicit_syntax : start[4] >= 'A' && start[5] >= 'A';
     if (!parser.read_data_set(typed, set.big_endian)) {
       if (!set.pixels && set.elements.empty() && !(marked && has_converted_line_ends(path))) return no_dicom(path);
-      return cut_short(path);
+      return cut_short_set(path);
     }
   }
   if (set.pixels) set.pixels->block.file = path;

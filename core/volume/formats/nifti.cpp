@@ -102,7 +102,7 @@ bool mend_pixdim(Header& header) {
 
 /// What is read of a header here and not by libnifti.
 template <class Header>
-void take_over(Header& header, NiftiHeader& result) {
+void take_header_over(Header& header, NiftiHeader& result) {
   result.sized = mend_pixdim(header);
   result.bits = header.bitpix;
   // A slope that is NaN, which nibabel writes, or 0 says that there is none.
@@ -115,7 +115,7 @@ void take_over(Header& header, NiftiHeader& result) {
   result.voxels_begin = take_voxels_begin(header);
 }
 
-std::optional<NiftiHeader> parse_header(const std::string& head, const fs::path& path) {
+std::optional<NiftiHeader> parse_nifti_header(const std::string& head, const fs::path& path) {
   NiftiHeader result;
   std::int32_t size = 0;
   if (head.size() < sizeof(nifti_1_header)) return {};
@@ -131,7 +131,7 @@ std::optional<NiftiHeader> parse_header(const std::string& head, const fs::path&
       result.analyze ? nifti_swap_as_analyze(reinterpret_cast<nifti_analyze75*>(&header))
                      : nifti_swap_as_nifti1(&header);
     if (!plausible(header)) return {};
-    take_over(header, result);
+    take_header_over(header, result);
     constexpr std::size_t units_at = 56, units_bytes = 4;
     if (result.analyze) result.analyze_unit_mm = mm_per_unit(head.substr(units_at, units_bytes).c_str()).value_or(1);
     result.image.reset(nifti_convert_n1hdr2nim(header, name.c_str()));
@@ -141,7 +141,7 @@ std::optional<NiftiHeader> parse_header(const std::string& head, const fs::path&
     result.other_byte_order = size != sizeof(nifti_2_header);
     if (result.other_byte_order) nifti_swap_as_nifti2(&header);
     if (!plausible(header)) return {};
-    take_over(header, result);
+    take_header_over(header, result);
     result.image.reset(nifti_convert_n2hdr2nim(header, name.c_str()));
   }
   if (!result.image) return {};
@@ -165,7 +165,7 @@ Result<std::uintmax_t> voxels_begin(const NiftiHeader& header, const Pair& pair)
                   "; export it again");
 }
 
-Result<Scalar> stored_type(const nifti_image& image, const fs::path& path) {
+Result<Scalar> stored_nifti_type(const nifti_image& image, const fs::path& path) {
   switch (image.datatype) {
     case NIFTI_TYPE_UINT8:
       return Scalar::uint8;
@@ -296,7 +296,7 @@ Result<VolumeRead> read_nifti(const fs::path& path, const VolumeReadOptions& opt
   if (!pair) return fail(pair.error());
   const auto head = read_head(pair->header, sizeof(nifti_2_header));
   if (!head) return fail(head.error());
-  const auto header = parse_header(*head, pair->header);
+  const auto header = parse_nifti_header(*head, pair->header);
   if (!header)
     return fail(pair->header.string(),
                 "is not a NIfTI file, or its header is damaged; check what it is and export it again");
@@ -305,7 +305,7 @@ Result<VolumeRead> read_nifti(const fs::path& path, const VolumeReadOptions& opt
     return fail(path.string(),
                 "has more than four dimensions (vectors or several channels); export one scalar volume, "
                 "or a series of frames in the fourth");
-  const auto type = stored_type(image, path);
+  const auto type = stored_nifti_type(image, path);
   if (!type) return fail(type.error());
   if (header->bits != 0 && header->bits != 8 * image.nbyper)
     return fail(pair->header.string(), "says that its voxels are of type " +

@@ -66,7 +66,7 @@ Result<void> parse_fields(const fs::path& path, const std::string& fields, Nrrd&
   return {};
 }
 
-std::optional<Scalar> stored_type(int type) {
+std::optional<Scalar> stored_nrrd_type(int type) {
   switch (type) {
     case nrrdTypeChar:
       return Scalar::int8;
@@ -139,8 +139,8 @@ Result<std::uintmax_t> skip_lines(const fs::path& file, std::uintmax_t begin, un
 }
 
 /// The runs of bytes that the voxels lie in.
-Result<VoxelRun> find_run(const NrrdHeader& header, const Nrrd& nrrd, const NrrdIoState& state, Scalar type,
-                          const fs::path& path) {
+Result<VoxelRun> find_nrrd_run(const NrrdHeader& header, const Nrrd& nrrd, const NrrdIoState& state, Scalar type,
+                               const fs::path& path) {
   const auto files = voxel_files(header, nrrd, path);
   if (!files) return fail(files.error());
   VoxelRun run;
@@ -187,7 +187,7 @@ Result<VolumeRead> read_nrrd(const fs::path& path, const VolumeReadOptions& opti
   const NrrdPointer nrrd(nrrdNew());
   const IoStatePointer state(nrrdIoStateNew());
   if (const auto parsed = parse_fields(path, header->fields, *nrrd, *state); !parsed) return fail(parsed.error());
-  const auto type = stored_type(nrrd->type);
+  const auto type = stored_nrrd_type(nrrd->type);
   if (!type) return fail(path.string(), "holds voxels that are no numbers; export it as a scalar volume");
   const auto axes = find_axes(*nrrd, path);
   if (!axes) return fail(axes.error());
@@ -203,7 +203,7 @@ Result<VolumeRead> read_nrrd(const fs::path& path, const VolumeReadOptions& opti
   if (axes->frames) volume.frame_seconds = seconds_between_frames(*nrrd, *header, *axes->frames);
   if (options.without_voxels && !header->is_segmentation) return result;
 
-  const auto run = find_run(*header, *nrrd, *state, *type, path);
+  const auto run = find_nrrd_run(*header, *nrrd, *state, *type, path);
   if (!run) return fail(run.error());
   const bool frames_first = axes->frames && *axes->frames == 0 && nrrd->dim > 1;
   const bool numbers = state->encoding == nrrdEncodingAscii, hex = state->encoding == nrrdEncodingHex;

@@ -56,7 +56,7 @@ tl::unexpected<Error> unlike(const fs::path& folder, const fs::path& one, const 
 
 /// By how much the one number in which two names differ rises. Nothing where several do, as in a scan of several parts,
 /// or where it is no count but a date with a time, or an identifier.
-std::optional<double> step_between(const std::vector<std::string>& before, const std::vector<std::string>& here) {
+std::optional<double> step_between_names(const std::vector<std::string>& before, const std::vector<std::string>& here) {
   constexpr std::size_t longest_count = 15;
   std::optional<double> step;
   for (std::size_t i = 0; i < here.size(); ++i) {
@@ -74,7 +74,7 @@ Result<void> check_steps(const fs::path& folder, const std::vector<fs::path>& fi
   std::vector<std::string> before = digits_in(files.front().filename().string());
   for (std::size_t k = 1; k < files.size(); ++k) {
     std::vector<std::string> here = digits_in(files[k].filename().string());
-    const auto step = step_between(before, here);
+    const auto step = step_between_names(before, here);
     if (!step) return {};
     steps.push_back(*step);
     before = std::move(here);

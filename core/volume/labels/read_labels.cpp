@@ -26,7 +26,7 @@ std::optional<float> first_soft(std::span<const float> values) {
 }
 
 /// In which layers each label lies.
-std::map<int, std::vector<std::size_t>> layers_of(std::span<const Volume* const> layers) {
+std::map<int, std::vector<std::size_t>> layers_of_values(std::span<const Volume* const> layers) {
   std::map<int, std::vector<std::size_t>> found;
   for (std::size_t layer = 0; layer < layers.size(); ++layer)
     for (const auto& [label, voxels] : labels_of(*layers[layer])) found[label].push_back(layer);
@@ -136,7 +136,7 @@ void take_layers(const fs::path& path, VolumeRead& read) {
   read.other_layers = std::move(layers);
   const std::string count = std::to_string(read.other_layers.size() + 1);
   const auto all = all_layers(read);
-  for (const auto& [value, in] : layers_of(all))
+  for (const auto& [value, in] : layers_of_values(all))
     for (const std::size_t layer : in) read.segmentation.add({.name = {}, .value = value, .layer = layer});
   std::set<int> values;
   const auto& segments = read.segmentation.segments;
@@ -169,7 +169,7 @@ Result<std::vector<Segment>> choose_segments(const fs::path& path, const std::st
   if (read.other_layers.empty()) return wanted;
   const auto all = all_layers(read);
   if (wanted.empty()) {
-    for (const auto& [value, in] : layers_of(all))
+    for (const auto& [value, in] : layers_of_values(all))
       for (const std::size_t layer : in) {
         const Segment* known = read.segmentation.find(value, layer);
         wanted.push_back(known ? *known : Segment{.name = {}, .value = value, .layer = layer});

@@ -35,6 +35,8 @@ Result<SetFitted> with_variants(Result<SetFitted> done) {
   if (!done) return done;
   for (const Variant& variant : find_variants(*done->set, done->subject, done->fitted))
     done->warnings.push_back("The label map " + sentence_of(variant, *done->set) + ".");
+  if (const std::string found = found_by_values(done->set->set, done->subject); !found.empty())
+    done->warnings.push_back("The label map " + found + ".");
   return done;
 }
 

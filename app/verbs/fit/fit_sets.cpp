@@ -10,6 +10,7 @@
 #include "app/verbs/study/study_make.h"
 #include "core/base/files/files.h"
 #include "core/base/numbers/statistics.h"
+#include "core/base/text/listed.h"
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/parts/rims.h"
 #include "core/model/shapes/doubtful_shapes.h"
@@ -89,6 +90,7 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
                     ", since farther apart their meshes would fold; look at both");
   }
   for (const Variant& variant : variants) words.push_back(sentence_of(variant, set));
+  if (std::string found = found_by_values(set.set, subject); !found.empty()) words.push_back(std::move(found));
   if (!missing.empty())
     words.push_back("has no voxel of " + some_of(missing) + ", which the set has; they are left out");
   if (!subject.without_template.empty())

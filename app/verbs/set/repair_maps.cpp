@@ -13,6 +13,7 @@
 #include "core/base/files/file_stem.h"
 #include "core/base/files/files.h"
 #include "core/base/files/paths.h"
+#include "core/base/text/listed.h"
 #include "core/model/files/statismo.h"
 #include "core/placement/similarity_fit.h"
 #include "core/session/case_file.h"
@@ -210,6 +211,16 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
       report.warnings.push_back(path.string() + ": " + one.segment.name + " is left as it is: " + one.why_left_out);
   for (const Variant& variant : repaired->variants)
     report.warnings.push_back(path.string() + ": " + sentence_of(variant, set));
+  if (const std::string found = found_by_values(set.set, subject); !found.empty())
+    report.warnings.push_back(path.string() + ": " + found);
+  std::vector<std::string> absent;
+  for (std::size_t k = 0; k < set.set.structures.size(); ++k)
+    if (!subject.structures[k].is_there() && subject.structures[k].why_left_out.empty() &&
+        repaired->structures[k].defects.empty() && !is_absent(repaired->variants, k))
+      absent.push_back(set.set.structures[k].name);
+  if (!absent.empty())
+    report.warnings.push_back(path.string() + ": has no voxel of " + some_of(absent) +
+                              ", and nothing tells that it should; they are not filled in");
   if (!subject.without_template.empty())
     report.warnings.push_back(path.string() + ": has " + some_of(subject.without_template) +
                               ", for which the set has no template; left as they are");

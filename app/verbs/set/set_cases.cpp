@@ -11,6 +11,7 @@
 #include "core/base/files/file_stem.h"
 #include "core/base/files/files.h"
 #include "core/base/files/paths.h"
+#include "core/base/text/listed.h"
 #include "core/model/shapes/shape_folder.h"
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
@@ -67,13 +68,6 @@ std::vector<fs::path> maps_of(const std::vector<fs::path>& paths, const Template
       maps.insert(maps.end(), files.begin(), files.end());
   }
   return maps;
-}
-
-std::string some_of(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 6;
-  std::string text;
-  for (std::size_t k = 0; k < std::min(most, names.size()); ++k) text += (k > 0 ? ", " : "") + names[k];
-  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
 }
 
 namespace {

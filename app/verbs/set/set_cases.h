@@ -30,9 +30,6 @@ Result<void> check_structures(const SetInMap& subject, const std::filesystem::pa
 /// Folders opened: one that has a file of a structure's name is one map of single masks, else it holds maps.
 std::vector<std::filesystem::path> maps_of(const std::vector<std::filesystem::path>& paths, const TemplateSet& set);
 
-/// The first names with commas between them, and how many more there are.
-std::string some_of(const std::vector<std::string>& names);
-
 /// Variants as a report has them: the labels without template, and those of the set that are absent, without a value.
 Json json_of_variants(const std::vector<Variant>& variants, const TemplateSet& set);
 

@@ -76,11 +76,12 @@ std::vector<Index> spread_vertices(const Points& points, Index count) {
   const Eigen::RowVector3d centre = places.colwise().mean();
   const double radius2 = (places.rowwise() - centre).rowwise().squaredNorm().mean();
   std::vector<Index> picked;
-  Eigen::VectorXd away = Eigen::VectorXd::Constant(places.rows(), std::numeric_limits<double>::infinity());
+  const Eigen::ArrayXd x = places.col(0), y = places.col(1), z = places.col(2);
+  Eigen::ArrayXd away = Eigen::ArrayXd::Constant(places.rows(), std::numeric_limits<double>::infinity());
   for (Index next = 0; std::ssize(picked) < std::min(count, places.rows()) && away[next] > 0; away.maxCoeff(&next)) {
     picked.push_back(candidates[static_cast<std::size_t>(next)]);
-    const VertexScalars from_next2 = (places.rowwise() - places.row(next)).rowwise().squaredNorm();
-    away = away.cwiseMin((from_next2 * (steps / radius2)).array().floor().matrix());
+    const auto from_next2 = (x - x[next]).square() + ((y - y[next]).square() + (z - z[next]).square());
+    away = away.min((from_next2 * (steps / radius2)).floor());
   }
   return picked;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,14 @@ inline std::string listed(const std::vector<std::string>& words, std::string_vie
     list += words[k];
   }
   return list;
+}
+
+/// The first words with commas between them, and how many more there are.
+inline std::string some_of(const std::vector<std::string>& words) {
+  constexpr std::size_t most = 6;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(most, words.size()); ++k) text += (k > 0 ? ", " : "") + words[k];
+  return words.size() > most ? text + " and " + std::to_string(words.size() - most) + " more" : text;
 }
 
 }  // namespace homolog

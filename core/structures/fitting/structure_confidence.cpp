@@ -24,12 +24,13 @@ double form_confidence(const FittedStructure& one, const StructureSigns& signs, 
   // The fit of a template that is cut off says nothing where it does not match: so many are right of all.
   constexpr double usual = 0.85;
   if (one.judgement.doubtful && !one.fit->template_cuts.empty()) return usual;
+  constexpr double most_doubts = 6;  // then nothing of the form is sure
   double lost = 0;
   for (const auto& [other, share] : signs.lost_to) lost = std::max(lost, share);
   // A logistic regression on right and wrong structures of two people [docs/measurements/repair.md].
-  const double x = 7.0 - 1.8 * part(one.judgement.doubt_share, most_doubt_share, 3) - 2 * part(one.off_place, 0.25, 2) -
-                   0.6 * part(lost, 0.05, 4) - 3.9 * has(found, {given_to_neighbour}) -
-                   0.6 * has(found, {taken_from_neighbour}) -
+  const double x = 7.0 - 1.8 * part(one.judgement.doubt_share, most_doubt_share, most_doubts) -
+                   2 * part(one.off_place, 0.25, 2) - 0.6 * part(lost, 0.05, 4) -
+                   3.9 * has(found, {given_to_neighbour}) - 0.6 * has(found, {taken_from_neighbour}) -
                    2.1 * has(found, {half_missing, doubled, sides_exchanged, other}) -
                    1.3 * part(signs.lacking, 0.15, 3) - 1.5 * part(signs.tunnels + signs.bars, 0.02, 3);
   const double confidence = 1 / (1 + std::exp(-x));

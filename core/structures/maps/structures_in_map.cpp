@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/text/listed.h"
 #include "core/catalogue/catalogue.h"
 #include "core/structures/built_in_set.h"
 #include "core/structures/repair/voxel_body.h"
@@ -153,10 +154,12 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
     auto it = std::ranges::find_if(
         segments, [&](const Segment& s) { return has_name(s) && (named.empty() || &s == named.front()); });
     // A value alone says something only where the map gives it no other name.
-    if (it == segments.end())
+    const bool is_named = it != segments.end();
+    if (!is_named)
       it = std::ranges::find_if(
           segments, [&](const Segment& s) { return s.name.empty() && s.value == one.value && !taken.contains(&s); });
     StructureInMap there;
+    there.by_value = !is_named && it != segments.end();
     there.segment = it != segments.end() ? *it : Segment{one.name, one.value, 0, one.colour, {}};
     if (it != segments.end()) {
       taken.insert(&*it);
@@ -196,6 +199,19 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
   }
   find_overlapping(found);
   return found;
+}
+
+std::string found_by_values(const TemplateSet& set, const SetInMap& subject) {
+  std::vector<std::string> found;
+  for (std::size_t k = 0; k < set.structures.size(); ++k) {
+    const StructureInMap& one = subject.structures[k];
+    const std::string number = std::to_string(one.segment.value);
+    if (one.by_value && one.is_there() && set.structures[k].name != "label " + number)
+      found.push_back(set.structures[k].name + " (" + number + ")");
+  }
+  if (found.empty()) return {};
+  return "gives no names, so labels were taken by the set's values: " + some_of(found) +
+         "; if these are other structures, put their names beside the map";
 }
 
 }  // namespace homolog

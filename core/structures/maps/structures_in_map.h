@@ -29,6 +29,7 @@ struct StructureInMap {
   Segment segment;  ///< by its name, else by its value; of one that the map lacks a value that no other label has
   std::optional<Volume> mask;  ///< the part of the map around it; none: the map has no voxel of it
 
+  bool by_value = false;     ///< the map gives no names, and its label is that of the structure's value in the set
   std::string why_left_out;  ///< why nobody knows which label it is; empty: the map has it, or lacks it
 
   bool is_there() const { return mask.has_value(); }
@@ -62,6 +63,10 @@ std::string value_and_layer(const Segment& segment, bool has_layers);
 /// Finds the structures of a set in a frame of a label map: each by its name where the map gives names, else by its
 /// value. If two labels that have voxels have one name, in any case, both are left out.
 SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame = 0);
+
+/// The sentence that says which structures were found by their values alone; empty: none. Those whose name is no more
+/// than their value ("label 3") are not told.
+std::string found_by_values(const TemplateSet& set, const SetInMap& subject);
 
 /// A value above 0 that no label of the map has in any layer, and no structure.
 int free_value(const VolumeRead& map, int frame, const SetInMap& subject);

@@ -86,20 +86,19 @@ void find_contradictions(LevelChain& chain, const std::vector<Link>& links, doub
 }
 
 /// How far a structure of a chain lies from where another structure says, if it is of the level above its own, of its
-/// own and of the one below: by how far such things usually err. None where the set does not have its level.
-using LevelErrors = std::array<double, 3>;
+/// own and of the one below: by how far such things usually err. None where the set does not have that level.
+using LevelErrors = std::array<std::optional<double>, 3>;
 std::optional<LevelErrors> level_errors(const SetOfTemplates& set, const LevelChain& chain, int level,
                                         const Vec3& other_in_set, const Vec3& offset, const Similarity& body) {
   constexpr double usual_error = 0.25, least_error_mm = 5, most_errors = 3;
   if (!chain.by_level.contains(level)) return std::nullopt;
   LevelErrors errors{};
-  for (const int by : {0, -1, 1}) {
+  for (const int by : {-1, 0, 1}) {
     const auto there = chain.by_level.find(level + by);
-    double& error = errors[static_cast<std::size_t>(by + 1)];
-    error = errors[1];  // nothing is known
     if (there == chain.by_level.end()) continue;
     const Vec3 said = body.scale * (body.rotation * (middle_of(set.templates[there->second]->points) - other_in_set));
-    error = std::min(most_errors, (said - offset).norm() / std::max(least_error_mm, usual_error * said.norm()));
+    errors[static_cast<std::size_t>(by + 1)] =
+        std::min(most_errors, (said - offset).norm() / std::max(least_error_mm, usual_error * said.norm()));
   }
   return errors;
 }
@@ -184,18 +183,18 @@ std::vector<LevelChain> level_chains(const SetOfTemplates& set, const FittedSet&
   return chains;
 }
 
-std::optional<std::array<double, 2>> level_evidence_of_others(const SetOfTemplates& set, const FittedSet& fitted,
+std::array<std::optional<double>, 2> level_evidence_of_others(const SetOfTemplates& set, const FittedSet& fitted,
                                                               const std::vector<char>& placed,
                                                               const std::vector<LevelChain>& chains, std::size_t of) {
   const LevelChain& chain = chains[of];
-  if (chain.apart.empty()) return std::nullopt;
+  if (chain.apart.empty()) return {};
   const auto in_map = [&](std::size_t k) { return middle_of(fitted.structures[k].fit->mesh.points); };
   std::vector<std::size_t> all;
   for (std::size_t k = 0; k < placed.size(); ++k)
     if (placed[k] != 0) all.push_back(k);
   const Similarity body = similarity_of_fits(set, fitted.structures, all);
   std::array<double, 2> sums{};
-  std::size_t count = 0;
+  std::array<std::size_t, 2> counts{};
   for (std::size_t other = 0; other < placed.size(); ++other) {
     if (placed[other] == 0 || chain.apart.contains(other)) continue;
     const auto really = really_of(set, chains, other);
@@ -214,15 +213,16 @@ std::optional<std::array<double, 2>> level_evidence_of_others(const SetOfTemplat
     }
     if (!nearest) continue;
     for (const std::size_t side : {0U, 1U}) {
-      const double own = (*nearest)[1], moved = (*nearest)[2 * side];
-      sums[side] += (own * own - moved * moved) / 2;
+      const auto own = (*nearest)[1], moved = (*nearest)[2 * side];
+      if (!own || !moved) continue;
+      sums[side] += (*own * *own - *moved * *moved) / 2;
+      ++counts[side];
     }
-    ++count;
   }
-  if (count == 0) return std::nullopt;
-  // What errs, errs together.
-  for (double& sum : sums) sum /= std::sqrt(static_cast<double>(count));
-  return sums;
+  std::array<std::optional<double>, 2> evidence;
+  for (const std::size_t side : {0U, 1U})  // what errs, errs together
+    if (counts[side] > 0) evidence[side] = sums[side] / std::sqrt(static_cast<double>(counts[side]));
+  return evidence;
 }
 
 }  // namespace homolog

@@ -38,8 +38,8 @@ int errors_at_ends(const SetInMap& subject, const FittedSet& fitted, const Level
 
 /// How much likelier a chain lies, beside the placed structures that do not belong to it, if it is a level above
 /// (first) or below (second) what `apart` leaves of it: the logarithm. `chains`: all, by which others too may be of
-/// another level than their names say. None where no other structure is near enough to tell.
-std::optional<std::array<double, 2>> level_evidence_of_others(const SetOfTemplates& set, const FittedSet& fitted,
+/// another level than their names say. None where no other structure tells, or the set does not have that level.
+std::array<std::optional<double>, 2> level_evidence_of_others(const SetOfTemplates& set, const FittedSet& fitted,
                                                               const std::vector<char>& placed,
                                                               const std::vector<LevelChain>& chains, std::size_t of);
 

@@ -96,32 +96,39 @@ std::array<std::optional<double>, 2> level_evidence_of_shapes(const SetOfTemplat
   return evidence;
 }
 
+/// So many names are wrong where nothing tells, as the logarithm of their odds.
+const double unknown_odds = std::log(0.03 / 0.97);
+
 /// Which level a chain is likeliest of, beside what the most of its names say.
 struct ChainShift {
   int by = 0;
-  double evidence = -std::numeric_limits<double>::infinity();  ///< the logarithm of its odds; that: nothing is known
-  bool some_say_so = false;                                    ///< by their names and places
+  double evidence = unknown_odds;  ///< the logarithm of its odds
+  bool some_say_so = false;        ///< by their names and places
 };
 
 const double clearly = std::log(4.0);  ///< from here on names are moved: they may be right
 
 ChainShift likeliest_shift(const SetInMap& subject, const FittedSet& fitted, const LevelChain& chain,
                            const std::array<std::optional<double>, 2>& shapes,
-                           const std::optional<std::array<double, 2>>& others) {
+                           const std::array<std::optional<double>, 2>& others) {
   const double one_error = std::log(10.0);
   ChainShift likeliest;
+  likeliest.evidence = -std::numeric_limits<double>::infinity();
+  bool all_known = true;
   for (const std::size_t side : {0U, 1U}) {
     const int by = side == 0 ? -1 : 1;
     const bool some = chain.share(-by) > 0;
-    if (chain.share(0) == 0 || (!some && !shapes[side] && !others)) continue;
-    double evidence = shapes[side].value_or(0) + (others ? (*others)[side] : 0);
+    const bool is_known = chain.share(0) > 0 && (some || shapes[side] || others[side]);
+    all_known = all_known && is_known;
+    if (!is_known) continue;
+    double evidence = shapes[side].value_or(0) + others[side].value_or(0);
     // Of names that agree their places and ends tell nothing.
     if (some)
       evidence += one_error * (chain.errors(0) + errors_at_ends(subject, fitted, chain, 0) - chain.errors(by) -
                                errors_at_ends(subject, fitted, chain, by));
     if (evidence > likeliest.evidence) likeliest = {by, evidence, some};
   }
-  return likeliest;
+  return all_known || likeliest.evidence > unknown_odds ? likeliest : ChainShift();
 }
 
 /// What the one says that is nearest by its name.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/numbers/statistics.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/structures/fitting/structure_confidence.h"
 #include "core/structures/naming/level_names.h"
@@ -107,7 +108,13 @@ std::optional<int> value_of_name(const SetOfTemplates& set, const SetInMap& subj
 std::vector<NameFound> find_names(const SetOfTemplates& set, const SetInMap& subject, const FittedSet& fitted,
                                   const std::vector<StructureSigns>& signs, const Progress* progress) {
   std::vector<NameFound> names(set.templates.size());
-  for (std::size_t k = 0; k < names.size(); ++k) names[k].proposed = set.set.structures[k].name;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    names[k].proposed = set.set.structures[k].name;
+    // The values of a built-in set are nobody else's.
+    constexpr double by_chance = 0.5;
+    if (subject.structures[k].by_value && is_built_in(set.set.structures[k].file.string()))
+      names[k].p_named = by_chance;
+  }
   find_exchanged_sides(set, fitted, names);
   const std::vector<double> sizes = sizes_of(set, fitted);
   find_shifted_levels(set, subject, fitted, signs, sizes, progress, names);

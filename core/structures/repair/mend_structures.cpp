@@ -8,6 +8,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxels/voxelise.h"
 #include "core/structures/fitting/neighbours_say.h"
+#include "core/structures/naming/level_names.h"
 #include "core/structures/repair/mending.h"
 #include "core/structures/repair/second_body.h"
 
@@ -152,10 +153,26 @@ void Mending::find_lost(std::size_t k) {
     fill(k, lack->there, [&](std::size_t v) { return lack->voxels[v] != 0; });
 }
 
+bool Mending::is_segmented(std::size_t k) const {
+  const auto own = level_in_name(name(k));
+  if (!own || own->sacral) return true;
+  const auto is_alike = [&](const std::string& other) {
+    const auto level = level_in_name(other);
+    return level && level->family == own->family;
+  };
+  std::size_t in_set = 0;
+  for (std::size_t other = 0; other < result_.subject.structures.size(); ++other) {
+    if (!is_alike(name(other))) continue;
+    if (result_.subject.structures[other].is_there()) return true;
+    ++in_set;
+  }
+  return in_set == 1 || std::ranges::any_of(map_.segmentation.segments, is_alike, &Segment::name);
+}
+
 void Mending::find_missing(std::size_t k) {
   constexpr double whole = 0.6, much_of_it = 0.25, some_of_it = 0.05, two_bodies = 0.3, much_larger = 0.3,
                    much_beside = 0.15, much_beyond_itself = 0.5, room = 0.4;
-  if (!result_.subject.structures[k].why_left_out.empty() || is_absent(result_.variants, k)) return;
+  if (!result_.subject.structures[k].why_left_out.empty() || is_absent(result_.variants, k) || !is_segmented(k)) return;
   for (std::size_t other = 0; other < result_.structures.size(); ++other) {
     if (result_.signs[other].islands < two_bodies) continue;
     const auto body = second_body(set_, result_.subject, map_, frame_, k, other);

@@ -80,6 +80,8 @@ class Mending {
   /// The shapes that find_lost asks for, all at once: each is a fit that takes seconds.
   void find_shapes();
   void find_missing(std::size_t k);
+  /// Whether the map has structures of its kind at all: where it has no disc, no disc is missing.
+  bool is_segmented(std::size_t k) const;
   /// How a structure should be: its template fitted to what there is of it. Null: nobody knows.
   const Mesh* shape(std::size_t k);
   /// A shape that others expect, drawn to the boundary that the image shows; itself where it shows too little.

@@ -17,6 +17,7 @@
 #include "app/verbs/read_image.h"
 #include "app/verbs/set/set_cases.h"
 #include "app/verbs/study/study_make.h"
+#include "app/verbs/study/study_templates.h"
 #include "app/verbs/verb.h"
 #include "core/adapt/choose_closing.h"
 #include "core/adapt/image/fit_to_image.h"
@@ -249,6 +250,9 @@ Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progr
     options.command = options.command.with(options.to_meshes() ? "--mesh" : "--mask", options.cases());
   auto fits = begin_fits(options);
   if (!fits) return fail(fits.error());
+  const auto suits = check_template_of_study(study_in(options.out), {shared.template_of_file}, options.template_source,
+                                             "give that template, or another folder");
+  if (!suits) return fail(suits.error());
   const auto folder = ResultFolder::make(options.out);
   if (!folder) return fail(folder.error());
   const double first_share = 1 / (1 + static_cast<double>(options.ways_by_others()));

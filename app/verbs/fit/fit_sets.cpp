@@ -8,6 +8,7 @@
 #include "app/verbs/case_of_fit.h"
 #include "app/verbs/set/set_cases.h"
 #include "app/verbs/study/study_make.h"
+#include "app/verbs/study/study_templates.h"
 #include "core/base/files/files.h"
 #include "core/base/numbers/statistics.h"
 #include "core/base/text/listed.h"
@@ -210,11 +211,14 @@ Result<Report> fit_sets(const FitJob& options, Progress& progress) {
   std::vector<fs::path> to_write;
   for (const fs::path& map : maps) to_write.push_back(options.out / (case_name_of(map) + ".seg.nrrd"));
   if (auto safe = check_not_read(to_write, maps); !safe) return fail(safe.error());
+  const fs::path study = study_in(options.out);
+  const auto suits = check_template_of_study(study, set->templates, "the templates of " + options.template_source,
+                                             "give the set that it was made with, or another folder");
+  if (!suits) return fail(suits.error());
   auto report = run_set_cases(
       *set, maps, options.out, "fitted",
       [&](const fs::path& path, Progress& own) { return fit_subject(options, *set, path, made, own); }, progress);
   if (!report) return report;
-  const fs::path study = study_in(options.out);
   const auto record = record_of(options.command, progress);
   if (!record) return fail(record.error());
   const auto written =

@@ -5,6 +5,7 @@
 #include "app/verbs/read_image.h"
 #include "app/verbs/record.h"
 #include "app/verbs/study/study_make.h"
+#include "app/verbs/study/study_templates.h"
 #include "core/adapt/propagate.h"
 #include "core/assist/assist.h"
 #include "core/base/files/files.h"
@@ -40,6 +41,10 @@ std::string frame_name(std::size_t frame) {
 
 fs::path case_path_of(const PropagateVerb& verb) {
   return verb.out / "cine.homolog";
+}
+
+fs::path study_path_of(const PropagateVerb& verb) {
+  return verb.out / "cine.study.json";
 }
 
 /// A case with a mesh in every frame. The frames' points become what the case keeps of them, so that the meshes that
@@ -127,7 +132,7 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
   const double frame_seconds = initial.scan.image->frame_seconds;
   const std::string table = volume_table(propagation, frame_seconds);
   if (auto written = write_whole_file(verb.out / "volumes.csv", table); !written) return written;
-  const fs::path file_of_case = case_path_of(verb), study = verb.out / "cine.study.json";
+  const fs::path file_of_case = case_path_of(verb), study = study_path_of(verb);
   session->set_record(record_of_made(*record, verb.out, file_of_case));
   std::error_code ignored;
   if (fs::exists(file_of_case, ignored) && was_worked_on(file_of_case))
@@ -174,7 +179,7 @@ Report report_of(const PropagateVerb& verb, const Topology& topology, const Prop
                    {"ejection_fraction", propagation.ejection.fraction},
                    {"doubtful", std::move(doubtful)},
                    {"case", case_path_of(verb).string()},
-                   {"study", (verb.out / "cine.study.json").string()}};
+                   {"study", study_path_of(verb).string()}};
   return report;
 }
 
@@ -191,6 +196,9 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   if (!the_template) return fail(the_template.error());
   const auto noted = noted_in(verb.mesh);
   if (!noted) return fail(noted.error());
+  const auto suits = check_template_of_study(study_path_of(verb), {*the_template}, verb.mesh,
+                                             "give a mesh of that template, or another folder");
+  if (!suits) return fail(suits.error());
   auto image = read_image(verb.image, verb.frame, progress);
   if (!image) return fail(image.error());
   if (auto safe = check_written_frames(verb, image->volume.frames); !safe) return fail(safe.error());

@@ -12,15 +12,16 @@
 #include "app/verbs/case_table.h"
 #include "app/verbs/describe.h"
 #include "app/verbs/record.h"
+#include "app/verbs/study/study_templates.h"
 #include "core/base/files/file_stem.h"
 #include "core/base/files/files.h"
 #include "core/base/files/paths.h"
 #include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/construction/mirror.h"
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/shapes/doubtful_shapes.h"
+#include "core/model/shapes/shape_files.h"
 #include "core/session/case_file.h"
 
 // The verb `study make`: a study with scans, label maps, groups and covariates.
@@ -41,6 +42,19 @@ struct MakeJob {
   bool of_table() const { return in.size() == 1 && is_case_table(in.front()); }
   /// Where case files go, as in the window: NAME-cases beside the study.
   fs::path cases() const { return out.parent_path() / (file_stem(out) + "-cases"); }
+};
+
+/// What the rows of a table share.
+struct RowsOfTable {
+  fs::path folder;  ///< of the table
+  std::shared_ptr<const Template> the_template;
+  std::map<std::string, std::string> structures;  ///< of the study that is there: which one it takes of a case, by name
+  ReadTogether together;                          ///< for cases that are read
+
+  std::string structure_of(const std::string& name) const {
+    const auto known = structures.find(name);
+    return known == structures.end() ? std::string() : known->second;
+  }
 };
 
 /// A number as one, all else as text.
@@ -77,19 +91,6 @@ Result<std::string> record_of_row(const MakeJob& job, const std::string& name, P
   return record ? record_of_made(*record, job.out, job.cases() / (name + case_extension)) : record;
 }
 
-/// A shape of the template; true: of its mirror image. Points alone have no faces to tell by. Errors: a shape of
-/// another numbering, on which the template's faces would be nonsense.
-Result<bool> mirrors_template(const MeshFile& mesh, const fs::path& file, const Template& the_template) {
-  const std::string remedy = "; give the template that it was fitted with";
-  if (mesh.points.rows() != the_template.points.rows())
-    return fail(file.string(), "has " + std::to_string(mesh.points.rows()) + " vertices where " + the_template.source +
-                                   " has " + std::to_string(the_template.points.rows()) + remedy);
-  const Triangles& wanted = the_template.topology->triangles();
-  if (mesh.triangles.rows() == 0 || mesh.triangles == wanted) return false;
-  if (turned_faces(mesh.triangles, wanted)) return true;
-  return fail(file.string(), "has other faces than " + the_template.source + remedy);
-}
-
 /// A case for a mesh that was fitted elsewhere, on its scan.
 Result<StudyCase> case_of_mesh(const MakeJob& job, const std::string& name, const RowFiles& files,
                                std::shared_ptr<const Volume> grid, const std::shared_ptr<const Template>& the_template,
@@ -119,17 +120,19 @@ Result<StudyCase> case_of_mesh(const MakeJob& job, const std::string& name, cons
 
 /// A case whose template lies somewhere in its scan; one that is there already stays.
 Result<StudyCase> case_of_scan(const MakeJob& job, const std::string& name, const RowFiles& files,
-                               std::shared_ptr<const Volume> grid, const std::shared_ptr<const Template>& the_template,
-                               Progress& progress) {
+                               std::shared_ptr<const Volume> grid, RowsOfTable& rows, Progress& progress) {
   StudyCase one;
   one.name = name;
   one.file = absolute_path(job.cases() / (name + case_extension));
   one.from_scan = true;
   one.labels = files.labels;
   std::error_code ignored;
-  if (fs::exists(one.file, ignored)) return one;
+  if (fs::exists(one.file, ignored)) {
+    auto same = check_template_of_case(one.file, rows.structure_of(name), *rows.the_template, rows.together);
+    return same ? Result<StudyCase>(std::move(one)) : fail(same.error());
+  }
   const fs::path& image = files.image.empty() ? files.labels : files.image;
-  Document document = new_document(image.string(), std::move(grid), the_template);
+  Document document = new_document(image.string(), std::move(grid), rows.the_template);
   document.hold_landmarks();
   auto record = record_of_row(job, name, progress);
   if (!record) return fail(record.error());
@@ -138,10 +141,27 @@ Result<StudyCase> case_of_scan(const MakeJob& job, const std::string& name, cons
   return one;
 }
 
-Result<StudyCase> case_of_row(const MakeJob& job, const RowOfCase& row, const fs::path& folder,
-                              const std::shared_ptr<const Template>& the_template, const std::string& where,
+/// A case of a row whose shape is there already.
+Result<StudyCase> case_of_shape(const std::string& name, const RowFiles& files, RowsOfTable& rows) {
+  if (is_mesh_name(files.file)) {
+    const auto mesh = read_mesh_file(files.file);
+    if (!mesh) return fail(mesh.error());
+    if (auto ours = mirrors_template(*mesh, files.file, *rows.the_template); !ours) return fail(ours.error());
+  } else if (is_case_file(files.file)) {
+    auto same = check_template_of_case(files.file, rows.structure_of(name), *rows.the_template, rows.together);
+    if (!same) return fail(same.error());
+  }
+  StudyCase one;
+  one.name = name;
+  one.file = files.file;
+  one.labels = files.labels;
+  one.state = CaseState::in_work;
+  return one;
+}
+
+Result<StudyCase> case_of_row(const MakeJob& job, const RowOfCase& row, RowsOfTable& rows, const std::string& where,
                               std::vector<std::string>& warnings, Progress& progress) {
-  const auto files = files_of_row(row, folder, where);
+  const auto files = files_of_row(row, rows.folder, where);
   if (!files) return fail(files.error());
   const fs::path& scan = files->image.empty() ? files->labels : files->image;
   const std::string name = name_of_row(row);
@@ -156,21 +176,12 @@ Result<StudyCase> case_of_row(const MakeJob& job, const RowOfCase& row, const fs
     grid = grid_of(read->volume);
   }
   Result<StudyCase> one = StudyCase{};
-  if (!files->file.empty() && (is_case_file(files->file) || scan.empty())) {
-    if (is_mesh_name(files->file)) {
-      const auto mesh = read_mesh_file(files->file);
-      if (!mesh) return fail(mesh.error());
-      if (auto ours = mirrors_template(*mesh, files->file, *the_template); !ours) return fail(ours.error());
-    }
-    one->name = name;
-    one->file = files->file;
-    one->labels = files->labels;
-    one->state = CaseState::in_work;
-  } else if (!files->file.empty()) {
-    one = case_of_mesh(job, name, *files, std::move(grid), the_template, warnings, progress);
-  } else {
-    one = case_of_scan(job, name, *files, std::move(grid), the_template, progress);
-  }
+  if (!files->file.empty() && (is_case_file(files->file) || scan.empty()))
+    one = case_of_shape(name, *files, rows);
+  else if (!files->file.empty())
+    one = case_of_mesh(job, name, *files, std::move(grid), rows.the_template, warnings, progress);
+  else
+    one = case_of_scan(job, name, *files, std::move(grid), rows, progress);
   if (!one) return one;
   Json covariates = Json::object();
   for (const auto& [column, text] : row) {
@@ -194,6 +205,13 @@ Result<std::vector<StudyCase>> cases_of_table(const MakeJob& job, const std::sha
   if (!rows) return fail(rows.error());
   if (!job.row.empty()) std::erase_if(*rows, [&](const RowOfCase& row) { return name_of_row(row) != job.row; });
   if (rows->empty()) return fail(table.string(), "has no case \"" + job.row + "\"; name one that it has with --case");
+  RowsOfTable shared{absolute_path(table).parent_path(), the_template, {}, {}};
+  std::error_code ignored;
+  if (fs::exists(job.out, ignored)) {
+    const auto known = read_study(job.out);
+    if (!known) return fail(known.error());
+    for (const StudyCase& one : known->study.cases) shared.structures[one.name] = one.structure;
+  }
   std::vector<StudyCase> cases(rows->size());
   std::vector<std::vector<std::string>> warnings(rows->size());
   const auto results = run_cases(
@@ -202,8 +220,7 @@ Result<std::vector<StudyCase>> cases_of_table(const MakeJob& job, const std::sha
         const std::string row = job.row.empty() ? "row " + std::to_string(k + 1) : "the row of " + job.row;
         set_case_in_work(row);
         const std::string where = row + " of " + table.string();
-        auto one =
-            case_of_row(job, (*rows)[k], absolute_path(table).parent_path(), the_template, where, warnings[k], own);
+        auto one = case_of_row(job, (*rows)[k], shared, where, warnings[k], own);
         if (!one) return fail(one.error());
         cases[k] = std::move(*one);
         return Report{};
@@ -257,24 +274,12 @@ Result<std::vector<StudyCase>> cases_of_maps(const MakeJob& job, const std::shar
   return cases;
 }
 
-/// Errors: the study is there with a template of another numbering, which no model could take together.
-Result<void> check_template_of_study(const MakeJob& job, const Template& the_template) {
-  std::error_code ignored;
-  if (!fs::exists(job.out, ignored)) return {};
-  const auto read = read_study(job.out);
-  if (!read) return fail(read.error());
-  const std::string known = read->study.template_file.string();
-  if (read->study.cases.empty() || known.empty()) return {};
-  const auto other = load_template(known);  // one that is gone says nothing
-  if (!other || (*other)->topology->triangles() == the_template.topology->triangles()) return {};
-  return fail(job.out.string(), "is of the template " + known + ", which has other faces than " + the_template.source +
-                                    "; give that template, or another name of the study");
-}
-
 Result<Report> make_study(const MakeJob& job, Progress& progress) {
   auto the_template = load_template(job.template_source);
   if (!the_template) return fail(the_template.error());
-  if (auto same = check_template_of_study(job, **the_template); !same) return fail(same.error());
+  const std::string remedy = "give that template, or another name of the study";
+  if (auto same = check_template_of_study(job.out, {*the_template}, (*the_template)->source, remedy); !same)
+    return fail(same.error());
   const auto folder = ResultFolder::make(job.cases());
   if (!folder) return fail(folder.error());
   const bool is_table = job.of_table();

@@ -40,6 +40,22 @@ TEST_CASE("fit does every case of a folder that can be done and reports the othe
   CHECK(run(folder, "fit ball.ply -o M.ply").status == 2);
 }
 
+TEST_CASE("fit refuses a folder whose study has another template before anything is fitted") {
+  const BallFolder folder;
+  REQUIRE(write_mesh(icosphere(2, 20), folder.path / "coarse.ply"));
+  REQUIRE(run(folder, "fit ball.ply --mask good.nii.gz -o fits").status == 0);
+  const fs::path mesh = folder.path / "fits/good.ply";
+  const std::string before = read_whole_file(mesh).value();
+  const Ran other = run(folder, "fit coarse.ply --mask good.nii.gz -o fits");
+  check_refused(other, "fits/fits.study.json: is of the template ");
+  CHECK(other.errors.find("which has other faces than coarse.ply; give that template, or another folder") !=
+        std::string::npos);
+  CHECK(read_whole_file(mesh).value() == before);
+  CHECK(run(folder, "fit ball.ply --mask good.nii.gz -o fits").status == 0);
+  // A mesh alone comes into no study.
+  CHECK(run(folder, "fit coarse.ply --mask good.nii.gz -o fits/coarse.ply").status == 0);
+}
+
 TEST_CASE("fit refuses landmarks that the template lacks and says how many it used") {
   const NamedBallFolder folder;
   fs::copy(folder.path / "good.nii.gz", folder.path / "plain.nii.gz");
@@ -295,6 +311,10 @@ TEST_CASE("propagate writes a mesh a frame with volumes and a study") {
   REQUIRE(run(folder, "replay out/cine.homolog --frame 2 -o replayed.ply").status == 0);
   CHECK(run(folder, "compare out/frame-02.ply --mesh replayed.ply --json").json()["vertex_distance_mm"]["max"] < 1e-6);
   check_refused(run(folder, "propagate first.ply --image cine.nii.gz --frame 4 -o out"), "cine.nii.gz");
+  REQUIRE(write_mesh(icosphere(2, 20), folder.path / "coarse.ply"));
+  const std::string table = read_whole_file(folder.path / "out" / "volumes.csv").value();
+  check_refused(run(folder, "propagate coarse.ply --image cine.nii.gz --frame 0 -o out"), "out/cine.study.json");
+  CHECK(read_whole_file(folder.path / "out" / "volumes.csv").value() == table);
   const Ran other = run(folder, "propagate out/frame-01.ply --image cine.nii.gz --frame 0 -o other");
   CHECK(other.errors.find("notes that it is of frame 1, and was carried from frame 0") != std::string::npos);
 }

@@ -164,6 +164,58 @@ TEST_CASE("study make refuses shapes and studies of another template and knows t
   CHECK(left == doctest::Approx(run(folder, "info kidney.ply --json").json()["volume_ml"].get<double>()).epsilon(1e-3));
 }
 
+TEST_CASE("study make refuses a case of another template and takes the structure that the study takes") {
+  const TemporaryFolder folder;
+  for (const auto& [source, name] : {std::pair("built-in:kidney", "kidney"), {"built-in:vertebra", "vertebra"}})
+    REQUIRE(run(folder, std::string("convert ") + source + " " + name + ".ply").status == 0);
+  REQUIRE(run(folder, "mirror kidney.ply -o left.ply").status == 0);
+  const auto write = [&](const std::string& name, const std::string& text) {
+    write_bytes(folder.path / name, text + "\n");
+  };
+  for (const std::string name : {"kidney", "vertebra", "left"}) {
+    write(name + ".homolog", R"({"homolog":1,"template":")" + name + R"(.ply"})");
+    write(name + ".csv", "name,file\nA," + name + ".homolog");
+  }
+  write("both.csv", "name,file\nA,kidney.homolog\nB,vertebra.homolog");
+  const std::string of_kidney = " --template kidney.ply -o s.study.json";
+  for (const char* name : {"vertebra.csv", "both.csv"}) {
+    CAPTURE(name);
+    const Ran other = run(folder, std::string("study make ") + name + of_kidney);
+    check_refused(other, "vertebra.homolog: has other faces than kidney.ply");
+    CHECK(!fs::exists(folder.path / "s.study.json"));
+  }
+  CHECK(run(folder, "study make kidney.csv" + of_kidney).status == 0);
+  // A case of the other side is one of the template's mirror image.
+  CHECK(run(folder, "study make left.csv --template kidney.ply -o left.study.json").status == 0);
+  // A case that cannot be read is said by who reads its shapes.
+  write("torn.homolog", R"({"homolog":1,"template":"absent.ply"})");
+  write("torn.csv", "name,file\nA,torn.homolog");
+  CHECK(run(folder, "study make torn.csv --template kidney.ply -o torn.study.json").status == 0);
+
+  // Of two structures it is the first, unless the study says another one.
+  write("two.homolog", R"({"homolog":2,"template":"vertebra.ply"})"
+                       "\n"
+                       R"({"structure":{"id":"s2","name":"kidney","template":"kidney.ply"}})");
+  write("two.csv", "name,file,group\nA,two.homolog,old");
+  check_refused(run(folder, "study make two.csv --template kidney.ply -o first.study.json"), "two.homolog");
+  write("two.study.json",
+        R"({"homolog_study":1,"template":"kidney.ply","cases":[{"name":"A","file":"two.homolog","structure":"s2"}]})");
+  const Ran second = run(folder, "study make two.csv --template kidney.ply -o two.study.json");
+  CHECK_MESSAGE(second.status == 0, second.errors);
+  CHECK(test::must(read_study(folder.path / "two.study.json")).study.cases.at(0).group == "old");
+}
+
+TEST_CASE("study make leaves no case that waits with another template") {
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, "phantom kidney --subject 1 -o p").status == 0);
+  write_bytes(folder.path / "t.csv", "name,labels\nA,p/kidney-1-labels.nii.gz\n");
+  REQUIRE(run(folder, "study make t.csv --template built-in:kidney -o s.study.json").status == 0);
+  fs::remove(folder.path / "s.study.json");  // its cases stay
+  check_refused(run(folder, "study make t.csv --template built-in:vertebra -o s.study.json"),
+                "A.homolog: has other faces than built-in:vertebra");
+  CHECK(run(folder, "study make t.csv --template built-in:kidney -o s.study.json").status == 0);
+}
+
 TEST_CASE("a model names doubtful and mirrored and faulty shapes and leaves them out where asked") {
   const Ellipsoids set(6);
   MeshFile doubtful = Ellipsoids::shape(1);

@@ -443,6 +443,21 @@ TEST_CASE("a fit of a set has the same bytes whatever the threads, and a case th
     CHECK(read_whole_file(folder.path / "many" / name).value() == read_whole_file(folder.path / "one" / name).value());
 }
 
+TEST_CASE("a fit of a set refuses a folder whose study is of another set") {
+  const BodyFolder folder;
+  make_set_of_kidneys(folder);
+  REQUIRE(
+      run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 300 -o other.set.json").status ==
+      0);
+  REQUIRE(run(folder, "fit body.set.json --mask body.seg.nrrd -o fits").status == 0);
+  const Ran other = run(folder, "fit other.set.json --mask body.seg.nrrd -o fits");
+  check_refused(other, "fits/fits.study.json");
+  CHECK(other.errors.find("which has other faces than the templates of other.set.json; give the set that it was made "
+                          "with, or another folder") != std::string::npos);
+  CHECK(read_mesh_file(folder.path / "fits/body/kidney_left.ply").value().points.rows() == 400);
+  CHECK(run(folder, "fit body.set.json --mask body.seg.nrrd -o fits").status == 0);
+}
+
 TEST_CASE("a joint model takes a case that was worked on after the fit in place of its meshes") {
   const BodyFolder folder;
   REQUIRE(run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 300 -o k.set.json").status ==

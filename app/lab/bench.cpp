@@ -16,6 +16,7 @@
 #include "app/lab/editor_frames.h"
 #include "app/lab/experiment.h"
 #include "app/lab/median.h"
+#include "app/verbs/input_folders.h"
 #include "core/base/processes/process.h"
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
@@ -195,6 +196,7 @@ Result<Report> run_bench(const BenchOptions& options, Progress& progress) {
     return report;
   }
   if (!options.opened.empty()) {
+    if (auto there = check_there({options.opened}); !there) return fail(there.error());
     auto figures = figures_of_study(options.opened);
     if (!figures) return fail(figures.error());
     report.values["study"] = std::move(*figures);
@@ -243,7 +245,6 @@ void add_lab_bench(CLI::App& app, CommandLine& asked) {
                     ->excludes(one_mesh)
                     ->excludes(editor);
   verb->add_option("--opened", options->opened, "Instead: the same of a study of your own (.study.json)")
-      ->check(CLI::ExistingFile)
       ->excludes(masks)
       ->excludes(one_mesh)
       ->excludes(editor)

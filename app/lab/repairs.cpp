@@ -297,9 +297,7 @@ Result<Report> repairs(const RepairsJob& job, Progress& progress) {
 void add_lab_repairs(CLI::App& app, CommandLine& asked) {
   auto job = std::make_shared<RepairsJob>();
   CLI::App* verb = add_verb(app, "repairs", "How much of what corrupt planted repair finds and mends");
-  verb->add_option("LIST", job->list, "planted.json, as corrupt writes it beside its maps")
-      ->required()
-      ->check(CLI::ExistingFile);
+  verb->add_option("LIST", job->list, "planted.json, as corrupt writes it beside its maps")->required();
   verb->add_option("--templates", job->set, "The template set, NAME.set.json")->required();
   verb->add_option("-o,--output", job->out, "The folder for structures.csv: a row for each structure")->required();
   verb->callback([job, &asked] { asked.run = [job](Progress& progress) { return repairs(*job, progress); }; });

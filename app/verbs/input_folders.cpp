@@ -32,6 +32,13 @@ std::vector<fs::path> files_in(const fs::path& folder, const Wanted& wanted) {
 
 }  // namespace
 
+Result<void> check_there(const std::vector<fs::path>& named) {
+  std::error_code ignored;
+  for (const fs::path& one : named)
+    if (!one.empty() && !fs::exists(one, ignored)) return fail(one.string(), "does not exist; check the name");
+  return {};
+}
+
 std::vector<fs::path> volumes_in(const fs::path& folder) {
   const auto by_name = files_in(folder, [](const fs::path& file) {
     const std::string name = lower_case(file.filename().string());

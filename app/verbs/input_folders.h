@@ -3,7 +3,13 @@
 #include <filesystem>
 #include <vector>
 
+#include "core/base/result.h"
+
 namespace homolog {
+
+/// For files and folders that are read late or one by one. Errors: one that a command line names is not there. An empty
+/// name is none.
+Result<void> check_there(const std::vector<std::filesystem::path>& named);
 
 /// The volumes in a folder by name, as their endings say, else its DICOM segmentations [segmentations_in]; none where
 /// the folder is one scan of slices.

@@ -163,8 +163,7 @@ void add_tets(CLI::App& app, CommandLine& asked) {
   auto job = std::make_shared<TetsJob>();
   CLI::App* verb = add_verb(app, "tets", "A mesh of tetrahedra of the template, in the shape of each case");
   verb->add_option("TETS", job->tets, "Tetrahedra of the template's inside (.vtu, .msh), as a mesher made them")
-      ->required()
-      ->check(CLI::ExistingFile);
+      ->required();
   verb->add_option("SHAPE", job->shapes, "Meshes in the template's numbering, cases, folders of these, or a study")
       ->required();
   verb->add_option("--template", job->the_template, "The template that the tetrahedra fill")->required();

@@ -111,8 +111,10 @@ void add_evaluate(CLI::App& app, CommandLine& asked) {
                    "Measure this one of the structures, as it lies in the joint shapes")
       ->needs("--structures");
   verb->add_option("--csv", options->csv, "Write the measures as a table too");
-  verb->callback(
-      [options, &asked] { asked.run = [options](Progress& progress) { return evaluate(*options, progress); }; });
+  verb->callback([options, &asked] {
+    check_training_options(options->training);
+    asked.run = [options](Progress& progress) { return evaluate(*options, progress); };
+  });
 }
 
 }  // namespace homolog

@@ -264,6 +264,7 @@ void add_model(CLI::App& app, CommandLine& asked) {
       ->needs(optimise);
   verb->add_flag("--free-landmarks", options->free_landmarks, "Vertices at named landmarks slide too")->needs(optimise);
   verb->callback([options, verb, &asked] {
+    check_training_options(options->training);
     options->command = given_command(*verb);
     asked.run = [options](Progress& progress) { return make_and_write(*options, progress); };
   });

@@ -1,6 +1,7 @@
 #include <optional>
 #include <sstream>
 
+#include "app/verbs/input_folders.h"
 #include "app/verbs/model/score_shapes.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/record.h"
@@ -90,6 +91,7 @@ Result<void> write_score_table(const Json& subjects, const fs::path& path) {
 }
 
 Result<Report> score(const ScoreJob& job, Progress& progress) {
+  if (auto there = check_there({job.shapes.landmarks}); !there) return fail(there.error());
   const NewShapes asked = with_maps_opened(job.shapes);
   const auto model = read_model(asked.model);
   if (!model) return fail(model.error());
@@ -156,17 +158,15 @@ void add_score(CLI::App& app, CommandLine& asked) {
           "Meshes in the model's numbering, cases, studies, label maps to which the model's mean is fitted, or images "
           "with --landmarks; for a joint model folders of cases, cases or studies. What a study flips is flipped")
       ->required();
-  verb->add_option("--model", job->shapes.model, "The model (.h5, .h5.json)")->required()->check(CLI::ExistingFile);
+  verb->add_option("--model", job->shapes.model, "The model (.h5, .h5.json)")->required();
   add_label_option(*verb, job->shapes.label, "Which label of a map");
   add_mask_frame_option(*verb, job->shapes.frame);
   auto* landmarks = verb->add_option("--landmarks", job->shapes.landmarks,
                                      "NEW are images: the landmarks that were placed in one, or a folder with a file "
                                      "of each one's name; the mean starts there and is drawn to the boundary")
-                        ->check(CLI::ExistingPath)
                         ->excludes("--label");
   auto* the_template = verb->add_option("--template", job->shapes.the_template,
                                         "The model's template, which says where the landmarks lie on it")
-                           ->check(CLI::ExistingFile)
                            ->needs(landmarks);
   landmarks->needs(the_template);
   verb->add_flag("--flip-mirrored", job->shapes.flip_mirrored,

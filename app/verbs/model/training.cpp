@@ -32,8 +32,6 @@ Result<void> find_components(ShapeMatrix shapes, const TrainingVerb& options, Tr
 }
 
 Result<Training> of_several(const TrainingVerb& options, Progress& progress, bool keep_unaligned) {
-  if (options.no_align && options.together == "each")
-    return fail("--alignment each", "aligns each structure on its own; leave --no-align out");
   const auto frame = options.world ? ShapeWorksFrame::world : ShapeWorksFrame::local;
   const auto cases = structure_files(options.files, options.structures, frame);
   if (!cases) return fail(cases.error());
@@ -111,6 +109,11 @@ void add_training_options(CLI::App& verb, TrainingVerb& options) {
       ->check(CLI::IsMember({"common", "each"}))
       ->needs(structures);
   verb.add_flag("--world", options.world, "Of ShapeWorks' folder take CASE_A_world.particles")->needs(structures);
+}
+
+void check_training_options(const TrainingVerb& options) {
+  if (options.no_align && options.together == "each")
+    throw CLI::ValidationError("--alignment each", "aligns each structure on its own; leave --no-align out");
 }
 
 void Training::report(Json& values) const {

@@ -32,6 +32,8 @@ struct TrainingVerb {
 void add_set_options(CLI::App& verb, TrainingVerb& options);
 /// Adds the options that `model` and `evaluate` share.
 void add_training_options(CLI::App& verb, TrainingVerb& options);
+/// Refuses those that make no sense together. For the callbacks of these verbs.
+void check_training_options(const TrainingVerb& options);
 
 /// An aligned training set and its components.
 struct Training {

@@ -339,7 +339,7 @@ void add_plates(CLI::App& picture, const std::shared_ptr<PictureVerb>& options, 
   score->add_option("SHAPE", options->in, "The subject: a mesh of the model's numbering, or a case")
       ->required()
       ->expected(1);
-  score->add_option("--model", plate->model, "The model (.h5, .h5.json)")->required()->check(CLI::ExistingFile);
+  score->add_option("--model", plate->model, "The model (.h5, .h5.json)")->required();
   add_range(*score, *plate);
   add_plate_options(*score, *options);
   add_view(*score, *options);

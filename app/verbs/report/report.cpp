@@ -135,6 +135,7 @@ void add_report(CLI::App& app, CommandLine& asked) {
       for (const char* option : {"--keep-scale", "--no-align", "--all-frames", "--flip-mirrored", "--group",
                                  "--without-doubtful", "--structures", "--samples"})
         refuse_without_effect(*verb, option, "shapes");
+    check_training_options(options->training);
     if (options->recipe.empty() && !options->the_template.empty())
       options->recipe = recipe_of_template(options->the_template);
     asked.run = [options, command = given_command(*verb)](Progress& progress) {

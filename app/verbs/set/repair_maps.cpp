@@ -5,6 +5,7 @@
 
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_of_fit.h"
+#include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/record.h"
 #include "app/verbs/set/set_cases.h"
@@ -255,6 +256,7 @@ Result<std::optional<SetModel>> model_of(const MapRepairJob& job, const SetOfTem
 }
 
 Result<Report> repair_maps(const MapRepairJob& job, Progress& progress) {
+  if (auto there = check_there({job.image}); !there) return fail(there.error());
   const auto set = load_set_of_templates(job.set);
   if (!set) return fail(set.error());
   const auto model = model_of(job, *set);
@@ -285,10 +287,8 @@ void add_repair(CLI::App& app, CommandLine& asked) {
   verb->add_option("MAP", job->maps, "Label maps of several structures, or folders of them")->required();
   verb->add_option("--templates", job->set, "The template set, NAME.set.json")->required();
   verb->add_option("--model", job->model,
-                   "A joint model (.h5, .h5.json) of the set's structures: says how what is missing lies and looks")
-      ->check(CLI::ExistingFile);
-  verb->add_option("--image", job->image, "The scan: what is filled in goes to the boundary that it shows")
-      ->check(CLI::ExistingPath);
+                   "A joint model (.h5, .h5.json) of the set's structures: says how what is missing lies and looks");
+  verb->add_option("--image", job->image, "The scan: what is filled in goes to the boundary that it shows");
   verb->add_option("--frame", job->frame, "Which frame of a label map with several")->check(CLI::Range(0, 100000));
   verb->add_option("-o,--output", job->out, "The folder for the mended maps, each under its own name")->required();
   verb->callback([job, verb, &asked] {

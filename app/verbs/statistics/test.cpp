@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "app/verbs/input_folders.h"
 #include "app/verbs/statistics/test_job.h"
 #include "app/verbs/statistics/test_tables.h"
 #include "core/base/text/listed.h"
@@ -172,9 +173,7 @@ Result<void> add_robustness(const TestJob& job, const LinearTest& test, Report& 
 
 Result<Report> run_test(TestOptions options, Progress& progress) {
   if (options.asked.object_symmetry) options.asked.paired = whose_column;
-  auto formula = read_formula(options.formula);
-  if (!formula) return fail(formula.error());
-  options.asked.formula = std::move(*formula);
+  if (auto there = check_there(options.asked.direction); !there) return fail(there.error());
   options.asked.shapes.reading.vertex_doubts = true;
   progress.part(0, 0.2);
   auto prepared = test_job(options, progress);
@@ -236,8 +235,7 @@ void add_test(CLI::App& app, CommandLine& asked) {
   verb->add_option("--without-direction", options->asked.direction,
                    "Two shapes, as a jaw closed and open: what the cases differ along the way from one to the other "
                    "is taken out first")
-      ->expected(2)
-      ->check(CLI::ExistingFile);
+      ->expected(2);
   verb->add_option("--structures", options->asked.shapes.structures,
                    "A structure of several, or A,B together: SHAPE is then a folder with CASE/A.ply, as fit SET writes "
                    "it")
@@ -265,6 +263,9 @@ void add_test(CLI::App& app, CommandLine& asked) {
     if (options->formula.empty() && options->asked.object_symmetry)
       options->formula = std::string("shape ~ ") + mirrored_column;
     if (options->formula.empty()) throw CLI::RequiredError("--formula");
+    auto formula = read_formula(options->formula);
+    if (!formula) throw CLI::ValidationError("--formula", formula.error().what);
+    options->asked.formula = std::move(*formula);
     asked.run = [options](Progress& progress) { return run_test(*options, progress); };
   });
 }

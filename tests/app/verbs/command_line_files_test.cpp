@@ -412,6 +412,43 @@ TEST_CASE("what is no number is no number for every verb") {
   }
 }
 
+TEST_CASE("a file that is not there has the status of data whichever option names it") {
+  const TemporaryFolder folder;
+  put_inputs(folder.path);
+  const std::string of_spine = " --templates built-in:spine -o out";
+  for (const auto& [arguments, absent] : std::vector<std::pair<std::string, std::string>>{
+           {"score ball-1.ply --model absent.h5", "absent.h5"},
+           {"score noise.nii --model absent.h5 --landmarks absent.json --template ball-1.ply", "absent.json"},
+           {"picture score ball-1.ply --model absent.h5 -o p.svg", "absent.h5"},
+           {"tets absent.vtu ball-1.ply --template ball-1.ply -o out", "absent.vtu"},
+           {"test ball-1.ply --formula 'shape ~ size' --without-direction ball-1.ply absent.ply", "absent.ply"},
+           {"repair noise.nii --image absent.nii" + of_spine, "absent.nii"},
+           {"repair noise.nii --model absent.h5" + of_spine, "absent.h5"}}) {
+    CAPTURE(arguments);
+    check_refused(run(folder, arguments), absent + ": does not exist");
+    CHECK_FALSE(fs::exists(folder.path / "out"));
+  }
+}
+
+TEST_CASE("what makes no sense on any data has the status of a wrong command line") {
+  const TemporaryFolder folder;
+  put_inputs(folder.path);
+  const std::string each = " ball-1.ply --structures a,b --alignment each --no-align";
+  for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
+           {"test ball-1.ply --formula 'shape ~'", "--formula: lacks a name at its end"},
+           {"test ball-1.ply --formula 'size ~ size'", "--formula: has size on both sides of the ~"},
+           {"model" + each + " -o m.h5", "--alignment each: aligns each structure on its own"},
+           {"evaluate" + each, "--alignment each"},
+           {"report" + each + " -o p.html", "--alignment each"}}) {
+    CAPTURE(arguments);
+    const Ran ran = run(folder, arguments);
+    INFO(ran.errors);
+    CHECK(ran.status == 2);
+    CHECK(lines(ran.errors) == 1);
+    CHECK(ran.errors.find(says) != std::string::npos);
+  }
+}
+
 TEST_CASE("the picture module is loaded from the folder of the program alone") {
   const TemporaryFolder folder;
   const fs::path built = fs::path(HOMOLOG_PROGRAM).parent_path(), bin = folder.path / "bin";

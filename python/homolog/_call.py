@@ -12,6 +12,7 @@ import numpy
 
 from . import _core, _images
 from ._results import Fit, Study
+from ._words import in_python
 
 Progress = Optional[Callable[[float, str], Any]]
 PathOrText = Union[str, "os.PathLike[str]"]
@@ -21,6 +22,7 @@ class Call:
     """One call of a verb: its command line, what is lent, and the folder for what is needed for a while."""
 
     def __init__(self, *verb: str):
+        self.verb = verb  # none: whoever calls writes the words of the command line
         self.arguments: List[str] = list(verb)
         self.lent: List[Any] = []
         self._folder: Optional[tempfile.TemporaryDirectory] = None
@@ -211,7 +213,12 @@ class Call:
         return self.option(name, file)
 
     def run(self, progress: Progress = None, jobs: Optional[int] = None) -> Dict[str, Any]:
-        return _core.run(self.arguments, self.lent, progress, jobs)
+        try:
+            return _core.run(self.arguments, self.lent, progress, jobs)
+        except _core.Error as error:
+            if self.verb:
+                error.args = (in_python(str(error), self.verb),)
+            raise
 
 
 def _rows_of(name: str, table: Any) -> List[Dict[str, Any]]:

@@ -167,6 +167,41 @@ def test_an_error_and_a_model_without_a_report_have_an_empty_one(folder):
     assert homolog.read_model(folder / "reported.h5").report == {}
 
 
+@pytest.mark.parametrize("sentence, verb, said", [
+    ("a.nii.gz: holds several labels (1, 2); name one of them by --label", ("fit",),
+     "a.nii.gz: holds several labels (1, 2); name one of them by label"),
+    ("--label requires --mask; see homolog compare --help", ("compare",), "label requires labels"),
+    ("exactly one of --mask and --mesh is required", ("compare",), "exactly one of labels and other is required"),
+    ("3 of 4 are in doubt; repair some, or leave --without-doubtful out", ("model",),
+     "3 of 4 are in doubt; repair some, or leave without_doubtful=True out"),
+    ("spine: stays as it is; give the changed set a name with -o", ("set", "make"),
+     "spine: stays as it is; give the changed set a name with output"),
+    ("-o, --output is required; see homolog set make --help", ("set", "make"), "output is required"),
+    ("is far larger; turn it by convert --from-ras", ("model",), "is far larger; turn it by convert --from-ras"),
+    ("a--label.ply and x/--label: do not exist", ("fit",), "a--label.ply and x/--label: do not exist"),
+])
+def test_a_sentence_has_the_keywords_of_python(sentence, verb, said):
+    from homolog._words import in_python
+
+    assert in_python(sentence, verb) == said
+
+
+def test_errors_name_keywords_and_run_names_options(kidney, tmp_path):
+    two = homolog.LabelMap(numpy.kron(numpy.array([[[1, 2]]], numpy.uint8), numpy.ones((6, 6, 6), numpy.uint8)),
+                           affine=numpy.eye(4))
+    with pytest.raises(homolog.Error, match="name one of them by label$"):
+        homolog.fit("built-in:kidney", two)
+    with pytest.raises(homolog.Error, match="name one of them by label$"):
+        homolog.Case.create("built-in:kidney").fit(two)
+    with pytest.raises(homolog.Error, match="so all_frames=True has no effect"):
+        homolog.model([kidney["truth"][0]] * 2, all_frames=True)
+    with pytest.raises(homolog.UsageError, match="^keep_scale=True excludes no_align=True$|^no_align=True excludes"):
+        homolog.model([kidney["truth"][0]] * 2, no_align=True, keep_scale=True)
+    kidney["truth"][0].write(tmp_path / "truth.ply")
+    with pytest.raises(homolog.Error, match="so --all-frames has no effect"):
+        homolog.run("model", tmp_path / "truth.ply", "--all-frames", "-o", tmp_path / "m.h5")
+
+
 @pytest.mark.parametrize("call, words", [
     (lambda h: h.score("new.nii.gz", "m.h5", landmarks="l.mrk.json", template="t.ply", flip_mirrored=True),
      ["--landmarks", "l.mrk.json", "--template", "t.ply", "--flip-mirrored"]),

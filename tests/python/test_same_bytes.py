@@ -105,7 +105,7 @@ def test_a_fit_to_contours_gives_the_same_bytes(folder, kidney, tmp_path):
     assert (tmp_path / "ours.ply").read_bytes() == (tmp_path / "theirs.ply").read_bytes()
     assert fit.report["contours_mm"] == theirs["contours_mm"]
     assert homolog.compare(fit.mesh, other=truth)["assd_mm"] < 1
-    with pytest.raises(homolog.UsageError, match="--outside"):
+    with pytest.raises(homolog.UsageError, match="^outside=True requires contours$"):
         homolog.fit("built-in:kidney", kidney["labels"], outside=True)
 
 

@@ -152,6 +152,33 @@ TEST_CASE("a case is opened alone or with its image") {
   CHECK(sort_files({"ct.nii.gz", "kidney.ply"})->template_source == fs::absolute("kidney.ply"));
 }
 
+TEST_CASE("whether a VTP file holds curves or a surface is told by its beginning") {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "drawn.vtp";
+  // The rest of the file is not there: what decides stands before it.
+  const auto sorted = [&](const std::string& cells) {
+    std::ofstream(file) << R"(<?xml version="1.0"?><VTKFile type="PolyData" version="1.0"><PolyData>)"
+                        << "<Piece NumberOfPoints=\"400000\" " << cells << "><Points>";
+    return sort_files({file}).value();
+  };
+  for (const char* cells : {R"(NumberOfVerts="0" NumberOfLines="12" NumberOfStrips="0" NumberOfPolys="0")",
+                            R"(NumberOfLines = '1')", R"(NumberOfPolys="0" NumberOfLines="7")"}) {
+    CAPTURE(cells);
+    const OpenRequest request = sorted(cells);
+    CHECK(request.contours == std::vector<fs::path>{file});
+    CHECK(request.template_source.empty());
+  }
+  for (const char* cells :
+       {R"(NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="9")",
+        R"(NumberOfLines="3" NumberOfPolys="9")", R"(NumberOfLines="3" NumberOfStrips="1" NumberOfPolys="0")",
+        R"(NumberOfVerts="5" NumberOfLines="" NumberOfPolys="0")", "", R"(NumberOfLines="0"></Piece>)"}) {
+    CAPTURE(cells);
+    const OpenRequest request = sorted(cells);
+    CHECK(request.contours.empty());
+    CHECK(request.template_source == file);
+  }
+}
+
 TEST_CASE("landmarks of a file are taken by the template's names") {
   const std::string name = demo().structure()->the_template->landmarks.front().name;
   const auto known =

@@ -14,10 +14,9 @@
 #include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/experiment/demo_case.h"
-#include "core/mesh/files/curve_io.h"
 #include "core/mesh/files/slicer_curves.h"
-#include "core/mesh/mesh_io.h"
 #include "core/template_making/label_body.h"
+#include "core/volume/contours.h"
 #include "core/volume/dicom/dicom_series.h"
 #include "core/volume/labels/label_likeness.h"
 #include "core/volume/labels/read_labels.h"
@@ -360,15 +359,23 @@ std::string whole_path(const fs::path& path) {
   return path.is_absolute() || !names_file(path.string()) ? path.string() : absolute_path(path).string();
 }
 
-/// Whether the first piece of a VTP file says that it has faces; only its beginning is read.
-bool says_faces(const fs::path& path) {
+/// Whether the beginning of a VTP file says of a piece that it has such cells ("NumberOfLines").
+bool announces(std::string_view start, std::string_view cells) {
+  for (std::size_t at = start.find(cells); at != std::string_view::npos; at = start.find(cells, at)) {
+    at += cells.size();
+    const std::size_t digit = start.find_first_not_of(" \t\r\n=\"'", at);
+    if (digit != std::string_view::npos && start[digit] >= '1' && start[digit] <= '9') return true;
+  }
+  return false;
+}
+
+/// Whether a VTP file says that it has lines and no faces. Only its beginning is read, since the window waits.
+bool says_lines_alone(const fs::path& path) {
   std::string start(std::size_t{1} << 16, '\0');
   std::ifstream in(path, std::ios::binary);
   in.read(start.data(), static_cast<std::streamsize>(start.size()));
   start.resize(static_cast<std::size_t>(in.gcount()));
-  constexpr std::string_view polygons = "NumberOfPolys=\"";
-  const std::size_t at = start.find(polygons);
-  return at != std::string::npos && at + polygons.size() < start.size() && start[at + polygons.size()] != '0';
+  return announces(start, "NumberOfLines") && !announces(start, "NumberOfPolys") && !announces(start, "NumberOfStrips");
 }
 
 /// Whether a file holds drawn curves and no surface.
@@ -377,7 +384,7 @@ bool is_contour_file(const fs::path& path) {
   if (!fs::is_regular_file(path, ignored)) return false;
   const std::string name = lower_case(path.filename().string());
   if (name.ends_with(".mrk.json")) return read_slicer_curves(path).has_value();
-  if (name.ends_with(".vtp")) return !says_faces(path) && !read_mesh_file(path) && read_curves(path);
+  if (name.ends_with(".vtp")) return says_lines_alone(path);
   return holds_contours(path);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/volume/dicom/dicom_series.h"
 #include "core/volume/labels/map_on_grid.h"
 #include "core/volume/labels/read_labels.h"
 #include "core/volume/volume_io.h"
@@ -230,6 +231,30 @@ TEST_CASE("a folder of images with a segmentation in it is the images and alone 
   const auto several = read_volume(alone.path);
   REQUIRE_FALSE(several);
   CHECK(several.error().what.find("name one of the files: other.bin, seg.bin") != std::string::npos);
+}
+
+TEST_CASE("a folder of several segmentations and no images gives each of them by name") {
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  CHECK(segmentations_in(folder.path / "absent").empty());
+  CHECK(segmentations_in(folder.path).empty());
+  write_bytes(folder.path / "liver", SegFile{}.bytes());
+  CHECK(segmentations_in(folder.path).empty());  // one alone is read as the folder
+  write_bytes(folder.path / "heart.dcm", SegFile{}.bytes());
+  write_bytes(folder.path / "notes.txt", "no DICOM");
+  write_bytes(folder.path / "cut.dcm", SegFile{}.bytes().substr(0, 60));
+  fs::create_directory(folder.path / "more");
+  write_bytes(folder.path / "more" / "deeper.dcm", SegFile{}.bytes());
+  const auto found = segmentations_in(folder.path);
+  CHECK(found == std::vector<fs::path>{folder.path / "heart.dcm", folder.path / "liver"});
+  for (const fs::path& file : found) {
+    const auto read = read_volume(file);
+    if (!read) FAIL(read.error().sentence());
+    CHECK(read->segmentation.segments.size() == 2);
+  }
+  // Beside images they are what was segmented of these.
+  save_series(folder.path, {0, 2.5});
+  CHECK(segmentations_in(folder.path).empty());
 }
 
 TEST_CASE("a DICOM file whose line ends were converted is told so") {

@@ -25,38 +25,6 @@ using Json = nlohmann::ordered_json;
 constexpr int version = 1;
 constexpr std::array side_names{"", "left", "right"};
 
-/// A word of a name, and where it stands.
-struct Word {
-  std::string text;  ///< in small letters
-  std::size_t at = 0;
-};
-
-std::vector<Word> words_of(const std::string& name) {
-  std::vector<Word> words;
-  for (std::size_t k = 0; k < name.size(); ++k) {
-    if (std::string_view(" _-.,()/").find(name[k]) != std::string_view::npos) continue;
-    if (words.empty() || words.back().at + words.back().text.size() != k) words.push_back({{}, k});
-    words.back().text += lower_case(name.substr(k, 1));
-  }
-  return words;
-}
-
-Side side_of_word(const std::string& word) {
-  if (word == "left" || word == "l") return Side::left;
-  return word == "right" || word == "r" ? Side::right : Side::none;
-}
-
-/// `text` with the capitals that `like` has.
-std::string in_case_of(const std::string& text, const std::string& like) {
-  std::string cased = text;
-  const auto upper = [](char c) { return c >= 'A' && c <= 'Z'; };
-  const auto to_upper = [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; };
-  if (!upper(like.front())) return cased;
-  cased.front() = to_upper(cased.front());
-  if (upper(like.back())) std::ranges::transform(cased, cased.begin(), to_upper);
-  return cased;
-}
-
 std::optional<Vec3> three_numbers(const Json& json, const char* key) {
   const auto found = json.find(key);
   if (found == json.end() || !found->is_array() || found->size() != 3) return std::nullopt;
@@ -286,24 +254,6 @@ Result<void> write_template_set(const TemplateSet& set, const fs::path& path, co
     json["shared"].push_back({{"structures", {one.a, one.b}}, {"vertices", text_of_pairs(one.vertices)}});
   const auto text = with_record(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n', record);
   return text ? write_whole_file(path, *text) : fail(text.error());
-}
-
-Side side_in(const std::string& name) {
-  for (const Word& word : words_of(name))
-    if (const Side side = side_of_word(word.text); side != Side::none) return side;
-  return Side::none;
-}
-
-std::string name_of_other_side(const std::string& name) {
-  for (const Word& word : words_of(name)) {
-    const Side side = side_of_word(word.text);
-    if (side == Side::none) continue;
-    const bool is_letter = word.text.size() == 1;
-    const std::string other = side == Side::left ? (is_letter ? "r" : "right") : (is_letter ? "l" : "left");
-    const std::string written = name.substr(word.at, word.text.size());
-    return name.substr(0, word.at) + in_case_of(other, written) + name.substr(word.at + written.size());
-  }
-  return {};
 }
 
 void find_partners(TemplateSet& set) {

@@ -9,13 +9,11 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/base/text/side_of_name.h"
 #include "core/mesh/topology.h"
 #include "core/placement/relative_pose.h"
 
 namespace homolog {
-
-/// Which side of the body a structure is of.
-enum class Side { none, left, right };
 
 /// One structure of a template set.
 struct TemplateOfSet {
@@ -67,10 +65,6 @@ Result<TemplateSet> read_template_set(const std::filesystem::path& path);
 Result<void> write_template_set(const TemplateSet& set, const std::filesystem::path& path,
                                 const std::string& record = {});
 
-/// The side that a name says: "kidney_left", "Left kidney", "L_hip", "hip.r".
-Side side_in(const std::string& name);
-/// The name that its partner has: left and right exchanged. Empty where it names no side.
-std::string name_of_other_side(const std::string& name);
 /// Fills in sides and partners from the names, where they are not known.
 void find_partners(TemplateSet& set);
 /// Gives a structure another name, by which its neighbours and its partner know it too. A name that says a side gives

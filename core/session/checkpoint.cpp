@@ -14,9 +14,9 @@
 #include "core/case/packed.h"
 #include "core/deform/deformer.h"
 #include "core/mesh/construction/icosphere.h"
-#include "core/mesh/construction/mirror.h"
 #include "core/session/case_lines.h"
 #include "core/session/sound_document.h"
+#include "core/template/other_side.h"
 #include "core/template/template_mark.h"
 
 namespace homolog {
@@ -61,7 +61,7 @@ Json template_changes(const Template& start, const Template& now) {
 std::shared_ptr<const Template> changed_template(std::shared_ptr<const Template> start, const Json& changes) {
   auto now = std::move(start);
   if (changes.at("mirrored").get<bool>()) {
-    auto other_side = make_template(mirrored(to_mesh_file(*now)), now->source);
+    auto other_side = make_template(mirrored_with_names(to_mesh_file(*now)), now->source);
     if (!other_side) throw Unusable{};
     now = *other_side;
   }

@@ -12,13 +12,6 @@ constexpr std::string_view missing_share_key = "homolog.missing_share ";
 
 constexpr std::string_view faces_key = "homolog.faces ", ends_at_key = "homolog.ends_at ";
 
-std::optional<FacedNames> faced_in(const std::vector<std::string>& comments) {
-  for (const std::string& comment : comments)
-    for (const auto& [key, kept] : {std::pair{faces_key, true}, std::pair{ends_at_key, false}})
-      if (comment.starts_with(key)) return FacedNames{comment.substr(key.size()), kept};
-  return std::nullopt;
-}
-
 /// 0 where no comment says it.
 double missing_share_in(const std::vector<std::string>& comments) {
   for (const std::string& comment : comments) {
@@ -39,6 +32,13 @@ std::string missing_share_comment(double share) {
 
 std::string faced_comment(const FacedNames& faced) {
   return std::string(faced.kept ? faces_key : ends_at_key) + faced.labels;
+}
+
+std::optional<FacedNames> faced_in(const std::vector<std::string>& comments) {
+  for (const std::string& comment : comments)
+    for (const auto& [key, kept] : {std::pair{faces_key, true}, std::pair{ends_at_key, false}})
+      if (comment.starts_with(key)) return FacedNames{comment.substr(key.size()), kept};
+  return std::nullopt;
 }
 
 Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source) {

@@ -38,8 +38,9 @@ struct Template {
 
 /// The comment by which a template's file says that it lacks a share of the label that it was made of.
 std::string missing_share_comment(double share);
-/// The comment by which it says of which part of a label's surface it is.
+/// The comment by which it says of which part of a label's surface it is, and what a file's comments say of that.
 std::string faced_comment(const FacedNames& faced);
+std::optional<FacedNames> faced_in(const std::vector<std::string>& comments);
 
 /// A template from what a file holds; factors default to 1. Errors: Topology::make's.
 Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source);

@@ -10,13 +10,13 @@
 #include "core/base/text/listed.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
-#include "core/mesh/construction/mirror.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/voxels/label_map.h"
 #include "core/model/files/statismo.h"
 #include "core/session/case_file.h"
 #include "core/structures/maps/case_segments.h"
+#include "core/template/other_side.h"
 #include "core/volume/contour_labels.h"
 #include "core/volume/dicom/write_dicom_segmentation.h"
 #include "core/volume/labels/label_likeness.h"
@@ -277,7 +277,7 @@ void add_mirror(CLI::App& app, CommandLine& asked) {
                                   : options->plane == "coronal" ? AnatomicalPlane::coronal
                                                                 : AnatomicalPlane::axial;
     return describe_and_write(options->in, options->out, *record,
-                              [plane](const MeshFile& mesh) { return mirrored(mesh, plane); });
+                              [plane](const MeshFile& mesh) { return mirrored_with_names(mesh, plane); });
   };
   verb->callback([options, verb, mirror, &asked] {
     options->command = given_command(*verb);

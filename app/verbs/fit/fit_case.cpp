@@ -28,7 +28,6 @@
 #include "core/catalogue/catalogue.h"
 #include "core/groupwise/cohort_doubt.h"
 #include "core/groupwise/same_place.h"
-#include "core/mesh/construction/mirror.h"
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/parts/rims.h"
 #include "core/model/files/statismo.h"
@@ -37,6 +36,7 @@
 #include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
 #include "core/session/case_file.h"
+#include "core/template/other_side.h"
 #include "core/template/template_warnings.h"
 
 namespace homolog {
@@ -48,7 +48,7 @@ namespace {
 Result<std::shared_ptr<const Template>> template_of_fits(const FitJob& options,
                                                          const std::shared_ptr<const Template>& of_file) {
   if (!options.mirror) return of_file;
-  return make_template(mirrored(to_mesh_file(*of_file)), options.template_source);
+  return make_template(mirrored_with_names(to_mesh_file(*of_file)), options.template_source);
 }
 
 Result<Similarity> read_placement(const fs::path& path) {

@@ -2,7 +2,7 @@
 
 #include "core/case/actions/fields.h"
 #include "core/case/placing.h"
-#include "core/mesh/construction/mirror.h"
+#include "core/template/other_side.h"
 
 namespace homolog {
 
@@ -35,7 +35,7 @@ void spell_mirror(Fields& line, MirrorTemplate& mirror) {
 
 Result<EditReport> apply_mirror(const MirrorTemplate& mirror, StructureEdit& edit) {
   const Structure& before = edit.before;
-  auto made = make_template(mirrored(to_mesh_file(*before.the_template)), before.the_template->source);
+  auto made = make_template(mirrored_with_names(to_mesh_file(*before.the_template)), before.the_template->source);
   if (!made) return fail(made.error());
   edit.after.the_template = *made;
   for (const auto& [frame, shown] : before.shapes) {

@@ -7,10 +7,10 @@
 #include "core/base/files/files.h"
 #include "core/base/processes/parallel.h"
 #include "core/base/text/text.h"
-#include "core/mesh/construction/mirror.h"
 #include "core/model/shapes/doubtful_shapes.h"
 #include "core/model/shapes/shape_folder.h"
 #include "core/model/shapes/study.h"
+#include "core/template/other_side.h"
 
 namespace homolog {
 
@@ -50,8 +50,8 @@ void add_others(ReadShape& shape, const ShapesOfFile& shapes, const WhichShape& 
   for (const ShapesOfStructure& one : shapes.structures) {
     const auto found = one.frames.find(which.frame.value_or(shapes.shown));
     if (&one == own || found == one.frames.end()) continue;
-    shape.others.emplace_back(name_of(one),
-                              flipped ? std::make_shared<const MeshFile>(mirrored(*found->second)) : found->second);
+    shape.others.emplace_back(
+        name_of(one), flipped ? std::make_shared<const MeshFile>(mirrored_with_names(*found->second)) : found->second);
   }
 }
 
@@ -72,7 +72,7 @@ FileRead read_file(const OneFile& file, const ShapeReading& reading, ReadTogethe
         continue;
       }
       ReadShape shape{source->name(frame), source, std::move(*mesh), reading.doubts ? source->doubt : std::string()};
-      if (source->flipped) shape.mesh = std::make_shared<const MeshFile>(mirrored(*shape.mesh));
+      if (source->flipped) shape.mesh = std::make_shared<const MeshFile>(mirrored_with_names(*shape.mesh));
       add_others(shape, *shapes, {source->structure, frame}, source->flipped);
       if (reading.doubts && !source->done && source->doubt.empty()) shape.doubt = doubt_of_shape(*shape.mesh);
       read.shapes.emplace_back(std::move(shape));
@@ -182,7 +182,7 @@ Result<std::shared_ptr<const MeshFile>> read_shape(const ShapeSource& source) {
   const auto shapes = read_shapes_of(source.file);
   if (!shapes) return fail(shapes.error());
   auto mesh = shapes->shape({source.structure, source.frame}, source.file.string());
-  return mesh && source.flipped ? std::make_shared<const MeshFile>(mirrored(**mesh)) : mesh;
+  return mesh && source.flipped ? std::make_shared<const MeshFile>(mirrored_with_names(**mesh)) : mesh;
 }
 
 Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& files, const std::string& group) {

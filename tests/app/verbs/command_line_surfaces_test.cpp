@@ -6,6 +6,7 @@
 
 #include "core/mesh/construction/clip.h"
 #include "core/mesh/repair/mesh_repair.h"
+#include "core/template/template.h"
 #include "tests/ball_folder.h"
 #include "tests/tetrahedra.h"
 
@@ -390,6 +391,29 @@ TEST_CASE("a template that ends at its neighbours in a label map is fitted to ma
   CHECK(run(folder, "template --consensus a.nii.gz b.nii.gz --label 4 --open-at 2 -o U.ply").status == 2);
   check_refused(run(folder, "template a.nii.gz --label 4 --open-at ,2 -o U.ply"), "cannot be asked for \",2\"");
   check_refused(run(folder, "template M.ply --open-at 2 -o U.ply"), "--facing and --open-at have no effect");
+}
+
+TEST_CASE("a mirrored template ends at the neighbours of the other side") {
+  const TemporaryFolder folder;
+  for (const std::string side : {"left", "right"}) {
+    write_heart(folder.path / (side + ".nii.gz"), {20, 18, 28}, 12, false);
+    REQUIRE(write_whole_file(folder.path / (side + ".json"), R"({"ventricle":4,"wall":9,"atrium_)" + side + R"(":2})"));
+  }
+  REQUIRE(run(folder, "template left.nii.gz --label ventricle --open-at atrium_left --vertices 600 -o T.ply").status ==
+          0);
+  REQUIRE(run(folder, "mirror T.ply -o U.ply").status == 0);
+  CHECK(faced_in(read_mesh_file(folder.path / "U.ply").value().comments) == FacedNames{"atrium_right", false});
+  for (const char* fit : {"fit U.ply", "fit T.ply --mirror"}) {
+    CAPTURE(fit);
+    const Ran fitted = run(folder, std::string(fit) + " --mask right.nii.gz --label ventricle -o M.ply --json");
+    REQUIRE_MESSAGE(fitted.status == 0, fitted.errors);
+    CHECK(fitted.errors.find("ends at its neighbours") == std::string::npos);
+    CHECK(fitted.json()["rim_mm"]["mean"] < 0.5);
+    CHECK(faced_in(read_mesh_file(folder.path / "M.ply").value().comments) == FacedNames{"atrium_right", false});
+  }
+  const Ran own = run(folder, "fit T.ply --mask right.nii.gz --label ventricle -o M.ply --json");
+  CHECK(own.errors.find("the template ends at its neighbours, and the map has no label named \"atrium_left\"") !=
+        std::string::npos);
 }
 
 }  // namespace homolog

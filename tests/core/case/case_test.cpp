@@ -336,9 +336,11 @@ TEST_CASE("a mirrored template lies where the mesh lay as its mirror image and o
   for (auto p : far.points.rowwise())
     p = p.cwiseProduct(Eigen::RowVector3d(1, 0.6, 0.8)) + Eigen::RowVector3d(-180, 90, 700);
   far.landmarks.clear();
+  far.comments.push_back(faced_comment({"left lung", false}));
   REQUIRE(write_mesh_file(far, folder.template_path));
   EditSession session = folder.create();
   const auto shape = [&]() -> const Shape& { return session.document().view()->shape; };
+  const auto faced = [](const Document& document) { return document.view()->the_template().faced; };
   Similarity placement;
   placement.rotation = Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized());
   placement.scale = 1.1;
@@ -353,9 +355,14 @@ TEST_CASE("a mirrored template lies where the mesh lay as its mirror image and o
   CHECK((shape().points->rowwise() - centre - image).cwiseAbs().maxCoeff() < 1e-9);
   CHECK(*shape().points == *shape().placed);
   CHECK(shape().before_landmarks == shape().placement);
+  CHECK(faced(session.document()) == FacedNames{"right lung", false});
   const Points mirrored = *shape().points;
-  CHECK(*read_case(folder.case_path)->session.document().view()->shape.points == mirrored);
+  const auto again = read_case(folder.case_path);
+  REQUIRE(again);
+  CHECK(*again->session.document().view()->shape.points == mirrored);
+  CHECK(faced(again->session.document()) == FacedNames{"right lung", false});
   REQUIRE(session.apply(MirrorTemplate{}));  // there and back
+  CHECK(faced(session.document()) == FacedNames{"left lung", false});
   CHECK((*shape().points - *fitted).cwiseAbs().maxCoeff() < 1e-9);
 
   REQUIRE(session.apply(parse_action(R"({"mirror":"sagittal"})").value().action));

@@ -82,6 +82,9 @@ TEST_CASE("a case of an older version opens to the same points") {
 
 TEST_CASE("a case goes on from its last checkpoint as if every line were played") {
   const CaseFolder folder;
+  MeshFile of_part = read_mesh_file(folder.template_path).value();
+  of_part.comments.push_back(faced_comment({"left lung"}));
+  REQUIRE(write_mesh_file(of_part, folder.template_path));
   {
     auto session = create_case(folder.document(), folder.case_path, often).value();
     std::mt19937 random(5);
@@ -105,6 +108,7 @@ TEST_CASE("a case goes on from its last checkpoint as if every line were played"
   CHECK(opened->session.solves() < played->session.solves() / 3);
   CHECK(opened->session.strokes() == played->session.strokes());
   CHECK(same_document(opened->session.document(), played->session.document()));
+  CHECK(opened->session.document().view()->the_template().faced == FacedNames{"right lung"});
   CHECK(opened->session.undo_name() == played->session.undo_name());
   CHECK(opened->session.redo_name() == played->session.redo_name());
   CHECK(same_states(all_states(opened->session), all_states(played->session)));

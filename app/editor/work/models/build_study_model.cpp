@@ -8,9 +8,9 @@
 
 #include "core/base/processes/parallel.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/shapes/doubtful_shapes.h"
+#include "core/template/other_side.h"
 
 namespace homolog {
 
@@ -75,7 +75,7 @@ std::map<fs::path, Result<ReadFile>> read_files(const StudyModelRequest& request
 Result<std::shared_ptr<const MeshFile>> shape_of(const StudyCase& one, const ReadFile& file) {
   auto mesh = file.shapes.shape({one.structure, one.frame}, one.name);
   if (!mesh || !one.flipped) return mesh;
-  return std::make_shared<const MeshFile>(mirrored(**mesh));
+  return std::make_shared<const MeshFile>(mirrored_with_names(**mesh));
 }
 
 Gathered gather(const StudyModelRequest& request, StudyModelBuilt& built, Progress& progress) {

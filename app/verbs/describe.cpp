@@ -62,6 +62,7 @@ Result<Report> describe_model(const std::filesystem::path& path) {
                  {"bounds_mm", Json::array({json_of(box.min()), json_of(box.max())})},
                  {"shapes", std::move(names)}},
                 {}};
+  if (model->faced) report.values[model->faced->kept ? "facing" : "open_at"] = model->faced->labels;
   if (!model->poses) return report;
   report.values["alignment"] = model->poses->apart ? "each" : "common";
   report.values["structures"] = json_of(model->parts, *model->poses);

@@ -32,7 +32,10 @@ Result<Boundary> boundary_to_fit(const Template& the_template, const MapLabel& t
   auto boundary = part(0);
   if (boundary && !parts.all && !options.largest_part)
     boundary = likeliest_part(the_template, std::move(*boundary), part, fitting);
-  if (boundary) boundary->warnings.insert(boundary->warnings.begin(), warnings.begin(), warnings.end());
+  if (boundary && !warnings.empty()) {
+    boundary->why_whole = warnings.front();
+    boundary->warnings.insert(boundary->warnings.begin(), warnings.begin(), warnings.end());
+  }
   return boundary;
 }
 

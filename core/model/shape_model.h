@@ -9,6 +9,7 @@
 #include "core/mesh/topology.h"
 #include "core/model/alignment/procrustes.h"
 #include "core/model/joint_models/structure_parts.h"
+#include "core/template/template.h"
 
 namespace homolog {
 
@@ -59,6 +60,7 @@ struct ShapeModel {
   /// M: how far each training shape lies from the model of the others [leave_one_out.h]; empty: not known.
   Eigen::VectorXd left_out_distances{};
   std::vector<CompletedStructure> completed{};  ///< of a joint model: training shapes of which parts were predicted
+  std::optional<FacedNames> faced{};            ///< which part of a label the shapes are of; none: not known
   Eigen::Index modes() const { return variances.size(); }
 };
 

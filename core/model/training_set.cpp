@@ -11,12 +11,14 @@
 #include "core/base/files/file_stem.h"
 #include "core/base/numbers/statistics.h"
 #include "core/base/text/listed.h"
+#include "core/base/text/text.h"
 #include "core/mesh/construction/mirror.h"
 #include "core/mesh/repair/inside_out.h"
 #include "core/model/alignment/numbering.h"
 #include "core/model/shapes/shape_files.h"
 #include "core/model/shapes/study.h"
 #include "core/placement/similarity_fit.h"
+#include "core/template/other_side.h"
 
 namespace homolog {
 
@@ -91,6 +93,34 @@ void find_inward(const TrainingSet& set, std::vector<std::string>& found) {
   for (Eigen::Index i = 0; i < set.shapes.cols(); ++i)
     if (inward = inside_out({set.topology, points_of(set.shapes, i)}); !inward) return;
   if (inward) found.push_back(set.names.front() + ", as all shapes: " + *inward);
+}
+
+/// "ends at \"atrium\""
+std::string words_of_faced(const FacedNames& faced) {
+  return std::string(faced.kept ? "faces" : "ends at") + " \"" + excerpt(faced.labels) + '"';
+}
+
+/// Which part of a label the shapes are of, `said` of each; none, with a warning, where they do not agree. The names of
+/// a mirror image may be those of its own side.
+std::optional<FacedNames> faced_by_all(const std::vector<std::string>& names,
+                                       const std::vector<std::optional<FacedNames>>& said,
+                                       const std::vector<Eigen::Index>& mirrored, std::vector<std::string>& warnings) {
+  std::vector<char> is_mirrored(said.size());
+  for (const Eigen::Index i : mirrored) is_mirrored[static_cast<std::size_t>(i)] = 1;
+  std::optional<std::size_t> first;
+  for (std::size_t i = 0; i < said.size(); ++i)
+    if (said[i] && (!first || is_mirrored[i] < is_mirrored[*first])) first = i;
+  if (!first) return std::nullopt;
+  const FacedNames of_set = is_mirrored[*first] != 0 ? names_of_other_side(*said[*first]) : *said[*first];
+  for (std::size_t i = 0; i < said.size(); ++i) {
+    if (!said[i] || *said[i] == of_set || (is_mirrored[i] != 0 && names_of_other_side(*said[i]) == of_set)) continue;
+    warnings.push_back(names[i] + ": " + words_of_faced(*said[i]) + ", and " + names[*first] + " " +
+                       words_of_faced(*said[*first]) +
+                       "; a model of both keeps neither, and score takes a label's whole surface; make the shapes from "
+                       "one template");
+    return std::nullopt;
+  }
+  return of_set;
 }
 
 /// Errors: a shape whose vertices are in another order than most others have them.
@@ -227,6 +257,7 @@ void TrainingSetBuilder::add(std::string name, const MeshFile& mesh) {
   const auto shape = static_cast<Eigen::Index>(shapes());
   majority_->add(mesh);
   set_.names.push_back(std::move(name));
+  faced_.push_back(faced_in(mesh.comments));
   if (shape == 0) set_.shapes.resize(mesh.points.size(), static_cast<Eigen::Index>(most_shapes_));
   if (shape == set_.shapes.cols()) set_.shapes.conservativeResize(Eigen::NoChange, 2 * shape);
   if (mesh.points.size() == set_.shapes.rows())
@@ -253,7 +284,8 @@ Result<TrainingSetRead> TrainingSetBuilder::finish(bool flip_mirrored) {
   read.set = std::move(set_);
   read.warnings = oddities(read.set);
   std::vector<std::string> inside_out = majority_->inside_out(read.set.names);
-  for (const Eigen::Index i : mirrored_shapes(read.set)) {
+  const std::vector<Eigen::Index> mirrored = mirrored_shapes(read.set);
+  for (const Eigen::Index i : mirrored) {
     read.mirrored.push_back(read.set.names[static_cast<std::size_t>(i)]);
     std::erase(inside_out, read.mirrored.back());  // as the mirror image of a template is
     if (flip_mirrored)
@@ -262,6 +294,7 @@ Result<TrainingSetRead> TrainingSetBuilder::finish(bool flip_mirrored) {
   if (!inside_out.empty())
     read.warnings.push_back(joined(inside_out) +
                             ": its faces look inward, unlike those of the other shapes; they were turned outward");
+  read.set.faced = faced_by_all(read.set.names, faced_, mirrored, read.warnings);
   return read;
 }
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "core/mesh/topology.h"
 #include "core/model/alignment/procrustes.h"
 #include "core/model/shapes/doubtful_shapes.h"
+#include "core/template/template.h"
 
 namespace homolog {
 
@@ -20,6 +22,7 @@ struct TrainingSet {
   std::vector<std::string> names;            ///< path of each shape
   std::shared_ptr<const Topology> topology;  ///< null where every file is `.particles`
   ShapeMatrix shapes;                        ///< 3n×M, mm
+  std::optional<FacedNames> faced{};         ///< which part of a label they are of, where all that say it agree
 };
 
 struct TrainingOptions {
@@ -54,7 +57,8 @@ class TrainingSetBuilder {
   /// correspondence.
   void add(std::string name, const MeshFile& mesh);
   std::size_t shapes() const { return set_.names.size(); }
-  /// The set, once; the warnings are its oddities, but mirror images are only listed. Errors: a shape with another
+  /// The set, once; the warnings are its oddities and that its shapes are of other parts of labels, but mirror images
+  /// are only listed. Errors: a shape with another
   /// vertex count, other faces or another order of vertices [numbering.h] than most of the rest have (the error's
   /// subject is its name), fewer than two shapes, shapes that are all equal.
   Result<TrainingSetRead> finish(bool flip_mirrored = false);
@@ -64,6 +68,7 @@ class TrainingSetBuilder {
   std::unique_ptr<Majority> majority_;
   std::size_t most_shapes_;
   TrainingSet set_;
+  std::vector<std::optional<FacedNames>> faced_;  ///< of each shape
 };
 
 /// Reads meshes (PLY, VTK, VTP, OBJ), `.particles`, case files and studies into one training set. A file that cannot be

@@ -29,6 +29,12 @@ Eigen::VectorXd deviations_of(const ShapeModel& model, Eigen::Index count) {
   return model.variances.head(count).cwiseSqrt();
 }
 
+/// The labels by which a model of a part of a label's surface knows that part. `kept`: it faces them.
+std::optional<std::string> faced_by(const HeldModel& self, bool kept) {
+  const auto& faced = self.model->faced;
+  return faced && faced->kept == kept ? std::optional(faced->labels) : std::nullopt;
+}
+
 /// `name`: of the numbers that the points come from.
 std::shared_ptr<HeldMesh> mesh_of(const HeldModel& self, Points points, const char* name) {
   if (!points.allFinite() || !all_in_reach(points))
@@ -161,6 +167,12 @@ void add_models(py::module_& module) {
             return names;
           },
           "Of a joint model the names of its structures.")
+      .def_property_readonly(
+          "facing", [](const Held& self) { return faced_by(self, true); },
+          "Names of the labels that its shapes face, where they are of that part of a label's surface, or None.")
+      .def_property_readonly(
+          "open_at", [](const Held& self) { return faced_by(self, false); },
+          "Names of the labels that its shapes end at, or None.")
       .def(
           "__len__", [](const Held& self) { return self.model->modes(); }, "How many modes there are.")
       .def(

@@ -100,6 +100,19 @@ def test_a_label_map_in_memory_is_scored(kidney, folder):
     assert subject["distance"] < 3 and len(subject["modes"]) == len(model)
 
 
+def test_a_model_says_which_part_of_a_label_it_is_of(folder, tmp_path):
+    whole = homolog.model([folder / f"fit-{k}.ply" for k in (1, 2, 3)])
+    assert whole.facing is None and whole.open_at is None
+    for k in (1, 2, 3):
+        header, rest = (folder / f"fit-{k}.ply").read_bytes().split(b"end_header", 1)
+        comment = b"comment homolog.ends_at aorta,left atrium\n"
+        (tmp_path / f"{k}.ply").write_bytes(header + comment + b"end_header" + rest)
+    part = homolog.model([tmp_path / f"{k}.ply" for k in (1, 2, 3)])
+    assert part.facing is None and part.open_at == "aorta,left atrium"
+    part.write(tmp_path / "part.h5")
+    assert homolog.read_model(tmp_path / "part.h5").open_at == part.open_at
+
+
 def test_a_map_is_repaired_in_memory_as_on_the_command_line(tmp_path):
     command_line("phantom", "spine", "--subject", 4, "-o", tmp_path)
     whole = homolog.read_label_map(tmp_path / "spine-4-labels.nii.gz")

@@ -203,6 +203,7 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   if (!modes) return fail(modes.error());
   ShapeModel model = model_of_modes(components, *modes, training->topology, names);
   model.alignment = options.training.alignment();
+  model.faced = training->faced;
   model.parts = training->parts;
   model.poses = training->poses;
   model.completed = training->completed;

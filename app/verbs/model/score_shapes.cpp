@@ -53,6 +53,8 @@ Result<NewShape> shape_of_map(const NewShapes& asked, const MapScoring& with, co
   options.progress = &progress;
   const auto fitted = fit_to_label(*mean, {mask->volume, mask->label, mask->frame, mask->segmentation}, {}, options);
   if (!fitted) return fail(path.string(), mask->named(fitted.error().what));
+  if (const std::string& why = fitted->boundary.why_whole; !why.empty())
+    warnings.push_back(path.string() + ": " + mask->named(why));
   NewShape shape{path.string(), {}, {}};
   shape.mesh.points = fitted->fit.mesh.points;
   shape.mesh.triangles = fitted->fit.mesh.topology;
@@ -146,6 +148,7 @@ Result<MapScoring> map_scoring(const NewShapes& asked, const ShapeModel& model) 
   MeshFile mean;
   mean.points = points_of(model.mean);
   mean.triangles = model.topology;
+  if (model.faced) mean.comments.push_back(faced_comment(*model.faced));
   auto made = make_template(std::move(mean), "the model's mean");
   if (!made) return fail(asked.model.string(), "has a mean that is no surface, so nothing can be fitted");
   MapScoring with{std::move(*made), nullptr};

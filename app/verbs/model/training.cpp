@@ -160,6 +160,7 @@ Result<Training> train(TrainingSetRead read, const TrainingVerb& options) {
   Training training;
   training.names = std::move(read.set.names);
   training.topology = read.set.topology;
+  training.faced = std::move(read.set.faced);
   training.warnings = std::move(read.warnings);
   training.groups = std::move(read.groups);
   training.study_keys = std::move(read.study_keys);

@@ -41,7 +41,8 @@ struct Training {
   std::shared_ptr<const Topology> topology;
   PrincipalComponents components;
   std::vector<std::string> warnings;
-  std::vector<double> sizes_mm;  ///< centroid sizes before they were aligned
+  std::vector<double> sizes_mm;     ///< centroid sizes before they were aligned
+  std::optional<FacedNames> faced;  ///< as the set's
   std::vector<std::string> groups;
   std::vector<std::vector<std::string>> study_keys;  ///< of each shape, as TrainingSetRead has them
   std::vector<DoubtfulShape> doubtful, left_out;

@@ -65,7 +65,8 @@ std::size_t close_holes(Mesh& surface, std::size_t rims) {
 /// Of a label's boundary, which is whole, the part that is asked for.
 void take_faced_part(Boundary& boundary, const Volume& mask, int label, int frame, const LabelParts& parts) {
   const auto take_whole = [&](const std::string& why) {
-    boundary.warnings.push_back(why + ", and its whole surface was taken");
+    boundary.why_whole = why + ", and its whole surface was taken";
+    boundary.warnings.push_back(boundary.why_whole);
   };
   auto part = faced_part(boundary.surface, mask, label, frame, *parts.faced);
   if (!part) return take_whole(part.error().what.substr(0, part.error().what.find(';')));

@@ -49,6 +49,7 @@ struct Boundary {
   Mesh surface;                          ///< outward oriented
   std::vector<ScanBorder> scan_borders;  ///< where the organ is cut off by the scan
   std::vector<std::string> warnings;     ///< each a sentence
+  std::string why_whole;                 ///< why no part was taken of a label, but its whole surface: one of these
   std::size_t parts_left_out = 0;        ///< of a label
   double share_left_out = 0;             ///< of the label's volume, in these
   std::size_t parts_alike = 1;           ///< of a label: the largest, and those more than half as large

@@ -46,6 +46,8 @@ namespace {
 
 constexpr const char* record_path = "/homolog/record";
 constexpr const char *alignment_path = "/homolog/alignment", *left_out_path = "/homolog/left_out_distances";
+constexpr std::array<std::pair<const char*, bool>, 2> faced_paths{
+    {{"/homolog/faces", true}, {"/homolog/ends_at", false}}};  // and whether it is the part that is kept
 constexpr std::array<std::pair<const char*, Alignment>, 3> alignments{
     {{"similarity", Alignment::similarity}, {"rigid", Alignment::rigid}, {"none", Alignment::none}}};
 constexpr const char* names_start = "/modelinfo/modelBuilder-0/dataInfo/URI_";  // before the number of a shape
@@ -121,6 +123,11 @@ HdfTree tree_of(const ShapeModel& model, const std::string& record) {
     tree.groups["/homolog"];
     for (const auto& [name, alignment] : alignments)
       if (alignment == *model.alignment) datasets[alignment_path] = text_of(name);
+  }
+  if (model.faced) {
+    tree.groups["/homolog"];
+    for (const auto& [path, kept] : faced_paths)
+      if (kept == model.faced->kept) datasets[path] = text_of(model.faced->labels);
   }
   if (model.left_out_distances.size() > 0) {
     tree.groups["/homolog"];
@@ -202,6 +209,8 @@ Result<ShapeModel> model_of(const HdfTree& tree) {
   if (tree.datasets.contains(alignment_path))
     for (const auto& [name, alignment] : alignments)
       if (tree.text(alignment_path) == name) model.alignment = alignment;
+  for (const auto& [path, kept] : faced_paths)
+    if (const std::string labels = tree.text(path); !labels.empty()) model.faced = FacedNames{labels, kept};
   const auto distances = matrix_at(tree, left_out_path, model.scores.cols(), 1);
   if (distances && model.scores.cols() > 0) model.left_out_distances = distances->cast<double>();
   statismo::read_structures(tree, model);
@@ -220,6 +229,7 @@ HdfParts model_parts() {
                               "/model/pcaBasis", "/model/pcaVariance", "/model/noiseVariance", "/modelinfo/scores",
                               alignment_path, left_out_path},
                  .numbered = {names_start}};
+  for (const auto& [path, kept] : faced_paths) parts.datasets.emplace_back(path);
   statismo::add_structure_parts(parts);
   return parts;
 }

@@ -10,6 +10,7 @@
 #include "app/editor/state/figures/quality.h"
 #include "app/editor/state/models/models_state.h"
 #include "app/editor/work/models/build_study_model.h"
+#include "app/editor/work/models/model_help.h"
 #include "app/editor/work/models/study_optimiser.h"
 #include "app/editor/work/opening/opener.h"
 #include "app/editor/work/shape_monitor.h"
@@ -400,6 +401,7 @@ TEST_CASE("the rounds of an optimisation come before its result and one that was
     study->fitted.shapes[set.names.back()] =
         std::make_shared<const MeshFile>(MeshFile{points, set.topology->triangles()});
   }
+  set.faced = FacedNames{"atrium", false};
   Progress progress;
   study->fitted.model = test::must(make_study_model(set, {"", "", "", ""}, Alignment::similarity, progress));
   std::atomic<int> woken = 0;
@@ -425,6 +427,8 @@ TEST_CASE("the rounds of an optimisation come before its result and one that was
   CHECK(optimised.shapes.shapes.size() == 4);
   CHECK(optimised.shapes.sizes.size() == 4);
   CHECK(optimised.shapes.model->names == set.names);
+  CHECK(optimised.shapes.model->model.faced == set.faced);
+  CHECK(test::must(model_of_others(*study->fitted.model, 0)).faced == set.faced);
 
   optimiser.start(study);
   optimiser.cancel();

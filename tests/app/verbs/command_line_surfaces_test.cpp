@@ -393,6 +393,46 @@ TEST_CASE("a template that ends at its neighbours in a label map is fitted to ma
   check_refused(run(folder, "template M.ply --open-at 2 -o U.ply"), "--facing and --open-at have no effect");
 }
 
+TEST_CASE("a model remembers which part of a label its shapes are of, and new maps are scored by it") {
+  const TemporaryFolder folder;
+  std::string meshes;
+  for (int k = 0; k < 4; ++k) {
+    const std::string name = "h" + std::to_string(k);
+    write_heart(folder.path / (name + ".nii.gz"), {20.0 + k, 18 + 0.4 * k * k, 28.0 - k}, 12 + 0.5 * k);
+    if (k == 0)
+      REQUIRE(run(folder, "template h0.nii.gz --label ventricle --open-at atrium --vertices 600 -o T.ply").status == 0);
+    REQUIRE(run(folder, "fit T.ply --mask " + name + ".nii.gz --label ventricle -o " + name + ".ply").status == 0);
+    meshes += " " + name + ".ply";
+  }
+  const Ran made = run(folder, "model" + meshes + " -o m.h5");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  CHECK(made.errors.find("keeps neither") == std::string::npos);
+  const Json info = run(folder, "info m.h5 --json").json();
+  CHECK(info["open_at"] == "atrium");
+  CHECK_FALSE(info.contains("facing"));
+  write_heart(folder.path / "new.nii.gz", {21.5, 19, 26.5}, 12.7);
+  const Ran scored = run(folder, "score new.nii.gz --model m.h5 --label ventricle --json");
+  REQUIRE_MESSAGE(scored.status == 0, scored.errors);
+  CHECK(scored.errors.find("whole surface") == std::string::npos);
+  CHECK(scored.json()["subjects"][0]["doubt"].is_null());
+  CHECK(scored.json()["subjects"][0]["residual_mm"] < 1);
+  write_heart(folder.path / "plain.nii.gz", {21.5, 19, 26.5}, 12.7, false);
+  const Ran whole = run(folder, "score plain.nii.gz --model m.h5 --label 4 --json");
+  CHECK(whole.errors.find("plain.nii.gz: the template ends at its neighbours, and the map ") != std::string::npos);
+  CHECK(whole.errors.find("the label's whole surface was taken") != std::string::npos);
+  CHECK(whole.json()["subjects"][0]["doubt"].is_string());
+
+  MeshFile other = read_mesh_file(folder.path / "h3.ply").value();
+  std::erase_if(other.comments, [](const std::string& comment) { return faced_in({comment}).has_value(); });
+  other.comments.push_back(faced_comment({"wall", true}));
+  REQUIRE(write_mesh_file(other, folder.path / "h3.ply"));
+  const Ran mixed = run(folder, "model" + meshes + " -o mixed.h5");
+  CHECK(mixed.status == 0);
+  CHECK(mixed.errors.find("h3.ply: faces \"wall\", and h0.ply ends at \"atrium\"; a model of both keeps neither") !=
+        std::string::npos);
+  CHECK_FALSE(run(folder, "info mixed.h5 --json").json().contains("open_at"));
+}
+
 TEST_CASE("a mirrored template ends at the neighbours of the other side") {
   const TemporaryFolder folder;
   for (const std::string side : {"left", "right"}) {

@@ -11,6 +11,7 @@
 #include "core/mesh/mesh_io.h"
 #include "core/model/files/model_files.h"
 #include "core/model/shape_model.h"
+#include "core/template/template.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
 #include "tests/temporary_folder.h"
@@ -47,6 +48,20 @@ struct Folder : TemporaryFolder {
     std::ofstream(files.back()) << text;
   }
 };
+
+/// A file of a shape that says which part of a label it is of.
+void add_part(Folder& folder, MeshFile file, const std::optional<FacedNames>& faced, const std::string& name) {
+  if (faced) file.comments = {faced_comment(*faced)};
+  folder.files.push_back(folder.path / name);
+  REQUIRE(write_mesh_file(file, folder.files.back()));
+}
+
+MeshFile mesh_file_of(const Mesh& mesh) {
+  MeshFile file;
+  file.points = mesh.points;
+  file.triangles = mesh.topology->triangles();
+  return file;
+}
 
 /// The one error of a set that is refused: it must name `file` and say `what`.
 void check_refused(const Folder& folder, const std::string& file, const std::string& what) {
@@ -268,6 +283,42 @@ TEST_CASE("sizes a factor of ten or a thousand off are pointed out and children 
       CHECK(read.warnings.empty());
     else
       check_warned(read, "scaled.ply", said);
+  }
+}
+
+TEST_CASE("a set is of the part of a label that all shapes name that name one") {
+  const FacedNames left{"left atrium", false}, right{"right atrium", false};
+  const Folder silent(2);
+  CHECK_FALSE(read_training_set(silent.files)->set.faced);
+  Folder same(1);
+  for (int k = 1; k < 4; ++k) add_part(same, mesh_file_of(organ(k)), left, "part" + std::to_string(k) + ".ply");
+  TrainingSetRead read = read_training_set(same.files).value();
+  CHECK(read.warnings.empty());
+  CHECK(read.set.faced == left);
+
+  // The mirror image of one may be named as of its own side or of the others'.
+  for (const FacedNames& named : {left, right})
+    for (const bool flip : {false, true}) {
+      Folder folder(0);
+      add_part(folder, mirrored(mesh_file_of(organ(9))), named, "mirrored.ply");
+      for (int k = 1; k < 5; ++k) add_part(folder, mesh_file_of(organ(k)), left, "part" + std::to_string(k) + ".ply");
+      TrainingOptions options;
+      options.flip_mirrored = flip;
+      read = read_training_set(folder.files, options).value();
+      CHECK(read.mirrored.size() == 1);
+      CHECK(read.warnings.size() == 1);
+      CHECK(read.set.faced == left);
+    }
+
+  for (const FacedNames& other : {right, FacedNames{"left atrium", true}}) {
+    Folder folder(0);
+    for (int k = 0; k < 3; ++k) add_part(folder, mesh_file_of(organ(k)), left, "part" + std::to_string(k) + ".ply");
+    add_part(folder, mesh_file_of(organ(7)), other, "other.ply");
+    read = read_training_set(folder.files).value();
+    CHECK_FALSE(read.set.faced);
+    REQUIRE(read.warnings.size() == 1);
+    check_warned(read, "other.ply", other.kept ? "faces \"left atrium\"" : "ends at \"right atrium\"");
+    check_warned(read, "part0.ply", "ends at \"left atrium\"; a model of both keeps neither");
   }
 }
 

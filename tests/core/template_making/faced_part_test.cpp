@@ -148,11 +148,13 @@ TEST_CASE("a template says which part of a surface it is of, and a map without i
   const Boundary open = test::must(label_boundary(labels, organ, 0, std::nullopt, 2500, parts));
   CHECK(open.surface.topology->rims().size() == 1);
   CHECK(open.warnings.empty());
+  CHECK(open.why_whole.empty());
   const Boundary closed =
       test::must(label_boundary(labels, organ, 0, std::nullopt, 2500, {.faced = FacedLabels{{9}, true}, .rims = 1}));
   CHECK(closed.surface.topology->closed());
   REQUIRE(closed.warnings.size() == 1);
   CHECK(closed.warnings.front() == "label 3 faces none of the labels that are named, and its whole surface was taken");
+  CHECK(closed.why_whole == closed.warnings.front());
 }
 
 }  // namespace homolog

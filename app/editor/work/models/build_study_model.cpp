@@ -231,6 +231,7 @@ Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std:
                 "differs from the other shapes by its pose alone, so there is nothing to model; give different shapes");
   model->model = make_model(components, share_of_variance, model->topology, model->names);
   model->model.alignment = alignment;
+  model->model.faced = std::move(set.faced);
   model->mean = {model->topology, points_of(components.mean)};
   model->components = std::make_shared<const PrincipalComponents>(std::move(components));
   model->hues = std::make_shared<const std::vector<float>>(hues_of(*model));

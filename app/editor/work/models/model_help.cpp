@@ -50,6 +50,7 @@ Result<ShapeModel> model_of_others(const StudyModel& study, std::ptrdiff_t left_
   if (!components) return fail(components.error());
   ShapeModel model = make_model(*components, share_of_variance, study.topology, {});
   model.alignment = study.alignment;
+  model.faced = study.model.faced;
   return with_distances(std::move(model), *components);
 }
 

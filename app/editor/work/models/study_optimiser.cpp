@@ -10,7 +10,7 @@ namespace {
 
 TrainingSet training_set_of(const StudyToOptimise& study) {
   const StudyModel& model = *study.fitted.model;
-  TrainingSet set{model.names, model.topology, {}};
+  TrainingSet set{model.names, model.topology, {}, model.model.faced};
   set.shapes.resize(3 * model.vertices(), std::ssize(model.names));
   for (std::size_t k = 0; k < model.names.size(); ++k) {
     const Points& points = study.fitted.shapes.at(model.names[k])->points;

@@ -85,6 +85,22 @@ TEST_CASE("a model reads back from both formats as it was written") {
   CHECK(!write_model(some_model(), folder.path / "model.json"));
 }
 
+TEST_CASE("a model's file says which part of a label its shapes are of and one that does not says none") {
+  const TemporaryFolder folder;
+  for (const std::string name : {"model.h5.json", "model.h5"})
+    for (const std::optional<FacedNames>& faced :
+         {std::optional<FacedNames>(), std::optional(FacedNames{"left atrium,aorta", false}),
+          std::optional(FacedNames{"Knorpel über Knochen", true})}) {
+      ShapeModel model = some_model();
+      model.faced = faced;
+      REQUIRE(write_model(model, folder.path / name));
+      const auto read = read_model(folder.path / name);
+      REQUIRE_MESSAGE(read, read.error().sentence());
+      check_same(model, *read);
+      CHECK(read->faced == faced);
+    }
+}
+
 TEST_CASE("both formats hold the same tree") {
   const TemporaryFolder folder;
   REQUIRE(write_model(some_model(), folder.path / "m.h5"));

@@ -30,9 +30,13 @@ Result<SetFitted> repair_and_fit(SetFitted done, VolumeRead& read, const MapToFi
   return done;
 }
 
-/// The same with a sentence for each variant of the body, as a sixth lumbar level is one.
-Result<SetFitted> with_variants(Result<SetFitted> done) {
+/// The same with a sentence for each structure of which the whole was taken and not a part, and for each variant of the
+/// body, as a sixth lumbar level is one.
+Result<SetFitted> with_remarks(Result<SetFitted> done) {
   if (!done) return done;
+  for (std::size_t k = 0; k < done->fitted.structures.size(); ++k)
+    if (const std::string& why = done->fitted.structures[k].why_whole; !why.empty())
+      done->warnings.push_back(done->set->set.structures[k].name + ": " + why + ".");
   for (const Variant& variant : find_variants(*done->set, done->subject, done->fitted))
     done->warnings.push_back("The label map " + sentence_of(variant, *done->set) + ".");
   if (const std::string found = found_by_values(done->set->set, done->subject); !found.empty())
@@ -79,12 +83,12 @@ Result<SetFitted> SetFitter::fit(std::shared_ptr<const SetOfTemplates> set, cons
     }
     wake();
   };
-  if (repair) return with_variants(repair_and_fit(std::move(done), *read, map, options));
+  if (repair) return with_remarks(repair_and_fit(std::move(done), *read, map, options));
   auto fitted = fit_set(*set, done.subject, options);
   if (!fitted) return fail(map.file.filename().string(), fitted.error().what);
   done.fitted = std::move(*fitted);
   doubt_names(*set, *read, std::min(map.frame, read->volume.frames - 1), done.subject, done.fitted);
-  return with_variants(std::move(done));
+  return with_remarks(std::move(done));
 }
 
 void SetFitter::start(std::shared_ptr<const SetOfTemplates> set, MapToFit map, bool repair, std::uint64_t case_number) {

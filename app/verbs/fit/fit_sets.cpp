@@ -49,7 +49,10 @@ Json row_of_fit(const TemplateOfSet& structure, const StructureInMap& there, con
            {"missing", !there.is_there() && there.why_left_out.empty()}};
   if (!one.why_not.empty()) row["error"] = one.why_not;
   if (!one.fit) return row;
-  row["dice"] = one.judgement.inside_scan.dice;
+  if (const auto& rim = one.judgement.rim)
+    row["rim_mm"] = {{"mean", rim->mean_mm}, {"p95", rim->p95_mm}};
+  else
+    row["dice"] = one.judgement.inside_scan.dice;
   row["assd_mm"] = one.judgement.inside_scan.assd_mm;
   const VertexScalars& doubt = one.fit->doubt_mm;
   row["doubt_mm"] = {{"mean", doubt.mean()}, {"p95", quantile(std::vector<double>(doubt.begin(), doubt.end()), 0.95)}};
@@ -78,6 +81,7 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
     if (!one.fit) continue;
     if (const std::string closed = closed_flat(*one.fit->mesh.topology); !closed.empty())
       words.push_back(name + " " + closed);
+    if (!one.why_whole.empty()) words.push_back(name + ": " + one.why_whole);
     if (!one.judgement.doubtful) continue;
     words.push_back(name + " is doubtful: " + reason_of_doubt(one.judgement.warnings));
   }

@@ -64,7 +64,7 @@ Json row_of_repair(const TemplateOfSet& structure, const RepairedStructure& foun
             {"beyond", signs.beyond},
             {"lost", lost},
             {"doubt", fitted.judgement.doubt_share},
-            {"dice", fitted.fit ? Json(fitted.judgement.inside_scan.dice) : Json()},
+            {"dice", fitted.fit && !fitted.judgement.rim ? Json(fitted.judgement.inside_scan.dice) : Json()},
             {"off_place", fitted.off_place}}}};
 }
 

@@ -21,11 +21,13 @@ namespace {
 
 constexpr double much_off_place = 0.25;  ///< of the size: then its neighbours have a say in where it starts
 
-/// `chosen_mm`: a closing that was chosen; none: the usual one, and wider ones where they may help.
-Result<LabelFit> try_fit(const Template& the_template, const StructureInMap& there, const FitOptions& options,
-                         const std::optional<double>& chosen_mm = std::nullopt) {
-  return fit_to_label(the_template, {*there.mask, there.segment.value}, {.closing_mm = chosen_mm, .largest_part = true},
-                      options);
+/// `structure`: by its place in the set. `chosen_mm`: a closing that was chosen; none: the usual one, and wider ones
+/// where they may help.
+Result<LabelFit> try_fit(const Template& the_template, const SetInMap& subject, std::size_t structure,
+                         const FitOptions& options, const std::optional<double>& chosen_mm = std::nullopt) {
+  const StructureInMap& there = subject.structures[structure];
+  const MapLabel label{.map = *there.mask, .label = there.segment.value, .known = subject.known[there.segment.layer]};
+  return fit_to_label(the_template, label, {.closing_mm = chosen_mm, .largest_part = true}, options);
 }
 
 /// How far two placements of a template lie apart, by its size.
@@ -37,6 +39,7 @@ double apart(const Template& the_template, const Similarity& a, const Similarity
 
 void take(LabelFit&& found, FittedStructure& into, std::optional<Boundary>& boundary) {
   boundary = std::move(found.boundary);
+  into.why_whole = boundary->why_whole;
   into.fit = std::move(found.fit);
   into.judgement = std::move(found.judgement);
   into.closing_mm = found.closing_mm;
@@ -45,16 +48,18 @@ void take(LabelFit&& found, FittedStructure& into, std::optional<Boundary>& boun
 /// Whether a fit is better than another of the same structure.
 bool better(const FitJudgement& a, const FitJudgement& b) {
   if (a.doubtful != b.doubtful) return !a.doubtful;
+  if (a.rim && b.rim) return a.inside_scan.assd_mm < b.inside_scan.assd_mm;  // Dice would compare caps
   return a.inside_scan.dice > b.inside_scan.dice;
 }
 
 /// Once more, from where its neighbours say; the better of both fits is kept. What closing helps has been tried, where
 /// `tried_wider`.
-void fit_by_neighbours(const Template& the_template, const StructureInMap& there, const Similarity& place,
-                       bool tried_wider, FitOptions options, FittedStructure& fitted,
+void fit_by_neighbours(const Template& the_template, const SetInMap& subject, std::size_t structure,
+                       const Similarity& place, bool tried_wider, FitOptions options, FittedStructure& fitted,
                        std::optional<Boundary>& boundary) {
   options.placement = place;
-  auto found = try_fit(the_template, there, options, tried_wider ? std::optional(fitted.closing_mm) : std::nullopt);
+  auto found =
+      try_fit(the_template, subject, structure, options, tried_wider ? std::optional(fitted.closing_mm) : std::nullopt);
   if (!found || (fitted.fit && !better(found->judgement, fitted.judgement))) return;
   take(std::move(*found), fitted, boundary);
   fitted.by_neighbours = true;
@@ -176,7 +181,7 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
     if (subject.structures[k].is_there() && set.templates[k] != nullptr) there.push_back(k);
   fit_some(there, 0.7, [&](std::size_t k, const FitOptions& fitting) {
     tell(k, SetFitStep::runs);
-    auto found = try_fit(*set.templates[k], subject.structures[k], fitting);
+    auto found = try_fit(*set.templates[k], subject, k, fitting);
     if (found) tried_wider[k] = found->tried.empty() ? 0 : 1;
     if (found)
       take(std::move(*found), result.structures[k], boundaries[k]);
@@ -196,8 +201,8 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
   if (again.empty()) Progress(progress, 0.3).report(1);
   fit_some(again, 0.3, [&](std::size_t k, const FitOptions& fitting) {
     tell(k, SetFitStep::runs_again);
-    fit_by_neighbours(*set.templates[k], subject.structures[k], *said[k], tried_wider[k] != 0, fitting,
-                      result.structures[k], boundaries[k]);
+    fit_by_neighbours(*set.templates[k], subject, k, *said[k], tried_wider[k] != 0, fitting, result.structures[k],
+                      boundaries[k]);
     tell_result(k);
   });
   if (progress.cancelled()) return fail("", "the fit was cancelled");

@@ -31,6 +31,7 @@ struct FittedStructure {
   /// placed both ways. Below 0: no neighbour says.
   double off_place = -1;
   bool by_neighbours = false;  ///< fitted from where its neighbours say
+  std::string why_whole;       ///< why its label's whole surface was taken and not the template's part [Boundary]
   double confidence = 0;       ///< 0…1: that the structure is right [structure_confidence]
   double p_named = 1;          ///< 0…1: that its name is the right one; 1 where nobody looked [doubt_names]
   std::string why_not;         ///< why it has no mesh; empty for one that is missing
@@ -49,11 +50,11 @@ struct FittedSet {
   double depth_mm = 0;                      ///< the largest by which two of them lie within each other
 };
 
-/// Fits the templates of a set to one subject: each by itself, then once more those that are doubtful or lie where
-/// their neighbours do not say, from there. At the end neighbours are kept apart, but for those whose labels overlap,
-/// and vertices that structures share come to one place. If two cannot come as far apart as they should without a
-/// fold, they are doubtful. The mesh that came of it is judged. Missing structures are left out.
-/// The bytes do not depend on the number of threads. Errors: cancelled.
+/// Fits the templates of a set to one subject: each by itself, one of a part of a label [Template::faced] to that part,
+/// then once more those that are doubtful or lie where their neighbours do not say, from there. At the end neighbours
+/// are kept apart, but for those whose labels overlap, and vertices that structures share come to one place. If two
+/// cannot come as far apart as they should without a fold, they are doubtful. The mesh that came of it is judged.
+/// Missing structures are left out. The bytes do not depend on the number of threads. Errors: cancelled.
 Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, const FitSetOptions& options = {});
 
 }  // namespace homolog

@@ -66,6 +66,22 @@ void find_overlapping(SetInMap& found) {
     }
 }
 
+/// The segments of a map by their layers. Those without a name have that of the set's structure that they are.
+std::vector<Segmentation> known_by_layer(const std::vector<Segment>& segments, std::size_t layers,
+                                         const std::vector<StructureInMap>& structures) {
+  std::vector<Segmentation> known(layers);
+  for (Segment segment : segments) {
+    const auto is_it = [&](const StructureInMap& one) {
+      return one.is_there() && one.segment.value == segment.value && one.segment.layer == segment.layer;
+    };
+    const auto found = segment.name.empty() ? std::ranges::find_if(structures, is_it) : structures.end();
+    if (found != structures.end()) segment.name = found->segment.name;
+    Segmentation& of_layer = known[segment.layer];
+    of_layer.add(std::move(segment));
+  }
+  return known;
+}
+
 /// Leaves out vertices in common that templates do not have, as where one was made anew since.
 void drop_shared_beyond(SetOfTemplates& all) {
   const auto vertices_of = [&](const std::string& name) -> Eigen::Index {
@@ -177,6 +193,7 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
     if (!there.segment.colour) there.segment.colour = one.colour;
     found.structures.push_back(std::move(there));
   }
+  found.known = known_by_layer(segments, layers, found.structures);
   std::set<int> used;  // every label of the map is that of a segment
   for (const Segment& segment : segments) used.insert(segment.value);
   for (const StructureInMap& one : found.structures) used.insert(one.segment.value);

@@ -47,6 +47,9 @@ struct SetInMap {
   std::vector<StructureInMap> structures;     ///< in the set's order
   std::vector<std::string> without_template;  ///< names of the map's labels that the set lacks
   std::vector<LabelOfMap> others;             ///< the same labels
+  /// What is known of the labels of each layer, as neighbours are named by: the map's own names, and the set's where
+  /// the map gives none.
+  std::vector<Segmentation> known;
   /// Structures of two layers that share voxels, as an organ and its lesion, by their places in the set; both ways.
   std::set<std::pair<std::size_t, std::size_t>> overlapping;
 

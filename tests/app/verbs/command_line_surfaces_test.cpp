@@ -393,6 +393,28 @@ TEST_CASE("a template that ends at its neighbours in a label map is fitted to ma
   check_refused(run(folder, "template M.ply --open-at 2 -o U.ply"), "--facing and --open-at have no effect");
 }
 
+TEST_CASE("a set takes a template that ends at its neighbours, and says where a map lacks them") {
+  const TemporaryFolder folder;
+  write_heart(folder.path / "a.nii.gz", {20, 18, 28}, 12);
+  write_heart(folder.path / "b.nii.gz", {23, 19, 31}, 16);
+  write_heart(folder.path / "c.nii.gz", {23, 19, 31}, 16, false);
+  REQUIRE(write_whole_file(folder.path / "c.json", R"({"ventricle":4,"wall":9})"));
+  REQUIRE(run(folder, "template a.nii.gz --label ventricle --open-at atrium --vertices 600 -o T.ply").status == 0);
+  REQUIRE(write_whole_file(folder.path / "heart.set.json", R"({"homolog_set": 1, "structures": [
+    {"name": "ventricle", "value": 4, "template": "T.ply"}]})"));
+  const Ran fitted = run(folder, "fit heart.set.json --mask b.nii.gz -o fits --json");
+  REQUIRE_MESSAGE(fitted.status == 0, fitted.errors);
+  CHECK(fitted.errors.find("whole surface") == std::string::npos);
+  const Json row = fitted.json()["cases"][0]["structures"][0];
+  CHECK(row["doubtful"] == false);
+  CHECK(row["dice"].is_null());
+  CHECK(row["rim_mm"]["mean"] < 0.5);
+  const Ran whole = run(folder, "fit heart.set.json --mask c.nii.gz -o others --json");
+  CHECK(whole.errors.find("c.nii.gz: ventricle: the template ends at its neighbours, and the map has no label named "
+                          "\"atrium\"; the label's whole surface was taken") != std::string::npos);
+  CHECK_FALSE(whole.json()["cases"][0]["structures"][0].contains("rim_mm"));
+}
+
 TEST_CASE("a model remembers which part of a label its shapes are of, and new maps are scored by it") {
   const TemporaryFolder folder;
   std::string meshes;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/adapt/faced_template.h"
 #include "core/case/placing.h"
 #include "core/measure/compare.h"
 #include "core/mesh/construction/icosphere.h"
@@ -133,6 +134,66 @@ TEST_CASE("what is told of a structure is of its mesh as it was kept apart, and 
   REQUIRE(near != wide.apart.end());
   CHECK(near->mm < 4.9);
   CHECK(near->mm > 0);
+}
+
+namespace {
+
+/// A ventricle (4) of these half axes, its atrium (2) above `base_mm` and its wall (9) below.
+VolumeRead map_of_heart(const Vec3& half_axes_mm, double base_mm) {
+  VolumeRead map;
+  Volume& heart = map.volume;
+  heart.geometry.dims = {48, 48, 56};
+  heart.geometry.spacing_mm = Vec3::Constant(1.5);
+  heart.geometry.origin_mm = Vec3(-35.25, -35.25, -41.25);
+  std::vector<std::uint8_t> voxels(heart.geometry.voxels());
+  for (int k = 0; k < 56; ++k)
+    for (int j = 0; j < 48; ++j)
+      for (int i = 0; i < 48; ++i) {
+        const Vec3 p = heart.geometry.to_mm(Vec3(i, j, k));
+        const bool within = p.cwiseQuotient(half_axes_mm).norm() < 1,
+                   around = p.cwiseQuotient(half_axes_mm + Vec3::Constant(6)).norm() <= 1;
+        const int value = within ? 4 : !around ? 0 : p.z() > base_mm ? 2 : 9;
+        voxels[heart.geometry.index(i, j, k)] = static_cast<std::uint8_t>(value);
+      }
+  heart.data = std::move(voxels);
+  heart.range_max = 9;
+  return map;
+}
+
+}  // namespace
+
+TEST_CASE("a template of a part of a label ends at its neighbours in a set too") {
+  const VolumeRead of_template = map_of_heart({20, 18, 28}, 12);
+  const FacedTemplateOptions making{.label = 4, .vertices = 600};
+  const FacedTemplate part = test::must(make_faced_template(of_template.volume, {{2}, false}, making));
+  MeshFile file = faced_template_file(part.mesh, "heart", {"atrium", false}, making, {4});
+  SetOfTemplates set;
+  set.set.structures = {{.name = "ventricle", .value = 4}, {.name = "atrium", .value = 2}};
+  set.templates = {test::must(make_template(file, "ventricle.ply")), nullptr};
+  VolumeRead map = map_of_heart({23, 19, 31}, 16);
+  const auto fitted_to = [&] { return test::must(fit_set(set, find_in_map(set.set, map))).structures.front(); };
+  const auto check_ends = [](const FittedStructure& one) {
+    REQUIRE(one.fit);
+    CHECK(one.why_whole.empty());
+    CHECK_FALSE(one.judgement.doubtful);
+    REQUIRE(one.judgement.rim);
+    CHECK(one.judgement.rim->mean_mm < 0.5);
+  };
+  // Of a map without names the set says which label is the atrium.
+  check_ends(fitted_to());
+  for (const Segment& segment : {Segment{.name = "ventricle", .value = 4}, Segment{.name = "Atrium", .value = 2}})
+    REQUIRE(map.segmentation.add(segment));
+  check_ends(fitted_to());
+
+  set.set.structures.pop_back();
+  set.templates.pop_back();
+  check_ends(fitted_to());
+  map.segmentation.segments.front().name = "aorta";  // value 2
+  const FittedStructure whole = fitted_to();
+  REQUIRE(whole.fit);
+  CHECK(whole.why_whole.starts_with("the template ends at its neighbours, and the map has no label named \"atrium\""));
+  CHECK(whole.why_whole.ends_with("; the label's whole surface was taken"));
+  CHECK_FALSE(whole.judgement.rim);
 }
 
 TEST_CASE("what was fitted of another template takes the place of a structure and never its numbering") {

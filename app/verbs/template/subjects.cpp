@@ -23,6 +23,19 @@ Result<std::vector<Landmark>> landmarks_beside(const SubjectFiles& files, const 
                         ".mrk.json, .fcsv or .json); put one there, or leave the case out");
 }
 
+/// Makes the boundary of a whole label that of the part that faces others. Errors: the map lacks them; those of
+/// faced_part.
+Result<void> take_part(const FacedNames& names, const MaskRead& mask, Boundary& boundary) {
+  const auto faced = faced_labels(names, mask.segmentation);
+  if (!faced) return fail(faced.error());
+  auto part = faced_part(boundary.surface, mask.volume, mask.label, mask.frame, *faced);
+  if (!part) return fail("", mask.named(part.error().what));
+  if (auto left_out = take_largest_piece(*part, mask.label))
+    boundary.warnings.push_back(mask.named(std::move(*left_out)));
+  boundary.surface = std::move(*part);
+  return {};
+}
+
 Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& path,
                                      std::vector<std::string>& warnings, std::optional<int>& frame,
                                      Progress& progress) {
@@ -42,6 +55,9 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
     auto boundary = label_boundary(mask->volume, mask->label, mask->frame, files.closing_mm, files.vertices);
     if (!boundary) return fail(path.string(), boundary.error().what);
     subject.boundary = std::move(*boundary);
+    if (files.faced)
+      if (auto taken = take_part(*files.faced, *mask, subject.boundary); !taken)
+        return fail(path.string(), taken.error().what);
   }
   for (std::string& warning : about(path, subject.boundary.warnings)) warnings.push_back(std::move(warning));
   auto landmarks = landmarks_beside(files, subject.name);
@@ -79,11 +95,11 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
       return fail(path.string(), "holds no surfaces and no label maps; name the files themselves");
   if (paths.empty())
     return fail(files.files.front().string(), "holds no surfaces and no label maps; name the files themselves");
-  if ((!files.label.empty() || files.closing_mm || files.frame || files.level) &&
+  if ((!files.label.empty() || files.closing_mm || files.frame || files.level || files.faced) &&
       std::all_of(paths.begin(), paths.end(), is_mesh_name))
-    return fail(files.files.front().string(), "is no label map, so --label, --frame" +
-                                                  std::string(files.level ? ", --level" : "") +
-                                                  " and --closing-mm have no effect; leave them out");
+    return fail(files.files.front().string(),
+                "is no label map, so --label, --frame" + std::string(files.level ? ", --level" : "") +
+                    (files.faced ? ", --facing, --open-at" : "") + " and --closing-mm have no effect; leave them out");
   SubjectsRead read;
   read.subjects.resize(paths.size());
   std::vector<std::vector<std::string>> warnings(paths.size());

@@ -8,6 +8,7 @@
 
 #include "app/verbs/verb.h"
 #include "core/groupwise/template_bias.h"
+#include "core/template/template.h"
 
 namespace homolog {
 
@@ -19,6 +20,7 @@ struct SubjectFiles {
   std::optional<int> frame;                  ///< of label maps with several: see read_mask
   std::optional<double> level;               ///< of soft masks: see read_mask
   std::optional<double> closing_mm;          ///< see label_boundary
+  std::optional<FacedNames> faced;           ///< of label maps: of the label's surface a part alone
   int vertices = 2500;
   bool flip_mirrored = false;
 };

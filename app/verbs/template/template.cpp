@@ -318,8 +318,9 @@ void check_template_effect(const TemplateJob& options, const CLI::App& verb) {
   if (!options.consensus.empty()) refuse_without_effect(verb, "--opening-mm", "a template of one subject");
   if (!of_many) refuse_without_effect(verb, "--flip-mirrored", "--consensus and --best-of");
   if (options.faced) {
-    if (of_many || options.tube)
-      throw CLI::ValidationError(options.faced->kept ? "--facing" : "--open-at", "is for a template of one label map");
+    if (!options.best_of.empty() || options.tube)
+      throw CLI::ValidationError(options.faced->kept ? "--facing" : "--open-at",
+                                 "is for a template of one label map, or for a --consensus of several");
     for (const char* name : {"--opening-mm", "--genus", "--parts"})
       refuse_without_effect(verb, name, "templates of a whole surface");
   }

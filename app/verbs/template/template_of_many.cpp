@@ -60,7 +60,7 @@ Result<void> choose_closing_of(const TemplateJob& options, const std::vector<fs:
 Result<CohortRead> read_cohort(const TemplateJob& options, const std::vector<fs::path>& files, Progress& progress) {
   CohortRead all;
   all.cohort.closing_mm = options.closing_mm;
-  if (!options.closing_mm)
+  if (!options.closing_mm && !options.faced)  // a part is made with the usual radius
     if (auto chosen = choose_closing_of(options, subject_paths(files), all, progress); !chosen)
       return fail(chosen.error());
   auto read = read_subjects({.files = files,
@@ -68,6 +68,7 @@ Result<CohortRead> read_cohort(const TemplateJob& options, const std::vector<fs:
                              .frame = options.frame,
                              .level = options.level,
                              .closing_mm = all.cohort.closing_mm,
+                             .faced = options.faced,
                              .vertices = options.vertices,
                              .flip_mirrored = options.flip_mirrored},
                             progress);
@@ -86,7 +87,7 @@ Result<MadeTemplate> template_of(const TemplateJob& options, const CohortRead& s
   TemplateJob one = options;
   one.in = subjects.read.paths[subject];
   if (is_mesh_name(one.in))
-    one.label.clear(), one.frame.reset(), one.level.reset(), one.closing_mm.reset();
+    one.label.clear(), one.frame.reset(), one.level.reset(), one.closing_mm.reset(), one.faced.reset();
   else
     one.closing_mm = subjects.cohort.closing_mm;
   return make_template_of_one(one, false, progress);
@@ -127,6 +128,7 @@ Result<MadeTemplate> consensus_of(const TemplateJob& options, Progress& progress
     consensus.warnings.push_back(warning + " (the consensus starts with it)");
   consensus.warnings.insert(consensus.warnings.end(), made->warnings.begin(), made->warnings.end());
   consensus.file = std::move(made->file);
+  if (options.faced) consensus.file.comments.push_back(faced_comment(*options.faced));
   consensus.values = {{"rounds", made->made.rounds}, {"moved_mm", made->made.moved_mm}, {"rests", made->made.rests}};
   report_cohort(options, *subjects, consensus.values);
   return consensus;

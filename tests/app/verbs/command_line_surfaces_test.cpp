@@ -388,9 +388,28 @@ TEST_CASE("a template that ends at its neighbours in a label map is fitted to ma
   check_refused(run(folder, "template a.nii.gz --label 4 --open-at aorta -o U.ply"), "has no label named \"aorta\"");
   CHECK(run(folder, "template a.nii.gz --label 4 --open-at 2 --facing 9 -o U.ply").status == 2);
   CHECK(run(folder, "template a.nii.gz --label 4 --open-at 2 --opening-mm 1 -o U.ply").status == 2);
-  CHECK(run(folder, "template --consensus a.nii.gz b.nii.gz --label 4 --open-at 2 -o U.ply").status == 2);
+  CHECK(run(folder, "template --best-of a.nii.gz b.nii.gz --label 4 --open-at 2 -o U.ply").status == 2);
   check_refused(run(folder, "template a.nii.gz --label 4 --open-at ,2 -o U.ply"), "cannot be asked for \",2\"");
   check_refused(run(folder, "template M.ply --open-at 2 -o U.ply"), "--facing and --open-at have no effect");
+}
+
+TEST_CASE("a consensus of parts of labels ends at the neighbours of all") {
+  const TemporaryFolder folder;
+  for (int k = 0; k < 3; ++k)
+    write_heart(folder.path / ("h" + std::to_string(k) + ".nii.gz"), {20.0 + 2 * k, 18.0 + k, 28.0 + 2 * k}, 12.0 + k);
+  const std::string verb = "template --consensus h0.nii.gz h1.nii.gz h2.nii.gz --label ventricle --open-at ";
+  const Ran made = run(folder, verb + "atrium --vertices 600 -o T.ply --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  CHECK(made.errors.find("could not be fitted") == std::string::npos);
+  CHECK(made.json()["subjects"] == 3);
+  REQUIRE(made.json()["rims"].size() == 1);
+  // The rim of the middle one is an ellipse at 13 of 30 mm; a consensus is as large as its subjects are on average.
+  const double at_base = std::sqrt(1 - 13.0 * 13 / (30 * 30)), rim_mm = std::numbers::pi * at_base * (22 + 19);
+  CHECK(made.json()["rims"][0]["length_mm"].get<double>() == doctest::Approx(rim_mm).epsilon(0.08));
+  CHECK(faced_in(read_mesh_file(folder.path / "T.ply").value().comments) == FacedNames{"atrium", false});
+  const Ran fitted = run(folder, "fit T.ply --mask h2.nii.gz --label ventricle -o M.ply --json");
+  CHECK(fitted.json()["rim_mm"]["mean"] < 0.5);
+  check_refused(run(folder, verb + "aorta -o U.ply"), "has no label named \"aorta\"");
 }
 
 TEST_CASE("a set takes a template that ends at its neighbours, and says where a map lacks them") {

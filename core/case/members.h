@@ -56,10 +56,12 @@ inline constexpr auto landmark_rules_members = std::make_tuple(Member{"pull", &L
 inline constexpr auto structure_members = std::make_tuple(
     Member{"id", &Structure::id, Origin::set}, Member{"name", &Structure::name, Origin::set},
     Member{"label", &Structure::label, Origin::set}, Member{"layer", &Structure::layer, Origin::set},
-    Member{"colour", &Structure::colour, Origin::set}, Member{"template", &Structure::the_template, Origin::set},
+    Member{"colour", &Structure::colour, Origin::set}, Member{"side", &Structure::side, Origin::set},
+    Member{"partner", &Structure::partner, Origin::set}, Member{"template", &Structure::the_template, Origin::set},
     Member{"paint", &Structure::paint, Origin::set}, Member{"shapes", &Structure::shapes, Origin::set},
     Member{"landmarks", &Structure::landmarks, Origin::set}, Member{"confidence", &Structure::confidence, Origin::set},
-    Member{"doubt", &Structure::doubt, Origin::set}, Member{"contours", &Structure::contours, Origin::set});
+    Member{"doubt", &Structure::doubt, Origin::set}, Member{"contours", &Structure::contours, Origin::set},
+    Member{"shared", &Structure::shared, Origin::set});
 
 inline constexpr auto scan_members = std::make_tuple(Member{"source", &Scan::source, Origin::first_line},
                                                      Member{"image", &Scan::image, Origin::first_line});

@@ -10,6 +10,7 @@
 #include "core/case/action_json.h"
 #include "core/case/actions/contours.h"
 #include "core/case/actions/fields.h"
+#include "core/case/actions/structures.h"
 #include "core/case/members.h"
 #include "core/case/packed.h"
 #include "core/deform/deformer.h"
@@ -82,6 +83,18 @@ bool left_out(const ContourSets& contours) {
   return contours.empty();
 }
 
+bool left_out(const Side& side) {
+  return side == Side::none;
+}
+
+bool left_out(const std::optional<std::string>& text) {
+  return !text;
+}
+
+bool left_out(const std::vector<SharedWith>& shared) {
+  return shared.empty();
+}
+
 // Members of a document and of what it holds are written and read by their types [members.h].
 
 /// Writes members that a checkpoint keeps. Points that are those of an earlier member are written as its name.
@@ -111,6 +124,8 @@ class MemberWriter {
       return one;
   }
   Json value(const Colour& colour) { return colour ? Json(hex_of(*colour)) : Json(); }
+  Json value(const std::optional<std::string>& text) { return text ? Json(*text) : Json(); }
+  Json value(const std::vector<SharedWith>& shared) { return shared_to_json(shared); }
   Json value(const Similarity& placement) { return to_json(placement); }
   Json value(const std::map<std::string, Vec3>& landmarks) {
     Json json = Json::object();
@@ -213,6 +228,8 @@ class MemberReader {
     colour = colour_from_hex(json.get<std::string>());
     if (!colour) throw Unusable{};
   }
+  void read(const Json& json, std::optional<std::string>& text) { text = json.get<std::string>(); }
+  void read(const Json& json, std::vector<SharedWith>& shared) { shared = shared_from_json(json); }
   void read(const Json& json, Similarity& placement) {
     const auto read = similarity_from_json(json);
     if (!read) throw Unusable{};

@@ -43,6 +43,11 @@ void visit_array(const std::vector<std::shared_ptr<const ContourSet>>& contours,
   }
 }
 
+void visit_array(const std::vector<SharedWith>& shared, const auto& visit) {
+  for (const SharedWith& one : shared)
+    visit(static_cast<const void*>(one.vertices.get()), one.vertices->size() * sizeof(VertexPair));
+}
+
 template <Described Owner>
 void visit_array(const Owner& owner, const auto& visit);
 

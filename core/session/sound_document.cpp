@@ -64,6 +64,17 @@ bool is_sound(const ContourSet& set) {
   return !set.id.empty() && set.off_mm >= 0 && is_in_reach(set.off_mm) && check_curves(set.curves).has_value();
 }
 
+/// What a structure shares: vertices that it has, and that the other one has where the case has that.
+bool is_sound(const SharedWith& shared, const Structure& own, const Document& document) {
+  if (shared.with.empty() || shared.with == own.id) return false;
+  const Structure* other = document.structure(shared.with);
+  const auto has = [](const Structure* one, std::int32_t vertex) {
+    return vertex >= 0 && (one == nullptr || vertex < one->the_template->topology->vertices());
+  };
+  return std::all_of(shared.vertices->begin(), shared.vertices->end(),
+                     [&](const VertexPair& pair) { return has(&own, pair[0]) && has(other, pair[1]); });
+}
+
 bool is_sound(const LandmarkRules& rules) {
   return rules.pull >= LandmarkPull::off && rules.pull <= LandmarkPull::warp &&
          rules.rule >= LandmarkRule::closed_form && rules.rule <= LandmarkRule::by_size;
@@ -75,7 +86,9 @@ bool is_sound(const Document& document) {
   const auto frame_exists = [&](int frame) { return frame >= 0 && frame < document.scan.frames(); };
   const auto structure_is_sound = [&](const auto& structure) {
     return structure->shape(document.frame) != nullptr && is_sound(structure->paint) &&
-           is_sound(structure->landmarks) &&
+           is_sound(structure->landmarks) && structure->side >= Side::none && structure->side <= Side::right &&
+           std::all_of(structure->shared.begin(), structure->shared.end(),
+                       [&](const auto& shared) { return is_sound(shared, *structure, document); }) &&
            std::all_of(structure->contours.begin(), structure->contours.end(),
                        [&](const auto& set) { return frame_exists(set->frame) && is_sound(*set); }) &&
            std::all_of(structure->shapes.begin(), structure->shapes.end(),

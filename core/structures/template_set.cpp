@@ -102,28 +102,6 @@ Result<TemplateOfSet> parsed_structure(Json json, std::size_t number, const fs::
   return one;
 }
 
-/// "12:40 13:41 …" as pairs of vertices. None where it is not that.
-std::optional<std::vector<VertexPair>> parsed_pairs(std::string_view text) {
-  std::vector<VertexPair> pairs;
-  while (!text.empty()) {
-    const std::string_view pair = text.substr(0, text.find(' '));
-    text.remove_prefix(std::min(pair.size() + 1, text.size()));
-    const auto colon = pair.find(':');
-    if (colon == std::string_view::npos) return std::nullopt;
-    const auto a = as_number<std::int32_t>(pair.substr(0, colon));
-    const auto b = as_number<std::int32_t>(pair.substr(colon + 1));
-    if (!a || !b || *a < 0 || *b < 0) return std::nullopt;
-    pairs.push_back({*a, *b});
-  }
-  return pairs;
-}
-
-std::string text_of_pairs(const std::vector<VertexPair>& pairs) {
-  std::string text;
-  for (const auto& [a, b] : pairs) text += (text.empty() ? "" : " ") + std::to_string(a) + ':' + std::to_string(b);
-  return text;
-}
-
 Result<std::vector<SharedVertices>> parsed_shared(const Json& json) {
   std::vector<SharedVertices> shared;
   const auto unreadable = [] {
@@ -138,7 +116,7 @@ Result<std::vector<SharedVertices>> parsed_shared(const Json& json) {
     if (!names.is_array() || names.size() != 2 || !names[0].is_string() || !names[1].is_string() ||
         !vertices.is_string())
       return unreadable();
-    auto pairs = parsed_pairs(vertices.get_ref<const std::string&>());
+    auto pairs = pairs_of_text(vertices.get_ref<const std::string&>());
     if (!pairs) return unreadable();
     shared.push_back({names[0].get<std::string>(), names[1].get<std::string>(), std::move(*pairs)});
   }

@@ -10,6 +10,7 @@
 
 #include "core/base/result.h"
 #include "core/base/text/side_of_name.h"
+#include "core/case/relations.h"
 #include "core/mesh/topology.h"
 #include "core/placement/relative_pose.h"
 
@@ -28,9 +29,6 @@ struct TemplateOfSet {
   std::optional<RelativePose> pose;     ///< how its place varies; none: no neighbour says where it is
   nlohmann::ordered_json other = nlohmann::ordered_json::object();  ///< fields that are not known here, kept
 };
-
-/// A vertex of one mesh, and the one of another that it is.
-using VertexPair = std::array<std::int32_t, 2>;
 
 /// Vertices that two structures have in common, as bones do where they meet.
 struct SharedVertices {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double doubt_steps_per_mm = 256;
 
-constexpr Names<FoundBy, 10> finder_names{{{"fit", FoundBy::fit},
+constexpr Names<FoundBy, 11> finder_names{{{"fit", FoundBy::fit},
                                            {"fit of the set", FoundBy::set_fit},
                                            {"model help", FoundBy::model},
                                            {"refine", FoundBy::refinement},
@@ -26,7 +26,8 @@ constexpr Names<FoundBy, 10> finder_names{{{"fit", FoundBy::fit},
                                            {"keep apart", FoundBy::keep_apart},
                                            {"propagate", FoundBy::propagation},
                                            {"start of the cine", FoundBy::start_of_cine},
-                                           {"projection", FoundBy::projection}}};
+                                           {"projection", FoundBy::projection},
+                                           {"shared vertices", FoundBy::shared}}};
 
 void spell_finder(Fields& line, PointsFinder& by) {
   std::string word = by.word();
@@ -104,7 +105,13 @@ void spell_moves(Fields& line, MovePoints& move) {
 
 /// Whether such an edit leaves vertices where the fit put them along the surface. Only then does its doubt still hold.
 bool keeps_doubt(const PointsFinder& by) {
-  return by == FoundBy::model || by == FoundBy::snap || by == FoundBy::keep_apart;
+  return by == FoundBy::model || by == FoundBy::snap || by == FoundBy::keep_apart || by == FoundBy::shared;
+}
+
+/// How far an edit moves a vertex that counts as known, mm: any way; but where vertices follow those of another
+/// structure, so do all around, however little.
+double least_decided_mm(const PointsFinder& by) {
+  return by == FoundBy::shared ? 0.01 : 0;
 }
 
 /// A fit of the template to contours, not of the mesh that is there.
@@ -116,7 +123,7 @@ bool is_drawn_anew(const SetPoints& action) {
 bool keeps_pulls(const SetPoints& action) {
   const PointsFinder& by = action.by;
   return by == FoundBy::model || by == FoundBy::snap || by == FoundBy::refinement || by == FoundBy::keep_apart ||
-         (by == FoundBy::contours && !is_drawn_anew(action));
+         by == FoundBy::shared || (by == FoundBy::contours && !is_drawn_anew(action));
 }
 
 /// What an edit by `action`, which is not yet done, leaves of what was pulled and of the shape without snaps.
@@ -137,7 +144,7 @@ std::shared_ptr<const Points> unaided_by(const SetPoints& action, const Shape& s
     return taken_back ? nullptr : std::make_shared<const Points>(std::move(unaided));
   }
   if (!shape.unaided) return nullptr;
-  if (action.by == FoundBy::refinement)
+  if (action.by == FoundBy::refinement || action.by == FoundBy::shared)
     return std::make_shared<const Points>(*shape.unaided + *action.points - *shape.points);
   Points unaided = unaided_after(*shape.unaided, *shape.points, *action.points);
   return unaided == *action.points ? nullptr : std::make_shared<const Points>(std::move(unaided));
@@ -167,7 +174,8 @@ Result<EditReport> apply_points(const SetPoints& action, StructureEdit& edit) {
   shape.unaided = unaided_by(action, shape);
   if (action.by != FoundBy::model && action.by != FoundBy::refinement) {
     const auto moved_mm2 = (*action.points - *shape.points).rowwise().squaredNorm().array();
-    decide(shape, std::make_shared<const VertexScalars>((moved_mm2 > 0).cast<double>()));
+    const double least_mm = least_decided_mm(action.by);
+    decide(shape, std::make_shared<const VertexScalars>((moved_mm2 > least_mm * least_mm).cast<double>()));
   }
   keep_unsnapped(action, shape);
   shape.points = action.points;

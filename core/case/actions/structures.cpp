@@ -23,6 +23,22 @@ void spell_colour(Fields& line, std::optional<Colour>& colour) {
   colour = shades.get<Colour>();
 }
 
+constexpr Names<Side, 3> body_sides{{{"none", Side::none}, {"left", Side::left}, {"right", Side::right}}};
+
+void spell_side(Fields& line, std::optional<Side>& side) {
+  if (line.reads() ? !line.has("side") : !side.has_value()) return;
+  Side of_body = side.value_or(Side::none);
+  line.member("side", body_sides, of_body);
+  side = of_body;
+}
+
+void spell_shared(Fields& line, std::optional<std::vector<SharedWith>>& shared) {
+  if (line.reads() ? !line.has("shared") : !shared.has_value()) return;
+  Fields::Json json = shared ? shared_to_json(*shared) : Fields::Json();
+  line.member("shared", json);
+  if (line.reads()) shared = shared_from_json(json);
+}
+
 void spell_structure(Fields& line, SetStructure& action) {
   Fields structure = line.object("structure");
   structure.member("id", action.id);
@@ -32,6 +48,9 @@ void spell_structure(Fields& line, SetStructure& action) {
   spell_colour(structure, action.colour);
   structure.optional("confidence", action.confidence);
   structure.optional("doubt", action.doubt);
+  spell_side(structure, action.side);
+  structure.optional("partner", action.partner);
+  spell_shared(structure, action.shared);
   structure.optional("template", action.source, !action.source.empty());
   structure.optional("placement", action.placement);
   structure.optional("template_mark", action.mark, !action.mark.empty());
@@ -61,6 +80,43 @@ void describe(const SetStructure& action, Structure& structure) {
   if (action.colour) structure.colour = action.colour;
   structure.confidence = action.confidence.value_or(structure.confidence);
   structure.doubt = action.doubt.value_or(structure.doubt);
+  structure.side = action.side.value_or(structure.side);
+  if (action.partner) structure.partner = action.partner->empty() ? std::nullopt : action.partner;
+  structure.shared = action.shared.value_or(structure.shared);
+}
+
+/// Errors: a partner, or one to share vertices with, that is no other structure of the case; a vertex that there is
+/// not.
+Result<void> check_relations(const SetStructure& action, const Template& own, const Document& document) {
+  const auto other = [&](const std::string& id) {
+    return id.empty() || id == action.id ? nullptr : document.structure(id);
+  };
+  if (action.partner && !action.partner->empty() && other(*action.partner) == nullptr)
+    return fail("partner", quoted(*action.partner) + " is no other structure of the case");
+  if (!action.shared) return {};
+  const auto has = [](const Template& one, std::int32_t vertex) {
+    return vertex >= 0 && vertex < one.topology->vertices();
+  };
+  for (const SharedWith& shared : *action.shared) {
+    const Structure* with = other(shared.with);
+    if (with == nullptr) return fail("shared", quoted(shared.with) + " is no other structure of the case");
+    for (const auto& [a, b] : *shared.vertices)
+      if (!has(own, a) || !has(*with->the_template, b))
+        return fail("shared", "the vertices " + std::to_string(a) + ":" + std::to_string(b) +
+                                  " are not both there; they are counted from 0");
+  }
+  return {};
+}
+
+/// What a structure knows of one that leaves the case is dropped.
+void forget_structure(const std::string& id, Structure& structure) {
+  if (structure.partner == id) structure.partner.reset();
+  std::erase_if(structure.shared, [&](const SharedWith& shared) { return shared.with == id; });
+}
+
+bool knows_structure(const Structure& structure, const std::string& id) {
+  return structure.partner == id || std::any_of(structure.shared.begin(), structure.shared.end(),
+                                                [&](const SharedWith& shared) { return shared.with == id; });
 }
 
 Result<EditReport> apply_structure(const SetStructure& action, DocumentEdit& edit) {
@@ -71,12 +127,15 @@ Result<EditReport> apply_structure(const SetStructure& action, DocumentEdit& edi
   if (edit.before.structure(action.id) == nullptr) {
     auto structure = begun(action, edit.before);
     if (!structure) return fail(structure.error());
+    if (auto known = check_relations(action, *structure->the_template, edit.before); !known) return fail(known.error());
     describe(action, *structure);
     edit.after.structures.push_back(std::make_shared<const Structure>(std::move(*structure)));
     return EditReport{};
   }
   if (!action.source.empty() || action.placement)
     return fail("structure", quoted(action.id) + " exists already; give the new one another id");
+  const Structure& own = *edit.before.structure(action.id);
+  if (auto known = check_relations(action, *own.the_template, edit.before); !known) return fail(known.error());
   edit.after.change(action.id, [&](Structure& structure) { describe(action, structure); });
   return EditReport{};
 }
@@ -87,23 +146,54 @@ Result<EditReport> apply_structure_removal(const RemoveStructure& action, Docume
   if (edit.before.structures.size() == 1)
     return fail("structure", quoted(action.id) + " is the only one of this case, which keeps it; start a new case");
   std::erase_if(edit.after.structures, [&](const auto& structure) { return structure->id == action.id; });
+  for (const auto& one : edit.before.structures)
+    if (one->id != action.id && knows_structure(*one, action.id))
+      edit.after.change(one->id, [&](Structure& structure) { forget_structure(action.id, structure); });
   return EditReport{};
 }
 
 }  // namespace
 
+nlohmann::ordered_json shared_to_json(const std::vector<SharedWith>& shared) {
+  auto json = Fields::Json::array();
+  for (const SharedWith& one : shared) json.push_back({{"with", one.with}, {"vertices", text_of_pairs(*one.vertices)}});
+  return json;
+}
+
+std::vector<SharedWith> shared_from_json(const nlohmann::ordered_json& json) {
+  const auto unreadable = [] {
+    return Unreadable{
+        "\"shared\" is not a list of structures and vertices; give [{\"with\": \"s2\", \"vertices\": "
+        "\"12:40 13:41\"}]"};
+  };
+  if (!json.is_array()) throw unreadable();
+  std::vector<SharedWith> shared;
+  for (const auto& one : json) {
+    const auto text = [&](const char* key) -> const std::string& {
+      const auto found = one.is_object() ? one.find(key) : one.end();
+      if (!one.is_object() || found == one.end() || !found->is_string()) throw unreadable();
+      return found->get_ref<const std::string&>();
+    };
+    auto pairs = pairs_of_text(text("vertices"));
+    if (!pairs) throw unreadable();
+    shared.push_back({text("with"), std::make_shared<const std::vector<VertexPair>>(std::move(*pairs))});
+  }
+  return shared;
+}
+
 const ActionKind<SetStructure>& action_kind(const SetStructure&) {
   static constexpr ActionKind<SetStructure> kind{
       .key = "structure",
       .example =
-          R"({"structure":{"id":"s2","name":"left kidney","label":"left kidney","layer":0,"colour":[96,165,214],"confidence":0.97,"template":"kidney.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[12,-40,310]},"template_mark":[1.5,-2,0.25,10]}})",
+          R"({"structure":{"id":"s2","name":"left kidney","label":"left kidney","layer":0,"colour":[96,165,214],"confidence":0.97,"side":"left","partner":"s1","shared":[{"with":"s1","vertices":"12:40 13:41"}],"template":"kidney.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[12,-40,310]},"template_mark":[1.5,-2,0.25,10]}})",
       .meaning =
           "adds a structure: its template (a path as in the first line) and where it lies, what it is called, its "
           "label in the label map, its colour. `confidence` is the probability (0 to 1) that its mesh is right, and "
-          "`doubt` a sentence that says why it has to be looked at. `template_mark` tells the template from others of "
-          "its faces (above). All but the id and the template may be missing. "
-          "The same id again, "
-          "without template and placement, renames or recolours it. Lines of this structure have `\"of\":\"s2\"`",
+          "`doubt` a sentence that says why it has to be looked at. `side` is `left`, `right` or `none`, and `partner` "
+          "the id of the same structure of the other side. `shared` names vertices that are one with those of another "
+          "structure: the vertex here, then the one there, counted from 0. `template_mark` tells the template from "
+          "others of its faces (above). All but the id and the template may be missing. The same id again, without "
+          "template and placement, renames or recolours it. Lines of this structure have `\"of\":\"s2\"`",
       .needs_mesh = false,
       .name =
           [](const SetStructure& action) {
@@ -118,7 +208,7 @@ const ActionKind<RemoveStructure>& action_kind(const RemoveStructure&) {
   static constexpr ActionKind<RemoveStructure> kind{
       .key = "remove_structure",
       .example = R"({"remove_structure":"s2"})",
-      .meaning = "takes a structure out of the case; the last one stays",
+      .meaning = "takes a structure out of the case, and what others share with it; the last one stays",
       .needs_mesh = false,
       .name = [](const RemoveStructure& action) { return "removal of " + action.id; },
       .spell = [](Fields& line, RemoveStructure& action) { line.member("remove_structure", action.id); },

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +20,9 @@ struct SetStructure {
   std::optional<std::array<std::uint8_t, 3>> colour{};
   std::optional<double> confidence{};  ///< 0…1 [Structure::confidence]
   std::optional<std::string> doubt{};  ///< empty: it need not be looked at
+  std::optional<Side> side{};
+  std::optional<std::string> partner{};             ///< another structure's id; empty: there is none
+  std::optional<std::vector<SharedWith>> shared{};  ///< all that it shares; empty: nothing
   /// The source of a new structure's template, as Template::source; empty for one that is there.
   std::string source{};
   std::optional<Similarity> placement{};  ///< of a new one; without it in the middle of the image
@@ -28,17 +32,24 @@ struct SetStructure {
 
   bool operator==(const SetStructure& other) const {
     return id == other.id && name == other.name && label == other.label && layer == other.layer &&
-           colour == other.colour && confidence == other.confidence && doubt == other.doubt && source == other.source &&
+           colour == other.colour && confidence == other.confidence && doubt == other.doubt && side == other.side &&
+           partner == other.partner && shared == other.shared && source == other.source &&
            placement == other.placement && mark == other.mark;
   }
 };
 const ActionKind<SetStructure>& action_kind(const SetStructure&);
 
-/// Takes a structure out of the case. The last one stays.
+/// Takes a structure out of the case, and what others share with it. The last one stays.
 struct RemoveStructure {
   std::string id;
   bool operator==(const RemoveStructure&) const = default;
 };
 const ActionKind<RemoveStructure>& action_kind(const RemoveStructure&);
+
+// How shared vertices stand in a line: checkpoints hold them in the same way.
+
+nlohmann::ordered_json shared_to_json(const std::vector<SharedWith>& shared);
+/// Throws as Fields does if they cannot be read.
+std::vector<SharedWith> shared_from_json(const nlohmann::ordered_json& json);
 
 }  // namespace homolog

@@ -69,6 +69,15 @@ std::vector<KnownLine> edits_of_the_mesh() {
       {SetStructure{.id = "s2", .name = "m"}, R"({"structure":{"id":"s2","name":"m"}})", "change of m"},
       {SetStructure{.id = "s2", .confidence = 0.25, .doubt = "why"},
        R"({"structure":{"id":"s2","confidence":0.25,"doubt":"why"}})", "change of s2"},
+      {SetStructure{.id = "s2",
+                    .side = Side::left,
+                    .partner = "s3",
+                    .shared = {{{"s1", std::make_shared<const std::vector<VertexPair>>(
+                                           std::vector<VertexPair>{{0, 3}, {40, 1}})}}}},
+       R"({"structure":{"id":"s2","side":"left","partner":"s3","shared":[{"with":"s1","vertices":"0:3 40:1"}]}})",
+       "change of s2"},
+      {SetStructure{.id = "s2", .side = Side::none, .partner = "", .shared = std::vector<SharedWith>{}},
+       R"({"structure":{"id":"s2","side":"none","partner":"","shared":[]}})", "change of s2"},
       {SetContours{.id = "c1",
                    .name = "l",
                    .curves = std::make_shared<const std::vector<Contour>>(
@@ -172,6 +181,7 @@ TEST_CASE("what finds points has a word in a case and a word that is not known s
                                                            {FoundBy::propagation, "propagate"},
                                                            {FoundBy::start_of_cine, "start of the cine"},
                                                            {FoundBy::projection, "projection"},
+                                                           {FoundBy::shared, "shared vertices"},
                                                            {FoundBy::other, ""}};
   for (const auto& [by, word] : words) {
     CAPTURE(word);

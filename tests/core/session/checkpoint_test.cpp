@@ -180,6 +180,13 @@ class Filler {
     structures.front() = std::make_shared<const Structure>(std::move(first));
   }
   void other(std::optional<std::array<std::uint8_t, 3>>& colour) { colour = {10, 200, 30}; }
+  void other(Side& side) { side = Side::left; }
+  void other(std::optional<std::string>& text) { text = "näme"; }
+  void other(std::vector<SharedWith>& shared) {
+    const std::vector<VertexPair> pairs{{0, 3}, {static_cast<std::int32_t>(vertices_) - 1, 7}}, none;
+    shared = {{"s7", std::make_shared<const std::vector<VertexPair>>(pairs)},
+              {"s8", std::make_shared<const std::vector<VertexPair>>(none)}};
+  }
   void other(std::vector<std::shared_ptr<const ContourSet>>& contours) {
     const Contour open{{Vec3(0.1, 0.2, share()), Vec3(1, 2, 3)}, false, true},
         closed{{Vec3(0, 0, 0.3), Vec3(1, 0, 0.3), Vec3(0, 1, 0.3)}};
@@ -215,6 +222,15 @@ TEST_CASE("a checkpoint keeps every member of a shape and of a document") {
   const auto read = read_checkpoint(*line, start, 5);
   REQUIRE(read);
   CHECK(same_document(*read, full));
+
+  // What is newer than checkpoints is left out where a structure has none of it.
+  const auto of_start = checkpoint_line(start, start, 5);
+  REQUIRE(of_start);
+  for (const char* key : {"\"side\"", "\"partner\"", "\"shared\"", "\"contours\""}) {
+    CAPTURE(key);
+    CHECK(line->find(key) != std::string::npos);
+    CHECK(of_start->find(key) == std::string::npos);
+  }
 
   // It belongs to that first line alone.
   CHECK_FALSE(read_checkpoint(*line, with_rules(start, LandmarkRule::by_size, true), 5));
@@ -463,6 +479,9 @@ TEST_CASE("a checkpoint that holds what no case can hold is passed over") {
   const std::string line = checkpoint_line(start, session.document(), 7).value();
   REQUIRE(read_checkpoint(line, start, 7));
   const auto first = [](OrderedJson& document) -> OrderedJson& { return document["structures"][0]; };
+  const auto shared_as = [](const char* with, const char* vertices) {
+    return OrderedJson::array({OrderedJson{{"with", with}, {"vertices", vertices}}});
+  };
   const std::vector<std::function<void(OrderedJson&)>> damages{
       [](OrderedJson& document) { document["frame"] = 3; },
       [](OrderedJson& document) { document["scheme"] = 9; },
@@ -481,6 +500,11 @@ TEST_CASE("a checkpoint that holds what no case can hold is passed over") {
         regions["of_vertex"] = packed(std::span<const std::uint8_t>(std::vector<std::uint8_t>{1}));
         regions["vertices"] = 1;
       },
+      [&](OrderedJson& document) { first(document)["side"] = 3; },
+      [&](OrderedJson& document) { first(document)["partner"] = 3; },
+      [&](OrderedJson& document) { first(document)["shared"] = shared_as("s2", "0:-1"); },
+      [&](OrderedJson& document) { first(document)["shared"] = shared_as("s2", "99999:0"); },
+      [&](OrderedJson& document) { first(document)["shared"] = shared_as("", "0:0"); },
       [&](OrderedJson& document) { first(document)["shapes"][0]["placement"]["scale"] = 0; },
       [&](OrderedJson& document) { first(document)["shapes"][0]["strokes"] = -1; },
       [&](OrderedJson& document) { first(document)["shapes"] = OrderedJson::array(); }};

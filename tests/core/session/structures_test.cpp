@@ -1,9 +1,11 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "core/base/encoding/json.h"
 #include "core/base/files/files.h"
+#include "core/case/action_line.h"
 #include "core/mesh/mesh_io.h"
 #include "core/session/case_keeping.h"
 #include "core/session/session_thread.h"
@@ -230,6 +232,94 @@ TEST_CASE("what no case can do with structures is refused in a sentence") {
   CHECK(says(session.apply(second(folder)), "exists already"));
   REQUIRE(session.apply(RemoveStructure{"s1"}));
   CHECK(session.document().structure()->id == "s2");
+}
+
+namespace {
+
+SharedWith shared_with(const char* id, const std::vector<VertexPair>& pairs) {
+  return {id, std::make_shared<const std::vector<VertexPair>>(pairs)};
+}
+
+}  // namespace
+
+TEST_CASE("what structures are to each other is in the case, and is read back from lines and from checkpoints") {
+  const CaseFolder folder;
+  const std::vector<SharedWith> shared{shared_with("s1", {{0, 5}, {3, 0}})};
+  std::optional<Document> done;
+  {
+    auto session = create_case(folder.document(), folder.case_path, checkpoints_often).value();
+    REQUIRE(session.apply(second(folder)));
+    REQUIRE(session.apply(SetStructure{.id = "s1", .side = Side::left, .partner = "s2"}));
+    REQUIRE(session.apply(SetStructure{.id = "s2", .side = Side::right, .partner = "s1", .shared = shared}));
+    // No other name changes them.
+    REQUIRE(session.apply(SetStructure{.id = "s1", .name = "another name"}));
+    for (int k = 0; k < 25; ++k) REQUIRE(session.apply(SetStiffnessBase{5.0 + k}));
+    done = session.document();
+  }
+  CHECK(done->structure("s1")->side == Side::left);
+  CHECK(done->structure("s1")->partner == "s2");
+  CHECK(done->structure("s1")->shared.empty());
+  CHECK(done->structure("s2")->side == Side::right);
+  CHECK(done->structure("s2")->shared == shared);
+  const auto lines = lines_of(folder.case_path);
+  const auto checkpoint =
+      std::ranges::find_if(lines, [](const auto& line) { return line.starts_with("{\"checkpoint"); });
+  REQUIRE(checkpoint != lines.end());
+  CHECK(checkpoint->find("\"0:5 3:0\"") != std::string::npos);
+  ReplayOptions every_line;
+  every_line.from_checkpoint = false;
+  for (const auto& options : {ReplayOptions{}, every_line}) {
+    const auto read = read_case(folder.case_path, options);
+    REQUIRE_MESSAGE(read, read.error().sentence());
+    CHECK(same_document(read->session.document(), *done));
+  }
+  Document other = *done;
+  other.change("s2", [](Structure& structure) { structure.shared = {shared_with("s1", {{0, 5}, {3, 1}})}; });
+  CHECK_FALSE(same_document(other, *done));
+}
+
+TEST_CASE("a structure that leaves the case takes along what others shared with it, and comes back with it") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(second(folder)));
+  REQUIRE(session.apply(SetStructure{.id = "s3", .source = folder.template_path.string(), .placement = aside}));
+  const auto with_both = std::vector<SharedWith>{shared_with("s2", {{0, 0}}), shared_with("s3", {{1, 1}})};
+  REQUIRE(session.apply(SetStructure{.id = "s1", .partner = "s2", .shared = with_both}));
+  REQUIRE(session.apply(SetStructure{.id = "s3", .partner = "s1", .shared = {{shared_with("s2", {{2, 2}})}}}));
+  REQUIRE(session.apply(RemoveStructure{"s2"}));
+  CHECK_FALSE(session.document().structure("s1")->partner);
+  CHECK(session.document().structure("s1")->shared == std::vector<SharedWith>{shared_with("s3", {{1, 1}})});
+  CHECK(session.document().structure("s3")->partner == "s1");
+  CHECK(session.document().structure("s3")->shared.empty());
+  const auto read = read_case(folder.case_path);
+  REQUIRE(read);
+  CHECK(same_document(read->session.document(), session.document()));
+  REQUIRE(session.apply(Undo{}));
+  CHECK(session.document().structure("s1")->partner == "s2");
+  CHECK(session.document().structure("s1")->shared == with_both);
+  REQUIRE(session.apply(SetStructure{.id = "s1", .partner = "", .shared = std::vector<SharedWith>{}}));
+  CHECK_FALSE(session.document().structure("s1")->partner);
+  CHECK(session.document().structure("s1")->shared.empty());
+}
+
+TEST_CASE("a partner, or vertices to share, that there are not are refused in a sentence") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(second(folder)));
+  const auto refused = [&](const SetStructure& action, const char* why) { CHECK(says(session.apply(action), why)); };
+  refused({.id = "s1", .partner = "s7"}, "\"s7\" is no other structure of the case");
+  refused({.id = "s1", .partner = "s1"}, "\"s1\" is no other structure of the case");
+  refused({.id = "s1", .shared = {{shared_with("s7", {{0, 0}})}}}, "\"s7\" is no other structure of the case");
+  refused({.id = "s1", .shared = {{shared_with("", {{0, 0}})}}}, "is no other structure of the case");
+  refused({.id = "s1", .shared = {{shared_with("s2", {{0, 99999}})}}}, "0:99999 are not both there");
+  refused({.id = "s1", .shared = {{shared_with("s2", {{99999, 0}})}}}, "99999:0 are not both there");
+  CHECK(lines_of(folder.case_path).size() == 2);
+  for (const char* line : {R"({"structure":{"id":"s1","side":"above"}})", R"({"structure":{"id":"s1","shared":"0:0"}})",
+                           R"({"structure":{"id":"s1","shared":[{"with":"s2"}]}})",
+                           R"({"structure":{"id":"s1","shared":[{"with":"s2","vertices":"0-0"}]}})"}) {
+    CAPTURE(line);
+    CHECK_FALSE(parse_action(line));
+  }
 }
 
 TEST_CASE("the thread of a session edits and previews the structure that is named") {

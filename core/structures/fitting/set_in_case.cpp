@@ -1,12 +1,14 @@
 #include "core/structures/fitting/set_in_case.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <utility>
 
 #include "core/base/text/text.h"
 #include "core/case/placing.h"
 #include "core/structures/fitting/keep_apart.h"
+#include "core/structures/fitting/shared_in_case.h"
 #include "core/template/template_mark.h"
 
 namespace homolog {
@@ -43,6 +45,63 @@ SetStructure described(const std::string& id, const std::string& name, const Seg
   if (one.judgement.doubtful) action.doubt = reason_of_doubt(one.judgement.warnings);
   return action;
 }
+
+/// Takes back how vertices moved that are `shared` (above 0); those around go along.
+void put_back(const VertexScalars& shared, const Points& before, Mesh& mesh) {
+  if (shared.size() == 0) return;
+  Points back = Points::Zero(before.rows(), 3);
+  for (Eigen::Index v = 0; v < back.rows(); ++v)
+    if (shared[v] > 0) back.row(v) = before.row(v) - mesh.points.row(v);
+  if (back.isZero(0)) return;
+  spread_movement(*mesh.topology, shared, back);
+  mesh.points += back;
+  for (Eigen::Index v = 0; v < back.rows(); ++v)
+    if (shared[v] > 0) mesh.points.row(v) = before.row(v);
+}
+
+/// What structures of a fit are to each other: their ids in the case, by their places in the set; empty: not fitted.
+class FittedRelations {
+ public:
+  FittedRelations(const Document& document, const TemplateSet& set, std::vector<std::string> ids)
+      : document_(document), set_(set), ids_(std::move(ids)) {}
+
+  /// What the case has to be told of a structure (its place in the set) beside what it knows; none: nothing.
+  std::optional<SetStructure> told_of(std::size_t k) const {
+    const Structure* known = document_.structure(ids_[k]);
+    SetStructure action{.id = ids_[k]};
+    const std::string* partner = id_of(set_.structures[k].partner);
+    if (partner != nullptr && *partner != ids_[k] && (known == nullptr || known->partner != *partner))
+      action.partner = *partner;
+    auto shared = shared_of(k, known);
+    if (shared != (known != nullptr ? known->shared : std::vector<SharedWith>())) action.shared = std::move(shared);
+    return action.partner || action.shared ? std::optional(std::move(action)) : std::nullopt;
+  }
+
+ private:
+  const std::string* id_of(const std::string& name) const {
+    const TemplateOfSet* found = name.empty() ? nullptr : set_.find(name);
+    const std::string* id =
+        found != nullptr ? &ids_[static_cast<std::size_t>(found - set_.structures.data())] : nullptr;
+    return id != nullptr && !id->empty() ? id : nullptr;
+  }
+  /// As the set says, and what the case knows of structures that were not fitted.
+  std::vector<SharedWith> shared_of(std::size_t k, const Structure* known) const {
+    std::vector<SharedWith> shared;
+    if (known != nullptr)
+      for (const SharedWith& one : known->shared)
+        if (std::ranges::find(ids_, one.with) == ids_.end()) shared.push_back(one);
+    for (const SharedVertices& one : set_.shared) {
+      const std::string *a = id_of(one.a), *b = id_of(one.b);
+      if (a != nullptr && b != nullptr && *a == ids_[k] && *a != *b)
+        shared.push_back({*b, std::make_shared<const std::vector<VertexPair>>(one.vertices)});
+    }
+    return shared;
+  }
+
+  const Document& document_;
+  const TemplateSet& set_;
+  std::vector<std::string> ids_;
+};
 
 /// The mesh as an edit of a structure.
 SetPoints fitted_points(const Document& document, const Structure& structure, const FitResult& fit) {
@@ -107,6 +166,7 @@ std::optional<SetPoints> apart_from_others(const Document& document, const std::
   std::vector<char> yields(meshes.size());
   yields.front() = 1;
   keep_apart(meshes, pairs, gap_mm, yields);
+  put_back(shared_vertices_of(document, of), *shown->shape.points, meshes.front());
   if (meshes.front().points == *shown->shape.points) return std::nullopt;
   return points_edit(*shown, meshes.front().points, FoundBy::keep_apart);
 }
@@ -114,7 +174,7 @@ std::optional<SetPoints> apart_from_others(const Document& document, const std::
 std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfTemplates& set, const SetInMap& subject,
                                           const FittedSet& fitted, const std::vector<std::string>& found) {
   std::vector<EditStep> steps;
-  std::vector<std::string> used, names;
+  std::vector<std::string> used, names, ids(fitted.structures.size());
   for (std::size_t k = 0; k < fitted.structures.size(); ++k) {
     const FittedStructure& one = fitted.structures[k];
     if (!one.fit) continue;
@@ -124,9 +184,11 @@ std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfT
     if (there != nullptr && std::ranges::find(used, there->id) != used.end()) there = nullptr;
     const std::string id = there != nullptr ? there->id : free_structure_id(document, used);
     used.push_back(id);
+    ids[k] = id;
     names.push_back(lower_case(name));
     SetStructure action = described(id, name, subject.structures[k].segment, one);
     if (!action.colour) action.colour = set.set.structures[k].colour;
+    if (const Side side = set.set.structures[k].side; side != Side::none) action.side = side;
     if (!found.empty() && !found[k].empty()) action.doubt = found[k];
     if (there != nullptr && !action.doubt) action.doubt = "";
     std::optional<Structure> begun;
@@ -140,6 +202,10 @@ std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfT
     steps.push_back({fitted_points(document, begun ? *begun : *there, *one.fit), id, true});
   }
   if (steps.empty()) return steps;
+  const FittedRelations relations(document, set.set, ids);
+  for (std::size_t k = 0; k < ids.size(); ++k)
+    if (auto told = ids[k].empty() ? std::nullopt : relations.told_of(k))
+      steps.insert(steps.end() - 1, EditStep{std::move(*told), {}, true});
   for (const auto& one : document.structures) {
     const bool has_name_of_new = std::ranges::find(names, lower_case(one->name)) != names.end();
     if (std::ranges::find(used, one->id) != used.end() || !(is_untouched(*one) || has_name_of_new)) continue;

@@ -12,10 +12,11 @@
 namespace homolog {
 
 /// The steps that bring what was fitted of a set into a case, as its structures at the shown frame: each with its name,
-/// label, colour, confidence and mesh (LPS mm). They are one step to undo. A structure of the case that has the name
-/// and the template gets the new mesh. So does one without a name that nobody edited, where it has the same
-/// template; others of that kind go, and one that has the name and another template. Empty where nothing was fitted.
-/// `found`: of each structure of the set what a repair found, which a person has to look at; may be empty.
+/// label, colour, confidence, side and mesh (LPS mm), then its partner and what it shares. They are one step to undo. A
+/// structure of the case that has the name and the template gets the new mesh. So does one without a name that nobody
+/// edited, where it has the same template; others of that kind go, and one that has the name and another template.
+/// Empty where nothing was fitted. `found`: of each structure of the set what a repair found, which a person has to
+/// look at; may be empty.
 std::vector<EditStep> steps_of_fitted_set(const Document& document, const SetOfTemplates& set, const SetInMap& subject,
                                           const FittedSet& fitted, const std::vector<std::string>& found = {});
 
@@ -26,7 +27,8 @@ KeptMapFit map_fit_of(const TemplateSet& set, const SetInMap& subject, const Fit
 
 /// The edit that moves a structure (`of`: its id) out of the others of its case at the shown frame, where they lie
 /// within each other or nearer than `gap_mm`. It alone moves [keep_apart]. Others that hold it for the most part, or
-/// that it holds, as a chamber lies within its wall, are left out. None where nothing meets, or where a mesh is open.
+/// that it holds, as a chamber lies within its wall, are left out. Vertices that it shares with others stay. None where
+/// nothing meets, or where a mesh is open.
 std::optional<SetPoints> apart_from_others(const Document& document, const std::string& of, double gap_mm = 0);
 
 /// An id that no structure of the case has, nor one of `more`: "s3".

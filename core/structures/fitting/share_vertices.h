@@ -17,4 +17,14 @@ std::vector<VertexPair> coinciding_vertices(const Points& a, const Points& b, do
 void join_shared(const std::vector<SharedVertices>& shared, std::span<const std::string> names,
                  std::vector<Mesh>& meshes);
 
+/// How far shared vertices may lie apart, mm: nobody has to bring them together.
+inline constexpr double shared_place_mm = 1e-6;
+
+/// Brings vertices that structures share to where some of the meshes have them, the `leaders` (their places among the
+/// meshes): the first of them that has such a vertex, rounded to the grid of computed points [moved_points.h]. Those
+/// that no leader has stay, and those that lie at one place already. Vertices around go along, the wider the farther
+/// they go.
+void follow_shared(const std::vector<SharedVertices>& shared, std::span<const std::string> names,
+                   std::vector<Mesh>& meshes, std::span<const std::size_t> leaders);
+
 }  // namespace homolog

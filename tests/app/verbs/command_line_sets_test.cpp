@@ -306,6 +306,9 @@ TEST_CASE("set share makes vertices of two structures one in every fit") {
   CHECK((upper - lower).topRows(shapes::disc_vertices()).rowwise().norm().maxCoeff() < 1e-6);
   CHECK(read_whole_file(folder.path / "fits" / "map" / "lower.ply").value() ==
         read_whole_file(folder.path / "more" / "map" / "lower.ply").value());
+  const std::string of_case = read_whole_file(folder.path / "fits" / "map.homolog").value();
+  CHECK(of_case.find(R"("shared":[{"with":"s)") != std::string::npos);
+  CHECK(of_case.find("\"0:0 1:1 2:2 ") != std::string::npos);
   for (const auto& [arguments, says] : std::vector<std::pair<std::string, std::string>>{
            {"ball.set.json upper upper", "name another one"},
            {"ball.set.json upper liver", "it has upper, lower"},

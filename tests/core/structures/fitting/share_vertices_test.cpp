@@ -77,6 +77,41 @@ TEST_CASE("what is shared comes to the mean and only what is near goes along") {
   CHECK((meshes[0].points - before).cwiseAbs().maxCoeff() == doctest::Approx(0.1));
 }
 
+TEST_CASE("what is shared follows the first mesh that leads, and what lies at one place stays") {
+  const Mesh upper = half_ball(20, true), lower = half_ball(20, false);
+  const auto disc = coinciding_vertices(upper.points, lower.points, 0.5);
+  const std::vector<std::string> names{"a", "b", "c"};
+  const std::vector<SharedVertices> shared{{"a", "b", disc}, {"c", "b", disc}};
+  std::vector<Mesh> meshes{upper, lower, lower};
+  follow_shared(shared, names, meshes, std::vector<std::size_t>{0});
+  CHECK(meshes[1].points == lower.points);
+  const Eigen::RowVector3d moved(0.1, 0.2, 1.3);
+  meshes[0].points.row(0) = moved;
+  follow_shared(shared, names, meshes, std::vector<std::size_t>{0});
+  for (const Mesh& mesh : meshes) {
+    CHECK(mesh.points.row(0) == meshes[0].points.row(0));
+    CHECK((mesh.points.row(0) - moved).norm() < 2e-5);
+    CHECK(mesh.points.middleRows(1, disc_vertices() - 1) == lower.points.middleRows(1, disc_vertices() - 1));
+  }
+  // The last leads, and then the first: what neither has stays.
+  meshes = {upper, lower, lower};
+  meshes[0].points.row(0) = moved;
+  meshes[2].points.row(0) = -moved;
+  follow_shared(shared, names, meshes, std::vector<std::size_t>{2, 0});
+  for (const Mesh& mesh : meshes) CHECK((mesh.points.row(0) + moved).norm() < 2e-5);
+  // Around a disc that moved the dome goes along, less with every ring.
+  meshes = {upper, lower, lower};
+  meshes[0].points.topRows(disc_vertices()).col(2).array() -= 2;
+  follow_shared(shared, names, meshes, std::vector<std::size_t>{0});
+  CHECK((meshes[1].points - meshes[0].points).topRows(disc_vertices()).isZero(0));
+  const Points by = meshes[1].points - lower.points;
+  CHECK(by(disc_vertices(), 2) == 0);  // the top
+  const Eigen::Index next = lower.points.rows() - 24, further = next - 24;
+  CHECK(by(next, 2) < -0.5);
+  CHECK(by(further, 2) < 0);
+  CHECK(by(further, 2) > by(next, 2));
+}
+
 TEST_CASE("after a fit two halves of a ball have their disc in common") {
   for (const auto& [rings, sectors] : {std::pair(8, 24), std::pair(12, 40)}) {
     CAPTURE(rings);

@@ -38,7 +38,7 @@ using AllCommands = TypeList<
     // structures
     ChooseStructure, ClickStructure, NextStructure, AcceptStructure, RenameLevels, ShowStructures, ShowOnlyStructures,
     LockStructures, SetStructureOpacity, HideLabels, ChooseSet, FitSet, CancelSetFit, FilterStructures, SortStructures,
-    ShowAsRead, TakeBackRepair, KeepApart, KeepApartAfterStrokes, SetStructureGap, SetOthersOpacity,
+    ShowAsRead, TakeBackRepair, FollowShared, KeepApart, KeepApartAfterStrokes, SetStructureGap, SetOthersOpacity,
     // contours
     OpenContours, AddContours, CloseContours, ShowContours, SetBetweenContours, FitContours, CancelContourFit,
     // files

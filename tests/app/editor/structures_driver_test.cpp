@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "core/mesh/mesh_io.h"
+#include "core/session/case_file.h"
 #include "core/structures/fitting/keep_apart.h"
 #include "core/volume/labels/read_labels.h"
 
@@ -173,6 +174,98 @@ TEST_CASE("after a stroke the structure goes out of its neighbour, and both are 
   driver.settle();
   pull();
   CHECK(depth() > 2);
+}
+
+namespace {
+
+/// A kidney of half the size, whose vertex 0 is that of the first, and which is hidden.
+void start_with_shared(Driver& driver) {
+  SetStructure half = small_kidney(driver.document());
+  const ShapeView first = *driver.document().view();
+  const Vec3 from_origin = half.placement->apply(half.the_template->points).row(0).transpose();
+  half.placement->translation += first.shape.points->row(0).transpose() - from_origin;
+  driver.app().send(ApplyEdit{std::move(half)});
+  driver.wait_until("there are two structures", [&] { return driver.document().structures.size() == 2; });
+  const auto same = std::make_shared<const std::vector<VertexPair>>(std::vector<VertexPair>{{0, 0}});
+  driver.app().send(ApplyEdit{SetStructure{.id = "s2", .shared = {{SharedWith{"s1", same}}}}});
+  driver.app().send(KeepApartAfterStrokes{false});
+  driver.app().send(ShowStructures{{"s2"}, false});
+  driver.settle();
+  REQUIRE(driver.document().structure("s2")->shared.size() == 1);
+}
+
+void pull_vertex_0(Driver& driver) {
+  const auto [x, y] = on_axial_outline(driver, "s1");
+  driver.move(x, y);
+  driver.frame();
+  REQUIRE(driver.state().pointer.hover->on_mesh);
+  driver.button(MouseButton::left, true);
+  driver.move(x + 12, y + 4);
+  driver.frame();
+  driver.button(MouseButton::left, false);
+  driver.settle();
+}
+
+double shared_apart_mm(const Driver& driver) {
+  return (points_of(driver, "s1").row(0) - points_of(driver, "s2").row(0)).norm();
+}
+
+}  // namespace
+
+TEST_CASE("where a vertex is pulled that another structure shares that one follows, and both are one step to undo") {
+  Driver driver(demo());
+  start_with_shared(driver);
+  const Points first = points_of(driver, "s1"), second = points_of(driver, "s2");
+  REQUIRE(shared_apart_mm(driver) < 1e-6);
+  pull_vertex_0(driver);
+  const Points pulled = points_of(driver, "s1"), followed = points_of(driver, "s2");
+  CHECK((pulled.row(0) - first.row(0)).norm() > 1);
+  CHECK(shared_apart_mm(driver) < 1e-6);
+  CHECK(driver.lines_with("shared vertices") > 0);
+  // What lies around goes along, less with every ring; what is far away stays.
+  const Topology& topology = *driver.document().structure("s2")->the_template->topology;
+  const double whole_mm = (followed.row(0) - second.row(0)).norm();
+  for (const std::int32_t v : topology.one_ring(0)) {
+    const double mm = (followed.row(v) - second.row(v)).norm();
+    CHECK(mm > 0);
+    CHECK(mm < whole_mm);
+  }
+  Eigen::Index far = 0;
+  (second.rowwise() - second.row(0)).rowwise().norm().maxCoeff(&far);
+  CHECK(followed.row(far) == second.row(far));
+
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK(points_of(driver, "s1") == first);
+  CHECK(points_of(driver, "s2") == second);
+  driver.press('Y', {.ctrl = true});
+  driver.settle();
+  CHECK(points_of(driver, "s1") == pulled);
+  CHECK(points_of(driver, "s2") == followed);
+  ReplayOptions every_line;
+  every_line.from_checkpoint = false;
+  const auto played = read_case(driver.case_file(), every_line);
+  REQUIRE_MESSAGE(played, played.error().sentence());
+  CHECK(*played->session.document().view("s1")->shape.points == pulled);
+  CHECK(*played->session.document().view("s2")->shape.points == followed);
+
+  // Once more, with neighbours kept apart: what is shared is not.
+  driver.app().send(KeepApartAfterStrokes{true});
+  driver.settle();
+  pull_vertex_0(driver);
+  CHECK(shared_apart_mm(driver) < 1e-6);
+}
+
+TEST_CASE("a locked structure keeps what it shares, and the one that is pulled goes back to it there") {
+  Driver driver(demo());
+  start_with_shared(driver);
+  driver.app().send(LockStructures{{"s2"}, true});
+  driver.settle();
+  const Points first = points_of(driver, "s1"), second = points_of(driver, "s2");
+  pull_vertex_0(driver);
+  CHECK(points_of(driver, "s2") == second);
+  CHECK((points_of(driver, "s1") - first).rowwise().norm().maxCoeff() > 0.5);
+  CHECK(shared_apart_mm(driver) < 2e-5);  // on the grid of computed points
 }
 
 TEST_CASE("a structure that undo takes away is worked on no more") {

@@ -10,6 +10,7 @@
 #include "core/case/placing.h"
 #include "core/placement/similarity_fit.h"
 #include "core/structures/fitting/set_in_case.h"
+#include "core/structures/fitting/shared_in_case.h"
 #include "core/structures/naming/level_names.h"
 
 namespace homolog {
@@ -84,6 +85,23 @@ void KeepApart::run(Editing& editing) const {
         return std::optional<Action>();
       },
       true, editing.state.look.structure);
+}
+
+void FollowShared::run(Editing& editing) const {
+  const Structure* active = editing.structure();
+  const std::set<std::string>& locked = editing.state.look.structures.locked;
+  if (active == nullptr || locked.contains(active->id)) return;
+  const SharedLead lead{active->id, {locked.begin(), locked.end()}};
+  std::vector<std::string> edited = sharing_structures(editing.shown.document(), active->id);
+  if (edited.empty()) return;
+  edited.insert(edited.begin(), active->id);
+  for (std::string& id : edited)
+    editing.shown.session().apply_computed(
+        [lead](const Document& document, const std::string& of) -> Result<std::optional<Action>> {
+          if (auto edit = edit_to_shared(document, of, lead)) return std::optional<Action>(std::move(*edit));
+          return std::optional<Action>();
+        },
+        true, std::move(id));
 }
 
 void TakeBackRepair::run(Editing& editing) const {

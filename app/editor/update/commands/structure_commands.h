@@ -50,6 +50,12 @@ struct KeepApart {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
+/// Brings vertices that structures share with the one that is worked on to where it has them; to those of a locked one
+/// it goes itself. Undone together with the edit before it.
+struct FollowShared {
+  static constexpr const char* key = "follow shared vertices";
+  void run(Editing& editing) const;
+};
 /// Gives the structure that is worked on the shape back that it had before a repair; one that was missing goes.
 struct TakeBackRepair {
   static constexpr const char* key = "take back repair";

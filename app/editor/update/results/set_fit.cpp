@@ -86,7 +86,8 @@ void take_set_fit(Editing& editing, const SetFitted& found) {
   std::size_t locked = 0;
   std::erase_if(steps, [&](const EditStep& step) {
     const bool stays = is_of(step, state.look.structures.locked);
-    locked += stays && std::holds_alternative<SetStructure>(step.action) ? 1 : 0;
+    const auto* described = std::get_if<SetStructure>(&step.action);
+    locked += stays && described != nullptr && described->name ? 1 : 0;
     return stays;
   });
   const auto fit = std::make_shared<const KeptMapFit>(map_fit_of(

@@ -2,6 +2,7 @@
 
 #include "app/editor/state/icons.h"
 #include "app/editor/update/tools/tool.h"
+#include "core/structures/fitting/shared_in_case.h"
 #include "core/volume/redrawn_contour.h"
 
 namespace homolog {
@@ -76,10 +77,11 @@ void move_contour(const DragStep& step) {
   if (auto action = contour_action(step.state)) step.out.preview(std::move(action));
 }
 
-void follow_contour(EditorState& state, const Action&, const ControlsContext&, Outbox& out) {
+void follow_contour(EditorState& state, const Action&, const ControlsContext& context, Outbox& out) {
   state.wanted_section = contours_section;
   ++state.section_wanted;
   out.send(FitContours{true});
+  if (!sharing_structures(context.document, context.structure).empty()) out.send(FollowShared{});
 }
 
 std::string contour_hint(const EditorState&, const Document&) {

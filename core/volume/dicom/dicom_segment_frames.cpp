@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "core/base/text/text.h"
@@ -197,6 +198,26 @@ Result<PlacedFrames> placed_frames(const DicomSet& set, const DicomHeader& heade
   return placed;
 }
 
+/// How many bytes frames of single bits take: behind one another, or each from a byte of its own on.
+struct BytesOfBits {
+  std::uint64_t joined = 0, apart = 0;
+
+  explicit BytesOfBits(const DicomHeader& header) {
+    const std::uint64_t frames = header.planes.size();
+    const auto pixels = static_cast<std::uint64_t>(header.rows) * static_cast<std::uint64_t>(header.columns);
+    joined = (frames * pixels + 7) / 8;
+    apart = frames * ((pixels + 7) / 8);
+  }
+};
+
+/// Whether bits that are not encoded are too many to lie behind one another [DICOM PS3.5, 8.1.1], and as many as they
+/// are where each frame begins with a byte of its own. A last byte may be there to make their number even.
+bool begin_bytes(const DicomHeader& header) {
+  if (header.bits_allocated != 1 || !header.pixels->fragments.empty()) return false;
+  const BytesOfBits bytes(header);
+  return header.pixels->bytes > bytes.joined + 1 && header.pixels->bytes == bytes.apart + bytes.apart % 2;
+}
+
 /// Errors: frames, their descriptions and their pixels are not equally many.
 Result<void> check_count(const DicomSet& set, const DicomHeader& header) {
   const std::size_t frames = header.planes.size();
@@ -207,7 +228,7 @@ Result<void> check_count(const DicomSet& set, const DicomHeader& header) {
                                        " and describes " + std::to_string(groups) +
                                        " (functional groups), so that it does not tell which lies where; export it "
                                        "again");
-  if (!header.pixels->fragments.empty()) return {};
+  if (!header.pixels->fragments.empty() || begin_bytes(header)) return {};
   // A last byte may be there to make their number even.
   const double bits = static_cast<double>(header.rows) * header.columns * header.bits_allocated;
   const double held = std::floor(8 * (static_cast<double>(header.pixels->bytes) - 1) / bits);
@@ -215,6 +236,11 @@ Result<void> check_count(const DicomSet& set, const DicomHeader& header) {
     return fail(set.path.string(), "says that it has " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") +
                                        ", and has the pixels of " + std::to_string(static_cast<long>(held)) +
                                        "; export it again");
+  if (const BytesOfBits bytes(header); header.bits_allocated == 1 && header.pixels->bytes > bytes.joined + 1)
+    return fail(set.path.string(), "holds " + std::to_string(header.pixels->bytes) + " bytes of pixels, where its " +
+                                       std::to_string(frames) + (frames == 1 ? " frame takes " : " frames take ") +
+                                       std::to_string(bytes.joined) +
+                                       ", so that it does not tell where each begins; export it again");
   return {};
 }
 
@@ -231,6 +257,11 @@ Result<SegmentFrames> segment_frames(const DicomSet& set, const DicomHeader& hea
   const auto kind = kind_of(set);
   if (!kind) return fail(kind.error());
   frames.kind = *kind;
+  frames.begin_bytes = begin_bytes(header);
+  if (frames.begin_bytes)
+    frames.warnings.push_back(name +
+                              ": each of its frames begins with a byte of its own, which DICOM does not allow; it was "
+                              "read so, since its pixels take as many bytes");
   auto segments = described_segments(set, frames.warnings);
   if (!segments) return fail(segments.error());
   frames.segments = std::move(*segments);

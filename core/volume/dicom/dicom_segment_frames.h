@@ -19,7 +19,8 @@ struct SegmentFrames {
   std::vector<Segment> segments;  ///< as described, by number, in `value`
   std::vector<int> numbers;       ///< the segment of each frame; of a label map 0
   PlacedFrames placed;
-  std::vector<std::string> warnings{};  ///< names that cannot be read
+  bool begin_bytes = false;             ///< of single bits: each frame begins with a byte of its own, against DICOM
+  std::vector<std::string> warnings{};  ///< names that cannot be read, and `begin_bytes`
 };
 
 /// Reads it. Errors: those of read_dicom_segmentation that are not about pixels.

@@ -78,7 +78,7 @@ Result<FramePixels> read_bits(const SegmentationFile& file) {
   const DicomHeader& header = file.header;
   FramePixels pixels;
   const std::size_t frames = header.planes.size();
-  pixels.frames_begin_bytes = !header.pixels->fragments.empty();
+  pixels.frames_begin_bytes = file.frames.begin_bytes || !header.pixels->fragments.empty();
   const std::size_t bytes =
       pixels.frames_begin_bytes ? frames * ((file.pixels() + 7) / 8) : (frames * file.pixels() + 7) / 8;
   if (const auto enough = check_memory(header.path, static_cast<double>(bytes)); !enough) return fail(enough.error());

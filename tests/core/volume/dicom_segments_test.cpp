@@ -35,6 +35,7 @@ struct SegFile {
   std::string references;       ///< elements that name the images it was made on
   std::size_t groups_less = 0;  ///< frames without a description
   std::string pixels_more;      ///< behind those of all frames
+  bool in_bytes = false;        ///< single bits of each frame begin with a byte of their own
 
   std::string pixels() const {
     if (value > 0) {
@@ -43,10 +44,11 @@ struct SegFile {
         for (const int p : frames[f].set) bytes[15 * f + static_cast<std::size_t>(p)] = static_cast<char>(value);
       return bytes;
     }
-    std::string bytes((15 * frames.size() + 7) / 8, '\0');
+    const std::size_t bits = in_bytes ? 16 : 15;
+    std::string bytes((bits * frames.size() + 7) / 8, '\0');
     for (std::size_t f = 0; f < frames.size(); ++f)
       for (const int p : frames[f].set) {
-        const std::size_t bit = 15 * f + static_cast<std::size_t>(p);
+        const std::size_t bit = bits * f + static_cast<std::size_t>(p);
         bytes[bit / 8] = static_cast<char>(bytes[bit / 8] | 1 << bit % 8);
       }
     return bytes;
@@ -402,6 +404,24 @@ TEST_CASE("frames and their descriptions and their pixels are equally many") {
   CHECK(read_seg(file));
   file.pixels_more = std::string(16, '\0');
   seg_refused(file, "says that it has 2 frames, and has the pixels of 3");
+}
+
+TEST_CASE("frames that each begin with a byte of their own are read so and said and other lengths are refused") {
+  SegFile file;
+  file.frames.clear();
+  for (int k = 0; k < 32; ++k) file.frames.push_back({1, 2.5 * k, {k % 15, 14}});
+  const auto joined = read_seg(file);
+  if (!joined) FAIL(joined.error().sentence());
+  CHECK(joined->warnings.empty());
+  file.in_bytes = true;
+  const auto apart = read_seg(file);
+  if (!apart) FAIL(apart.error().sentence());
+  CHECK(voxels_with(apart->volume, 1) == voxels_with(joined->volume, 1));
+  REQUIRE(apart->warnings.size() == 1);
+  CHECK(apart->warnings.front().find("each of its frames begins with a byte of its own") != std::string::npos);
+  file.in_bytes = false;
+  file.pixels_more = std::string(2, '\0');
+  seg_refused(file, "holds 62 bytes of pixels, where its 32 frames take 60");
 }
 
 TEST_CASE("a segmentation that does not fit the image it is read with lies on its own series beside it") {

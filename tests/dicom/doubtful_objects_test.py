@@ -34,4 +34,24 @@ ds = make.seg(more_frames, grid)
 ds.PixelData = make.padded(ds.PixelData) + b"\0\0"
 refused("a little more", write("a little more", ds), "38 bytes of pixels, where its 8 frames take 35", "export it again")
 
+# A frame that lies between the slices of the others does not make slices many times thinner.
+column = numpy.zeros(make.SHAPE, numpy.uint8)
+column[2:7, 1:4, 2:5] = 1
+
+
+def moved(name, off, **how):
+    ds = make.seg({1: column}, grid, **how)
+    ds.PerFrameFunctionalGroupsSequence[2].PlanePositionSequence[0].ImagePositionPatient = [make.number(v) for v in grid.position(4 + off / make.STEP)]
+    return write(name, ds)
+
+
+for off in (0.5, 0.75, 1.0, 1.25):
+    refused(f"off by {off}", moved(f"off by {off}", off), "slices lie 2.50 mm apart", "frame 3", f"{off:.2f} mm off", "export it again")
+    if off != 1.25:  # a gap shows this step
+        refused(f"off by {off} of a thickness", moved(f"thick {off}", off, spacing=None), "slices of 2.50 mm", "frame 3")
+compare("off by little", moved("off by little", 0.03), grid, {1: column}, 2, 6)
+# Where all frames lie nearer to one another than the file says, it is the file that errs.
+compare("nearer", write("nearer", make.seg({1: column}, grid, spacing=5, thickness=None)), grid, {1: column}, 2, 6, "says that its slices lie 5.00 mm")
+compare("nearer than thick", write("nearer than thick", make.seg({1: column}, grid, spacing=None, thickness=5)), grid, {1: column}, 2, 6)
+
 finish()

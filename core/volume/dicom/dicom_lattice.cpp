@@ -89,6 +89,63 @@ double common_step(const std::vector<double>& heights, double rounded_mm) {
   return 0;
 }
 
+/// The heights that lie no whole steps from most of them.
+struct OffMost {
+  std::vector<double> heights;  ///< empty: none, or there are no such most
+  double farthest_mm = 0;       ///< of them from a step
+};
+
+OffMost off_most(const std::vector<double>& heights, double step, double tolerance_mm) {
+  constexpr std::size_t most_compared = 4096;  // slices that are read
+  if (heights.size() > most_compared) return {};
+  std::optional<OffMost> least;
+  for (const double base : heights) {
+    OffMost off;
+    for (const double height : heights) {
+      const double mm = std::abs(height - base - std::rint((height - base) / step) * step);
+      if (mm <= tolerance_mm) continue;
+      off.heights.push_back(height);
+      off.farthest_mm = std::max(off.farthest_mm, mm);
+    }
+    if (!least || off.heights.size() < least->heights.size()) least = std::move(off);
+  }
+  return least && 2 * least->heights.size() < heights.size() ? std::move(*least) : OffMost();
+}
+
+/// Errors: most frames lie apart as the file says, and the others on slices of a smaller step alone, which most gaps do
+/// not show. Then these lie in a wrong place. A thickness says less: only against a step that no gap shows.
+Result<void> check_declared(const fs::path& path, const PlacedFrames& frames, const std::vector<double>& heights,
+                            double rounded_mm, double step) {
+  const double tolerance = given_tolerance(step, rounded_mm);
+  std::size_t shown = 0;
+  for (std::size_t k = 1; k < heights.size(); ++k)
+    shown += std::abs(heights[k] - heights[k - 1] - step) <= tolerance ? 1 : 0;
+  const auto contradicted = [&](const std::optional<double>& given, std::size_t most_shown) {
+    return given && step < 0.98 * *given && shown <= most_shown
+               ? off_most(heights, *given, given_tolerance(*given, rounded_mm))
+               : OffMost();
+  };
+  OffMost off = contradicted(frames.spacing_mm, (heights.size() - 2) / 2);
+  const bool by_spacing = !off.heights.empty();
+  if (!by_spacing) off = contradicted(frames.thickness_mm, 0);
+  if (off.heights.empty()) return {};
+  const Vec3 normal = frames.axes.first.cross(frames.axes.second).normalized();
+  std::vector<double> places;
+  for (const Vec3& position : frames.positions_mm) places.push_back(position.dot(normal));
+  const double lowest = *std::ranges::min_element(places);
+  const auto first = std::ranges::find_if(
+      places, [&](double place) { return std::abs(place - lowest - off.heights.front()) <= same_place_mm; });
+  const std::string frame = "frame " + std::to_string(first - places.begin() + 1);
+  const std::string others = off.heights.size() == 1 ? "its " + frame + " lies " + mm_text(off.farthest_mm)
+                                                     : std::to_string(off.heights.size()) + " others (as " + frame +
+                                                           ") lie up to " + mm_text(off.farthest_mm);
+  return fail(path.string(), (by_spacing ? "says that its slices lie " : "has slices of ") +
+                                 mm_text(by_spacing ? *frames.spacing_mm : *frames.thickness_mm) +
+                                 (by_spacing ? " apart, as most of its frames do, and "
+                                             : ", as far as most of its frames lie apart, and ") +
+                                 others + " off these; export it again on the slices of its series");
+}
+
 /// The distance between slices. Errors: there is none.
 Result<double> step_between(const fs::path& path, const PlacedFrames& frames, const std::vector<double>& heights,
                             double rounded_mm, std::vector<std::string>& warnings) {
@@ -114,6 +171,7 @@ Result<double> step_between(const fs::path& path, const PlacedFrames& frames, co
     return fail(path.string(),
                 "has frames whose distances are no multiples of one another, so that they lie on no even slices; "
                 "export it on the slices of its series, or resample it evenly");
+  if (auto declared = check_declared(path, frames, heights, rounded_mm, step); !declared) return fail(declared.error());
   if (spacing)
     warnings.push_back(path.string() + ": says that its slices lie " + mm_text(*spacing) +
                        " apart, but its frames lie multiples of " + mm_text(step) + " apart, which was taken");

@@ -33,7 +33,7 @@ struct FrameLattice {
 /// one that the file gives, where all gaps are multiples of it. Else of frames that mostly follow one another it is the
 /// smallest gap, of others their thickness, else the largest step of which all gaps are multiples. `warnings`: a
 /// distance that was found or assumed against what the file says. Errors: frames shifted to the side, or places that
-/// are on no even lattice.
+/// are on no even lattice, or on one of smaller steps alone where most frames lie apart as the file says.
 Result<FrameLattice> lattice_of(const std::filesystem::path& path, const PlacedFrames& frames,
                                 std::vector<std::string>& warnings);
 

@@ -151,6 +151,28 @@ TEST_CASE("the slices of a segmentation lie as its spacing says or else its thic
   CHECK(slices == 6);
 }
 
+TEST_CASE("a frame that lies between the slices that the file says is refused and not put on thinner ones") {
+  SegFile file;
+  file.frames = {{1, 0, {0}}, {1, 2.5, {0}}, {1, 5.75, {0}}, {1, 7.5, {0}}, {1, 10, {0}}};
+  seg_refused(file,
+              "says that its slices lie 2.50 mm apart, as most of its frames do, and its frame 3 lies 0.75 mm off");
+  file.spacing.clear();
+  file.thickness = "2.5";
+  seg_refused(file, "has slices of 2.50 mm, as far as most of its frames lie apart, and its frame 3 lies 0.75 mm off");
+  file.spacing = "2.5";
+  file.frames[4].z = 11.25;
+  file.frames.push_back({1, 12.5, {0}});
+  file.frames.push_back({1, 15, {0}});
+  seg_refused(file, "2 others (as frame 3) lie up to 1.25 mm off");
+  // All frames lie nearer to one another than it says.
+  file.spacing = "5";
+  file.frames = {{1, 0, {0}}, {1, 2.5, {0}}, {1, 5, {0}}};
+  const auto read = read_seg(file);
+  if (!read) FAIL(read.error().sentence());
+  CHECK(read->volume.geometry.dims == std::array{5, 3, 3});
+  CHECK(read->warnings.size() == 1);
+}
+
 TEST_CASE("segments that overlap lie in layers and are chosen by name") {
   SegFile file;
   file.frames[2].set = {0, 1};

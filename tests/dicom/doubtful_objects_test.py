@@ -54,4 +54,13 @@ compare("off by little", moved("off by little", 0.03), grid, {1: column}, 2, 6)
 compare("nearer", write("nearer", make.seg({1: column}, grid, spacing=5, thickness=None)), grid, {1: column}, 2, 6, "says that its slices lie 5.00 mm")
 compare("nearer than thick", write("nearer than thick", make.seg({1: column}, grid, spacing=None, thickness=5)), grid, {1: column}, 2, 6)
 
+# A part of a segmentation is not the whole; one of a single part is.
+ds = make.seg(masks, grid)
+ds.ConcatenationUID, ds.InConcatenationNumber, ds.InConcatenationTotalNumber, ds.ConcatenationFrameOffsetNumber = make.SERIES + ".901", 1, 2, 0
+refused("a part", write("a part", ds), "is part 1 of 2 of a segmentation", "concatenation", "as one file")
+del ds.InConcatenationTotalNumber
+refused("a part of an unknown number", write("a part of ?", ds), "is part 1 of ? of a segmentation")
+ds.InConcatenationTotalNumber = 1
+compare("the only part", write("the only part", ds), grid, masks, 2, 6)
+
 finish()

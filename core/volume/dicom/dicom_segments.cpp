@@ -276,6 +276,21 @@ bool keeps_empty_slices(const SegmentationFile& file, const std::vector<Volume>&
   });
 }
 
+/// Errors: the file holds a part of the frames alone [DICOM PS3.3, C.7.6.16.2.2.4].
+Result<void> check_whole(const DicomSet& set) {
+  constexpr DicomTag number_tag = 0x00209162, total_tag = 0x00209163;
+  const auto number = binary_number_of(set.elements, number_tag, set.big_endian),
+             total = binary_number_of(set.elements, total_tag, set.big_endian);
+  const bool divided = total ? *total > 1 : number.has_value();
+  if (!divided) return {};
+  const auto words = [](const std::optional<double>& count) {
+    return count ? std::to_string(static_cast<long>(*count)) : std::string("?");
+  };
+  return fail(set.path.string(), "is part " + words(number) + " of " + words(total) +
+                                     " of a segmentation that lies in several files (a concatenation), so that it "
+                                     "lacks the frames of the others; export it as one file");
+}
+
 Result<VolumeRead> place_voxels(const SegmentationFile& file, VolumeRead result) {
   using Kind = SegmentFrames::Kind;
   const bool packed = file.header.bits_allocated == 1;
@@ -343,6 +358,7 @@ Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optio
         "is a segmentation without frames (one of surfaces has none); export it as a binary one or a label map");
   if (header.pixels_missing)
     return fail(set.path.string(), "is cut short: pixels are missing; copy or download it again");
+  if (auto whole = check_whole(set); !whole) return fail(whole.error());
   const auto frames = segment_frames(set, header);
   if (!frames) return fail(frames.error());
   VolumeRead result;

@@ -22,7 +22,7 @@ ReferencedImages segmented_images(const DicomSet& set);
 /// the images that they refer to, else on the slices that the file declares [dicom_lattice.h], from the first frame to
 /// the last; unless the file keeps empty ones, more may lie beyond (Volume::empty_beyond_slices). Errors: no frame of
 /// reference, a segment that is not described, frames without a place, two of a segment at one place, pixels that are
-/// missing or cannot be decoded.
+/// missing or cannot be decoded, a part of a segmentation that lies in several files.
 Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optional<ImageGrid>& series,
                                            Progress* progress);
 

@@ -446,6 +446,14 @@ TEST_CASE("frames that each begin with a byte of their own are read so and said 
   seg_refused(file, "holds 62 bytes of pixels, where its 32 frames take 60");
 }
 
+TEST_CASE("a part of a segmentation that lies in several files is refused") {
+  SegFile file;
+  file.more = us(0x00209162, 2) + us(0x00209163, 3);
+  seg_refused(file, "is part 2 of 3 of a segmentation that lies in several files");
+  file.more = us(0x00209162, 1) + us(0x00209163, 1);
+  CHECK(read_seg(file));
+}
+
 TEST_CASE("a segmentation that does not fit the image it is read with lies on its own series beside it") {
   const TemporaryFolder folder;
   Slice slice;

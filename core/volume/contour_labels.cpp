@@ -57,11 +57,9 @@ class ResampledPlanes {
  public:
   ResampledPlanes(const ResampledSlices& done) : slices_(done.slices), nearest_(done.slices.size()) {
     for (int k = 0; k < done.dims[2]; ++k) {
-      const SliceNeighbours at = neighbours_of(slices_, k);
-      constexpr double half = 0.5 + 1e-6;  // what lies in the middle goes to the lower one
-      const std::size_t old = at.share > half ? at.above : at.below;
-      nearest_[old].push_back({k, Vec3(at.column - slices_[old].column, at.row - slices_[old].row, 0)});
-      farthest_ = std::max(farthest_, std::abs(k - slices_[old].height));
+      const TakenSlice taken = taken_by(slices_, k);
+      const OldSlice& old = slices_[taken.old];
+      nearest_[taken.old].push_back({k, Vec3(taken.column - old.column, taken.row - old.row, 0)});
     }
   }
 
@@ -80,8 +78,6 @@ class ResampledPlanes {
     return true;
   }
 
-  double farthest() const { return farthest_; }  ///< of a slice from the old one that it takes over, in slices
-
  private:
   struct Taken {
     int slice = 0;
@@ -89,7 +85,6 @@ class ResampledPlanes {
   };
   std::vector<OldSlice> slices_;
   std::vector<std::vector<Taken>> nearest_;
-  double farthest_ = 0;
 };
 
 /// The contours of a structure on the slices across the axis where most of them lie on some. `resampled`: null where
@@ -299,11 +294,7 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
                               "structures from 1");
   std::optional<ResampledPlanes> planes;
   if (resampled) planes.emplace(*resampled);
-  if (planes)
-    result.warnings.push_back(path.string() +
-                              ": was drawn on slices that were resampled; each slice of the grid has "
-                              "the contours of the old one nearest to it, up to " +
-                              mm_text(planes->farthest() * grid.spacing_mm.z()) + " away");
+  if (resampled) result.warnings.push_back(taken_sentence(path, "contours", *resampled, grid));
   Layers layers;
   std::optional<Error> off_slices;
   for (std::size_t r = 0; r < contours.rois.size(); ++r) {

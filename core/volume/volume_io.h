@@ -19,11 +19,30 @@ struct SeriesInfo {
   int files = 0;
 };
 
+/// One of the slices that a series had, as the rectangular grid sees it that they became.
+struct OldSlice {
+  double height = 0;           ///< along the normal, in slices of the grid from the first
+  double column = 0, row = 0;  ///< of its first voxel, in pixels of the grid
+};
+
+/// How slices that are no even stack became a rectangular grid.
+struct ResampledSlices {
+  std::string why;                   ///< what was no even stack: "slices that are shifted sideways …"
+  int from_slices = 0;               ///< that the series has
+  double least_mm = 0, most_mm = 0;  ///< between two of them along their normal
+  double shifted_mm = 0;             ///< by how much they lie sideways against one another
+  int columns = 0, rows = 0;         ///< of a slice that the series has
+  std::array<int, 3> dims{0, 0, 0};  ///< of the new grid
+  Vec3 spacing_mm = Vec3::Zero();    ///< of the new grid
+  std::vector<OldSlice> slices{};    ///< of the first frame, by height
+};
+
 /// The grid of an image, and of DICOM the space that it lies in and the images that are its slices (empty elsewhere).
 struct ImageGrid {
   VolumeGeometry geometry;
   std::string frame_of_reference;
   std::vector<SourceImage> images{};
+  std::optional<ResampledSlices> resampled{};  ///< where the images are no slices of the grid
 };
 
 /// UIDs of the DICOM images that a segmentation or contours were made on, as far as the file names them, and of the
@@ -45,23 +64,6 @@ struct VolumeReadOptions {
   /// DICOM segmentations: the image beside which it is read; taken as its grid where its frames lie on slices of that,
   /// in the same space.
   std::optional<ImageGrid> image{};
-};
-
-/// One of the slices that a series had, as the rectangular grid sees it that they became.
-struct OldSlice {
-  double height = 0;           ///< along the normal, in slices of the grid from the first
-  double column = 0, row = 0;  ///< of its first voxel, in pixels of the grid
-};
-
-/// How slices that are no even stack became a rectangular grid.
-struct ResampledSlices {
-  std::string why;                   ///< what was no even stack: "slices that are shifted sideways …"
-  int from_slices = 0;               ///< that the series has
-  double least_mm = 0, most_mm = 0;  ///< between two of them along their normal
-  double shifted_mm = 0;             ///< by how much they lie sideways against one another
-  std::array<int, 3> dims{0, 0, 0};  ///< of the new grid
-  Vec3 spacing_mm = Vec3::Zero();    ///< of the new grid
-  std::vector<OldSlice> slices{};    ///< of the first frame, by height
 };
 
 /// A volume and what had to be mended to read it (each a sentence for `homolog: warning: …`).

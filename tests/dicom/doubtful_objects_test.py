@@ -63,4 +63,66 @@ refused("a part of an unknown number", write("a part of ?", ds), "is part 1 of ?
 ds.InConcatenationTotalNumber = 1
 compare("the only part", write("the only part", ds), grid, masks, 2, 6)
 
+
+# A segmentation that was drawn on slices that are no even stack: each slice of the grid has the nearest old frame.
+def series_at(name, places):
+    make.write_series(folder / name, grid)
+    for k, place in enumerate(places):
+        ds = pydicom.dcmread(folder / name / f"ct{k:03}.dcm")
+        ds.ImagePositionPatient = [make.number(v) for v in place]
+        ds.save_as(folder / name / f"ct{k:03}.dcm")
+    return folder / name
+
+
+def drawn_on(name, places, given, **how):
+    ds = make.seg(given, grid, spacing=None, **how)
+    for group in ds.PerFrameFunctionalGroupsSequence:
+        place = group.PlanePositionSequence[0]
+        k = round((float(place.ImagePositionPatient[2]) - grid.origin[2]) / make.STEP)
+        place.ImagePositionPatient = [make.number(v) for v in places[k]]
+    return write(name, ds)
+
+
+def resampled(name, path, ct, *words):
+    out = folder / "resampled.seg.nrrd"
+    out.unlink(missing_ok=True)
+    ran = run("convert", path, out, "--like", ct, "--resample")
+    check(name + " says", all(w in ran.stderr for w in words), ran.stderr)
+    return read_nrrd(out) if out.exists() else (numpy.zeros((1, 1, 1, 1)), None, None, {})
+
+
+over = {1: masks[1], 2: numpy.maximum(masks[2], masks[1])}
+heights = [0, 2, 4, 6, 8, 10, 13, 16, 19]
+for like in ("highdicom", "dcmqi"):
+    # 1.5 mm are two rows; the last slice lies 16 rows beside the first.
+    places = [grid.origin + [0, 1.5 * k, 2.5 * k] for k in range(9)]
+    ct = series_at("tilted", places)
+    path = drawn_on(f"on tilted {like}", places, masks, like=like)
+    refused(f"tilted alone {like}", path, "shifted sideways", "--like, with --resample where that is tilted")
+    voxels = resampled(f"tilted {like}", path, ct, "was drawn on slices that were resampled", "nearest to it, up to 0.00 mm away")[0][0]
+    wanted = numpy.zeros((9, 21, 7), numpy.uint8)
+    for k in range(9):
+        wanted[k, 2 * k:2 * k + 5] = labels[k]
+    check(f"tilted {like}", voxels.shape == wanted.shape and numpy.array_equal(voxels, wanted), voxels.shape)
+    voxels, _, _, segments = resampled(f"tilted layers {like}", drawn_on(f"layers on tilted {like}", places, over, like=like), ct, "layers")
+    for n in segments and over:
+        layer, value, _ = segments[make.NAMES[n]]
+        check(f"tilted layers {like} {n}", (voxels[layer] == value).sum() == over[n].sum(), n)
+    # Unevenly spaced: 12 and 14 mm lie nearest to 13, and 18 to 19.
+    places = [grid.origin + [0, 0, z] for z in heights]
+    ct = series_at("uneven", places)
+    tall = {1: masks[1].copy()}
+    tall[1][8, 2, 2:5] = 1
+    voxels = resampled(f"uneven {like}", drawn_on(f"on uneven {like}", places, tall, like=like), ct, "up to 1.00 mm away")[0][0]
+    wanted = numpy.stack([tall[1][k] for k in (0, 1, 2, 3, 4, 5, 6, 6, 7, 8)])
+    check(f"uneven {like}", numpy.array_equal(voxels, wanted), numpy.argwhere(voxels)[:9])
+
+# What is written on the new grid is read on it.
+source = folder / "t.seg.nrrd"
+ct = folder / "tilted"
+run("convert", folder / "on tilted dcmqi" / "seg.dcm", source, "--like", ct, "--resample")
+run("convert", source, folder / "again.dcm", "--like", ct, "--resample")
+voxels = resampled("written again", folder / "again.dcm", ct)[0]
+check("written again", source.exists() and numpy.array_equal(voxels, read_nrrd(source)[0]), voxels.shape)
+
 finish()

@@ -109,7 +109,8 @@ Result<Report> convert_contours(const fs::path& in, const fs::path& out, const f
 Result<VolumeRead> read_on_image(const fs::path& in, VolumeReadOptions reading, const fs::path& like, bool resample) {
   const auto image = read_like(like, resample, *reading.progress);
   if (!image) return fail(image.error());
-  reading.image = ImageGrid{image->volume.geometry, image->volume.frame_of_reference, image->volume.images};
+  reading.image =
+      ImageGrid{image->volume.geometry, image->volume.frame_of_reference, image->volume.images, image->resampled};
   auto map = read_volume(in, reading);
   if (!map) return map;
   if (map->segmentation.segments.empty() && !is_mask(map->volume))

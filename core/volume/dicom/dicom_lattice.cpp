@@ -202,8 +202,8 @@ Result<void> check_beside(const fs::path& path, const PlacedFrames& frames, cons
       std::hypot(rounded_by_mm(frames, frames.axes.first), rounded_by_mm(frames, frames.axes.second));
   if (worst <= std::max({0.1 * pixel, std::min(0.15, 0.25 * pixel), std::min(rounded, 0.5 * pixel)})) return {};
   return fail(path.string(), "has frames that are shifted sideways against one another, by up to " + mm_text(worst) +
-                                 "; read it with the series that it was drawn on (--like), or export it on slices that "
-                                 "lie straight behind one another");
+                                 "; convert it on the series that it was drawn on (--like, with --resample where that "
+                                 "is tilted), or export it on slices that lie straight behind one another");
 }
 
 /// Images by their UIDs; null where several have one.
@@ -295,6 +295,44 @@ std::optional<FrameLattice> on_images(const PlacedFrames& frames, const ImageGri
   return lattice;
 }
 
+std::optional<FrameLattice> on_old_slices(const PlacedFrames& frames, const ImageGrid& series) {
+  if (!series.resampled) return {};
+  const ResampledSlices& done = *series.resampled;
+  if (done.columns != frames.columns || done.rows != frames.rows) return {};
+  const VolumeGeometry& grid = series.geometry;
+  const auto [columns, rows] = frames.pixel_mm;
+  const Vec3 close = near_voxels(grid.spacing_mm), origin = grid.to_voxel(grid.origin_mm);
+  const Vec3 last_step =
+      columns * (frames.columns - 1) * frames.axes.first + rows * (frames.rows - 1) * frames.axes.second;
+  const Vec3 last_wanted(frames.columns - 1, frames.rows - 1, 0);
+  if ((grid.to_voxel(grid.origin_mm + last_step) - origin - last_wanted).cwiseAbs().cwiseQuotient(close).maxCoeff() > 1)
+    return {};
+  FrameLattice lattice{grid, {}};
+  lattice.old_slices = true;
+  lattice.geometry.dims = {frames.columns, frames.rows, done.from_slices};
+  for (const Vec3& position : frames.positions_mm) {
+    const Vec3 first = grid.to_voxel(position);
+    const auto off = [&](const OldSlice& old) {
+      return (first - Vec3(old.column, old.row, old.height)).cwiseAbs().cwiseQuotient(close).maxCoeff();
+    };
+    const auto nearest = std::ranges::min_element(done.slices, {}, off);
+    if (nearest == done.slices.end() || !(off(*nearest) <= 1)) return {};
+    lattice.slices.push_back(static_cast<int>(nearest - done.slices.begin()));
+  }
+  return lattice;
+}
+
+std::optional<FrameLattice> lattice_on_series(const PlacedFrames& frames, const ImageGrid& series) {
+  if (!series.resampled) {
+    auto by_images = on_images(frames, series);
+    return by_images ? by_images : on_grid(frames, series.geometry);
+  }
+  const bool refer = std::ranges::none_of(frames.images, [](const std::string& uid) { return uid.empty(); });
+  if (auto old = refer ? on_old_slices(frames, series) : std::nullopt) return old;
+  auto on_new = on_grid(frames, series.geometry);
+  return on_new ? on_new : on_old_slices(frames, series);
+}
+
 std::vector<std::string> doubts_about_places(const fs::path& path, const PlacedFrames& frames,
                                              const FrameLattice& lattice, const std::vector<SourceImage>& series) {
   constexpr double noticed_mm = 0.1;
@@ -303,7 +341,8 @@ std::vector<std::string> doubts_about_places(const fs::path& path, const PlacedF
   double worst = 0;
   for (std::size_t f = 0; f < frames.positions_mm.size(); ++f) {
     const int slice = lattice.slices[f];
-    worst = std::max(worst, (frames.positions_mm[f] - lattice.geometry.to_mm(Vec3(0, 0, slice))).norm());
+    if (!lattice.old_slices)
+      worst = std::max(worst, (frames.positions_mm[f] - lattice.geometry.to_mm(Vec3(0, 0, slice))).norm());
     const auto image = images.find(frames.images[f]);
     if (image == images.end() || image->second == nullptr || image->second->slice == slice || !doubts.empty()) continue;
     doubts.push_back(path.string() + ": its frame " + std::to_string(f + 1) + " lies on slice " +

@@ -26,7 +26,8 @@ struct PlacedFrames {
 struct FrameLattice {
   VolumeGeometry geometry;
   std::vector<int> slices;
-  bool by_images = false;  ///< frames were put where the images are that they refer to
+  bool by_images = false;   ///< frames were put where the images are that they refer to
+  bool old_slices = false;  ///< the grid is of the slices that a series had before it was resampled, in their pixels
 };
 
 /// The slices of frames of which the empty ones may have been left out, so that gaps stay gaps. Their distance is the
@@ -48,6 +49,15 @@ std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeom
 /// The slices of the images that frames refer to, whether or not these lie evenly; nothing where a frame refers to none
 /// of them, or lies beside its image [near_voxels].
 std::optional<FrameLattice> on_images(const PlacedFrames& frames, const ImageGrid& series);
+
+/// The slices that a series had before it was resampled [ImageGrid::resampled], on which frames lie; nothing where one
+/// lies on none of them [near_voxels]. The grid has these slices as if they lay evenly [take_slices].
+std::optional<FrameLattice> on_old_slices(const PlacedFrames& frames, const ImageGrid& series);
+
+/// The slices on the grid of a series: on those of the images that frames refer to, else on the grid. Of a series that
+/// was resampled on those that it had, where frames refer to images or lie on no slices of the grid. Nothing where they
+/// lie on none of these.
+std::optional<FrameLattice> lattice_on_series(const PlacedFrames& frames, const ImageGrid& series);
 
 /// Warnings about frames (of `path`) that were put on slices: that they lie off these by more than rounded
 /// places do, and which refers to an image of another slice than the one it lies on.

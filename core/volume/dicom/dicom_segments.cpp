@@ -12,6 +12,7 @@
 #include "core/base/text/text.h"
 #include "core/volume/dicom/dicom_pixels.h"
 #include "core/volume/dicom/dicom_segment_frames.h"
+#include "core/volume/dicom/resample_slices.h"
 #include "core/volume/stored_voxels.h"
 
 namespace homolog {
@@ -364,8 +365,7 @@ Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optio
   VolumeRead result;
   result.referenced = segmented_images(set);
   result.warnings = frames->warnings;
-  auto lattice = series ? on_images(frames->placed, *series) : std::nullopt;
-  if (!lattice && series) lattice = on_grid(frames->placed, series->geometry);
+  auto lattice = series ? lattice_on_series(frames->placed, *series) : std::nullopt;
   const bool on_series = lattice.has_value();
   if (!lattice) {
     auto own = lattice_of(set.path, frames->placed, result.warnings);
@@ -375,7 +375,16 @@ Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optio
   const std::vector<SourceImage> none;
   const auto doubts = doubts_about_places(set.path, frames->placed, *lattice, on_series ? series->images : none);
   result.warnings.insert(result.warnings.end(), doubts.begin(), doubts.end());
-  return place_voxels({header, *frames, std::move(*lattice), on_series, progress}, std::move(result));
+  const bool on_old_slices = lattice->old_slices;
+  auto read = place_voxels({header, *frames, std::move(*lattice), on_series, progress}, std::move(result));
+  if (!read || !on_old_slices) return read;
+  std::vector<Volume*> layers{&read->volume};
+  for (Volume& layer : read->other_layers) layers.push_back(&layer);
+  for (Volume* layer : layers)
+    if (auto taken = take_slices(set.path, *series->resampled, series->geometry, *layer); !taken)
+      return fail(taken.error());
+  read->warnings.push_back(taken_sentence(set.path, "frames", *series->resampled, series->geometry));
+  return read;
 }
 
 }  // namespace homolog

@@ -117,6 +117,50 @@ SliceNeighbours neighbours_of(std::span<const OldSlice> slices, int k) {
   return found;
 }
 
+TakenSlice taken_by(std::span<const OldSlice> slices, int k) {
+  const SliceNeighbours at = neighbours_of(slices, k);
+  constexpr double half = 0.5 + 1e-6;  // what lies in the middle goes to the lower one
+  const std::size_t old = at.share > half ? at.above : at.below;
+  return {old, at.column, at.row, std::abs(k - slices[old].height)};
+}
+
+Result<void> take_slices(const fs::path& path, const ResampledSlices& done, const VolumeGeometry& grid,
+                         Volume& volume) {
+  const double bytes = std::visit([]<class T>(const std::vector<T>&) { return sizeof(T) * 1.0; }, volume.data);
+  if (auto enough = check_memory(path, bytes * static_cast<double>(grid.voxels())); !enough)
+    return fail(enough.error());
+  const VolumeGeometry old = volume.geometry;
+  volume.data = std::visit(
+      [&]<class T>(const std::vector<T>& voxels) -> VoxelData {
+        std::vector<T> result(grid.voxels());
+        std::size_t at = 0;
+        for (int k = 0; k < grid.dims[2]; ++k) {
+          const TakenSlice taken = taken_by(done.slices, k);
+          for (int j = 0; j < grid.dims[1]; ++j)
+            for (int i = 0; i < grid.dims[0]; ++i, ++at) {
+              const double column = std::rint(i - taken.column), row = std::rint(j - taken.row);
+              if (column < 0 || column >= old.dims[0] || row < 0 || row >= old.dims[1]) continue;
+              result[at] = voxels[old.index(static_cast<std::int64_t>(column), static_cast<std::int64_t>(row),
+                                            static_cast<std::int64_t>(taken.old))];
+            }
+        }
+        return result;
+      },
+      volume.data);
+  volume.geometry = grid;
+  volume.range_min = std::min(volume.range_min, 0.0);
+  volume.range_max = std::max(volume.range_max, 0.0);
+  return {};
+}
+
+std::string taken_sentence(const fs::path& path, const std::string& what, const ResampledSlices& done,
+                           const VolumeGeometry& grid) {
+  double farthest = 0;
+  for (int k = 0; k < done.dims[2]; ++k) farthest = std::max(farthest, taken_by(done.slices, k).off);
+  return path.string() + ": was drawn on slices that were resampled; each slice of the grid has the " + what +
+         " of the old one nearest to it, up to " + mm_text(farthest * grid.spacing_mm.z()) + " away";
+}
+
 Result<ResampledSlices> resample_slices(const fs::path& path, const DicomArrangement& arrangement, Volume& volume,
                                         Progress* progress) {
   const VolumeGeometry old = volume.geometry;
@@ -125,7 +169,8 @@ Result<ResampledSlices> resample_slices(const fs::path& path, const DicomArrange
     const auto at = static_cast<std::size_t>(s);
     gaps.push_back(arrangement.planes[at].along_normal_mm - arrangement.planes[at - 1].along_normal_mm);
   }
-  ResampledSlices done{.why = arrangement.uneven, .from_slices = arrangement.slices};
+  ResampledSlices done{
+      .why = arrangement.uneven, .from_slices = arrangement.slices, .columns = old.dims[0], .rows = old.dims[1]};
   std::sort(gaps.begin(), gaps.end());
   done.least_mm = gaps.front();
   done.most_mm = gaps.back();

@@ -111,7 +111,9 @@ std::string name_of(const OpenRequest& request) {
 /// The grid that a segmentation gets which is read beside an image. Nothing beside one that is a segmentation itself.
 std::optional<ImageGrid> grid_beside(const Volume* image) {
   if (image == nullptr || image->empty_beyond_slices) return {};
-  return ImageGrid{image->geometry, image->frame_of_reference, image->images};
+  // Images of slices that were resampled are no slices of the grid.
+  return ImageGrid{image->geometry, image->frame_of_reference,
+                   image->resampled ? std::vector<SourceImage>() : image->images};
 }
 
 /// Errors: labels that were drawn on another scan than the image; of other images of it a warning. `image_name`: what

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "core/base/processes/memory.h"
 #include "core/base/text/text.h"
@@ -31,7 +32,19 @@ struct SlicedRoi {
   int axis = 2;
   std::map<int, std::vector<std::pair<Polygon, bool>>> slices;  ///< with whether it is combined by exclusive or
   std::size_t closed = 0, off_slices = 0;                       ///< how many there are, and lie on no slice
+  std::size_t elsewhere = 0;            ///< how many refer to the image of another slice than the one that they lie on
+  std::pair<int, int> first_elsewhere;  ///< of the first of them both
 };
+
+/// The slice of each image by its UID; of those that several have, none.
+std::map<std::string, int> slices_by_uid(const std::vector<SourceImage>& images) {
+  std::map<std::string, int> slices;
+  std::set<std::string> several;
+  for (const SourceImage& image : images)
+    if (!slices.emplace(image.uid, image.slice).second) several.insert(image.uid);
+  for (const std::string& uid : several) slices.erase(uid);
+  return slices;
+}
 
 std::string about_roi(const ContourRoi& roi) {
   return "structure " + std::to_string(roi.number) + " (" + excerpt(roi.name) + ")";
@@ -63,19 +76,20 @@ class ResampledPlanes {
     }
   }
 
-  /// Puts a polygon on the slices that take over the old one on which it lies. False where it lies on none.
-  bool add(const Polygon& polygon, bool cuts_out, SlicedRoi& roi) const {
+  /// Puts a polygon on the slices that take over the old one on which it lies. Gives that one; nothing where there is
+  /// none.
+  std::optional<int> add(const Polygon& polygon, bool cuts_out, SlicedRoi& roi) const {
     const auto reach = reach_across(polygon, 2);
     const auto on = std::ranges::find_if(slices_, [&](const OldSlice& old) {
       return reach.first >= old.height - off_slice && reach.second <= old.height + off_slice;
     });
-    if (on == slices_.end()) return false;
+    if (on == slices_.end()) return {};
     for (const auto& [k, way] : nearest_[static_cast<std::size_t>(on - slices_.begin())]) {
       Polygon moved = polygon;
       for (Vec3& point : moved) point += way;
       roi.slices[k].emplace_back(std::move(moved), cuts_out);
     }
-    return true;
+    return static_cast<int>(on - slices_.begin());
   }
 
  private:
@@ -88,16 +102,22 @@ class ResampledPlanes {
 };
 
 /// The contours of a structure on the slices across the axis where most of them lie on some. `resampled`: null where
-/// the grid is that of the series.
-SlicedRoi sliced(const ContourRoi& roi, const VolumeGeometry& grid, const ResampledPlanes* resampled) {
-  std::vector<std::pair<Polygon, bool>> polygons;
+/// the grid is that of the series. `images`: their slices.
+SlicedRoi sliced(const ContourRoi& roi, const VolumeGeometry& grid, const ResampledPlanes* resampled,
+                 const std::map<std::string, int>& images) {
+  struct Drawn {
+    Polygon polygon;
+    bool cuts_out = false;
+    std::string image;
+  };
+  std::vector<Drawn> polygons;
   const Mat3 back = grid.direction.inverse();
   for (const Contour& contour : roi.contours) {
     if (!contour.closed) continue;
     Polygon polygon;
     for (const Vec3& point : contour.points)
       polygon.push_back((back * (point - grid.origin_mm)).cwiseQuotient(grid.spacing_mm));
-    polygons.emplace_back(std::move(polygon), contour.cuts_out);
+    polygons.push_back({std::move(polygon), contour.cuts_out, contour.image});
   }
   SlicedRoi result;
   result.closed = polygons.size();
@@ -105,19 +125,21 @@ SlicedRoi sliced(const ContourRoi& roi, const VolumeGeometry& grid, const Resamp
   for (const int axis : {2, 1, 0}) {
     if (resampled != nullptr) break;
     const auto on =
-        std::ranges::count_if(polygons, [&](const auto& one) { return slice_of(one.first, axis).has_value(); });
+        std::ranges::count_if(polygons, [&](const Drawn& one) { return slice_of(one.polygon, axis).has_value(); });
     if (on > most) result.axis = axis;
     most = std::max(most, on);
   }
-  for (auto& [polygon, cuts_out] : polygons) {
-    if (resampled != nullptr) {
-      if (!resampled->add(polygon, cuts_out, result)) ++result.off_slices;
+  for (auto& [polygon, cuts_out, uid] : polygons) {
+    const auto slice =
+        resampled != nullptr ? resampled->add(polygon, cuts_out, result) : slice_of(polygon, result.axis);
+    if (!slice) {
+      ++result.off_slices;
       continue;
     }
-    if (const auto slice = slice_of(polygon, result.axis))
-      result.slices[*slice].emplace_back(std::move(polygon), cuts_out);
-    else
-      ++result.off_slices;
+    if (resampled == nullptr) result.slices[*slice].emplace_back(std::move(polygon), cuts_out);
+    const auto image = result.axis == 2 ? images.find(uid) : images.end();
+    if (image == images.end() || image->second == *slice) continue;
+    if (result.elsewhere++ == 0) result.first_elsewhere = {*slice, image->second};
   }
   return result;
 }
@@ -129,6 +151,18 @@ std::string off_slices_words(const ContourRoi& roi, const SlicedRoi& sliced, con
                                                                     std::to_string(sliced.closed) + " contours of its ";
   return "draws " + some + about_roi(roi) + " on planes that are no slices of " + image_path.string() +
          "; give the series that it was drawn on by --like, and not resampled";
+}
+
+/// That contours refer to images of other slices than their own: a sentence without its file.
+std::string elsewhere_words(const ContourRoi& roi, const SlicedRoi& sliced) {
+  const bool one = sliced.elsewhere == 1;
+  const auto [lies, refers] = sliced.first_elsewhere;
+  return "its " + about_roi(roi) + " has " + std::to_string(sliced.elsewhere) +
+         (one ? " contour that refers to the image of another slice than the one it lies on"
+              : " contours that refer to the image of another slice than the one they lie on") +
+         " (" + (one ? "it" : "the first") + " lies on slice " + std::to_string(lies + 1) +
+         " of its series and refers to the image of slice " + std::to_string(refers + 1) + "); " +
+         (one ? "its place was taken" : "their places were taken");
 }
 
 /// Where a line of voxel centres crosses the edges of a polygon, ascending. An edge holds its lower end alone, so that
@@ -292,6 +326,7 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
     result.warnings.push_back(path.string() +
                               ": numbers a structure beyond what a label can be (1 to 65535), so that labels count its "
                               "structures from 1");
+  const auto slices_of_images = slices_by_uid(image.images);
   std::optional<ResampledPlanes> planes;
   if (resampled) planes.emplace(*resampled);
   if (resampled) result.warnings.push_back(taken_sentence(path, "contours", *resampled, grid));
@@ -301,7 +336,8 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
     const ContourRoi& roi = contours.rois[r];
     if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
     if (progress) progress->report(static_cast<double>(r) / static_cast<double>(contours.rois.size()));
-    const SlicedRoi on_slices = sliced(roi, grid, planes ? &*planes : nullptr);
+    const SlicedRoi on_slices = sliced(roi, grid, planes ? &*planes : nullptr, slices_of_images);
+    if (on_slices.elsewhere > 0) result.warnings.push_back(path.string() + ": " + elsewhere_words(roi, on_slices));
     if (on_slices.off_slices > 0) {  // the others go on
       const std::string words = off_slices_words(roi, on_slices, image_path);
       result.warnings.push_back(path.string() + ": " + words + " (left out)");

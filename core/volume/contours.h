@@ -18,7 +18,12 @@ struct Contour {
   std::vector<Vec3> points;  ///< the last is joined to the first where it is closed, and is not the first again
   bool closed = true;
   bool cuts_out = false;  ///< combined with the others of its plane by exclusive or (CLOSEDPLANAR_XOR)
-  bool operator==(const Contour&) const = default;
+  std::string image{};    ///< UID of the only image that it was drawn on; empty: not said
+
+  /// The same line, whatever image it names.
+  bool operator==(const Contour& other) const {
+    return points == other.points && closed == other.closed && cuts_out == other.cuts_out;
+  }
 };
 
 /// One region of interest: a structure as someone drew it, plane by plane.

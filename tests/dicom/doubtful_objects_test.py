@@ -125,4 +125,25 @@ run("convert", source, folder / "again.dcm", "--like", ct, "--resample")
 voxels = resampled("written again", folder / "again.dcm", ct)[0]
 check("written again", source.exists() and numpy.array_equal(voxels, read_nrrd(source)[0]), voxels.shape)
 
+# Contours that refer to the image of another slice lie where they say, and that is said; twice is twice all the same.
+square = [(0.6, 0.6), (4.4, 0.6), (4.4, 3.4), (0.6, 3.4)]
+ct = folder / "straight"
+make.write_series(ct, grid)
+box = numpy.zeros(make.SHAPE)
+box[2:4, 1:4, 1:5] = 1
+for name, images, words in (("own images", (2, 3, 3), None),
+                            ("other images", (3, 4, 4), "has 2 contours that refer to the image of another slice than the one they lie on "
+                                                        "(the first lies on slice 3 of its series and refers to the image of slice 4); "
+                                                        "their places were taken"),
+                            ("one other image", (2, 4, 3), "has 1 contour that refers to the image of another slice")):
+    ds = make.rtstruct({1: ("A", [("CLOSED_PLANAR", make.on_plane(grid, k, square)) for k in (2, 3, 3)])})
+    for contour, k in zip(ds.ROIContourSequence[0].ContourSequence, images):
+        contour.ContourImageSequence = pydicom.Sequence([make.item(ReferencedSOPClassUID=make.CT, ReferencedSOPInstanceUID=f"{make.SERIES}.{k + 1}")])
+    out = folder / "contours.seg.nrrd"
+    out.unlink(missing_ok=True)
+    ran = run("convert", write(name, ds), out, "--like", ct)
+    check(name + " says", (words in ran.stderr) if words else "refer" not in ran.stderr, ran.stderr)
+    check(name + " twice", "1 contour twice" in ran.stderr, ran.stderr)
+    check(name, out.exists() and numpy.array_equal(read_nrrd(out)[0][0], box), ran.stderr)
+
 finish()

@@ -132,6 +132,13 @@ struct OddContours {
   }
 };
 
+/// The UID of the image that a contour was drawn on; empty where it names none, or several.
+std::string image_of(const DicomItem& item) {
+  std::set<std::string> uids;
+  for_each_item(item, rt::images, [&](const DicomItem& image) { uids.insert(text_of(image, rt::instance)); });
+  return uids.size() == 1 ? *uids.begin() : std::string();
+}
+
 /// Adds one contour. Errors: its points are missing, no numbers, or fewer or more than it says.
 Result<void> add_contour(const DicomItem& item, ContourRoi& roi, OddContours& odd) {
   const std::string kind = text_of(item, rt::kind);
@@ -154,6 +161,7 @@ Result<void> add_contour(const DicomItem& item, ContourRoi& roi, OddContours& od
     roi.points.insert(roi.points.end(), contour.points.begin(), contour.points.end());
     return {};
   }
+  contour.image = image_of(item);
   contour.closed = !kind.starts_with("OPEN");
   contour.cuts_out = kind == "CLOSEDPLANAR_XOR";
   constexpr std::array known_kinds{"CLOSED_PLANAR", "CLOSEDPLANAR_XOR", "OPEN_PLANAR", "OPEN_NONPLANAR"};

@@ -301,7 +301,9 @@ Result<Report> label_map_of_case(const fs::path& path, const fs::path& like_path
     return fail(path.string(), "has no mesh in the frame that it shows; show another one and save it");
   const auto like = read_like(like_path, resample, progress);
   if (!like) return fail(like.error());
-  MapOfMeshes made = map_of_meshes(meshes, like->volume.geometry);
+  const bool layered = keeps_layers(out);
+  MapOfMeshes made =
+      layered ? map_in_layers(meshes, like->volume.geometry) : map_of_meshes(meshes, like->volume.geometry);
   made.map.resampled = like->resampled;
   const auto record = record_of(command, progress);
   if (!record) return fail(record.error());
@@ -312,9 +314,12 @@ Result<Report> label_map_of_case(const fs::path& path, const fs::path& like_path
   report.warnings.insert(report.warnings.end(), like->warnings.begin(), like->warnings.end());
   report.warnings.insert(report.warnings.end(), written->begin(), written->end());
   if (made.contested_voxels > 0)
-    report.warnings.push_back(path.string() + ": has structures that overlap; " +
-                              std::to_string(made.contested_voxels) +
-                              " voxels that two of them hold went to the first; keep them apart in the case");
+    report.warnings.push_back(
+        path.string() + ": has structures that overlap; " + std::to_string(made.contested_voxels) +
+        (layered ? " voxels that two of them hold belong to both, in layers; where they should not, keep them apart in "
+                   "the case"
+                 : " voxels that two of them hold went to the first; keep them apart in the case, or end the name in "
+                   ".seg.nrrd or .dcm, which keep layers"));
   Json structures = Json::array();
   std::size_t all = 0;
   for (const Segment& segment : made.map.segmentation.segments) {

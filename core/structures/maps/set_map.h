@@ -18,7 +18,8 @@ struct MeshOfSegment {
 
 struct MapOfMeshes {
   VolumeRead map;
-  std::size_t contested_voxels = 0;  ///< that two meshes hold which may not overlap
+  /// That two meshes hold which may not overlap; of `map_in_layers` that two meshes of one layer hold.
+  std::size_t contested_voxels = 0;
 };
 
 /// A label map with names and colours. Structures lie in the layers that their segments say; within a layer a voxel
@@ -26,5 +27,9 @@ struct MapOfMeshes {
 /// (by their places among the meshes). Layers that no mesh is of are left out.
 MapOfMeshes map_of_meshes(const std::vector<MeshOfSegment>& meshes, const VolumeGeometry& grid,
                           std::span<const MeshPair> apart = {});
+
+/// The same with all voxels of each mesh: one that overlaps another of its layer lies in the first layer in which it
+/// overlaps none and its value is free.
+MapOfMeshes map_in_layers(const std::vector<MeshOfSegment>& meshes, const VolumeGeometry& grid);
 
 }  // namespace homolog

@@ -160,6 +160,11 @@ Result<Volume> single_mask(const Volume& layer, const std::map<int, VoxelBox>& b
 
 }  // namespace
 
+bool keeps_layers(const fs::path& path) {
+  const std::string name = lower_case_name(path);
+  return name.ends_with(".seg.nrrd") || name.ends_with(".dcm");
+}
+
 Result<void> write_segmentation(const VolumeRead& map, const fs::path& path, Progress* progress,
                                 const std::string& record) {
   const bool known = !map.segmentation.segments.empty() || !map.other_layers.empty();

@@ -8,6 +8,9 @@
 
 namespace homolog {
 
+/// Whether a file of this name keeps layers: `.seg.nrrd`, and a DICOM segmentation (.dcm).
+bool keeps_layers(const std::filesystem::path& path);
+
 /// Writes a label map with its names, colours and layers: `.seg.nrrd` as 3D Slicer writes it, all else as write_volume
 /// does with a JSON file beside it ("a.json" beside "a.nii.gz"), which take_names_beside reads again. Errors: those of
 /// write_volume; layers, which only `.seg.nrrd` holds; a JSON file of that name that is about something else.

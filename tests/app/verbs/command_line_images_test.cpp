@@ -236,9 +236,18 @@ TEST_CASE("all structures of a case become a label map and a DICOM segmentation 
   const auto voxels = labels_of(map->volume);
   const double ball_voxels = 4.0 / 3 * 3.14159 * 8 * 8 * 8;
   CHECK(static_cast<double>(voxels.at(1)) == doctest::Approx(ball_voxels).epsilon(0.03));
-  CHECK(voxels.at(2) < voxels.at(1));  // what both hold went to the first
-  CHECK(all.json()["structures"][1]["voxels"] == voxels.at(2));
-  CHECK(all.errors.find("voxels that two of them hold went to the first") != std::string::npos);
+  REQUIRE(map->other_layers.size() == 1);  // both keep what both hold
+  const std::size_t other_voxels = labels_of(map->other_layers.front()).at(2);
+  CHECK(static_cast<double>(other_voxels) == doctest::Approx(ball_voxels).epsilon(0.03));
+  CHECK(all.json()["structures"][1]["voxels"] == other_voxels);
+  CHECK(all.errors.find("voxels that two of them hold belong to both, in layers") != std::string::npos);
+  const Ran flat = run(folder, "label-map ball.homolog --like image.nii.gz -o map.nii.gz --json");
+  REQUIRE_MESSAGE(flat.status == 0, flat.errors);
+  const auto one_layer = read_volume(folder.path / "map.nii.gz");
+  REQUIRE(one_layer);
+  CHECK(labels_of(one_layer->volume).at(1) == voxels.at(1));
+  CHECK(labels_of(one_layer->volume).at(2) < other_voxels);  // what both hold went to the first
+  CHECK(flat.errors.find("voxels that two of them hold went to the first") != std::string::npos);
   check_refused(run(folder, "label-map ball.homolog --like image.nii.gz -o x.nrrd --value 3"), "--value has no effect");
 
   Slice slice;

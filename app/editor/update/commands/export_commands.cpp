@@ -168,7 +168,8 @@ void ExportStructuresMap::run(Editing& editing) const {
       editing, path,
       [meshes = std::move(meshes), grid = document.scan.image->geometry, image = document.scan.source](
           const fs::path& to, Progress& progress) {
-        return write_map(map_of_meshes(meshes, grid).map, to, image, progress);
+        const MapOfMeshes made = keeps_layers(to) ? map_in_layers(meshes, grid) : map_of_meshes(meshes, grid);
+        return write_map(made.map, to, image, progress);
       },
       std::move(remark));
 }

@@ -325,6 +325,30 @@ TEST_CASE("in a map of meshes a voxel belongs to one structure of a layer") {
   CHECK(apart.contested_voxels == one.contested_voxels);
   CHECK(labels_of(apart.map.volume).at(1) == held.at(1));
   CHECK(labels_of(apart.map.other_layers[0]).at(300) == held.at(300));
+
+  // In layers each keeps all its voxels, and a layer has a value once.
+  const MapOfMeshes layered = map_in_layers({{a, first}, {b, second}}, grid);
+  CHECK(layered.contested_voxels == one.contested_voxels);
+  REQUIRE(layered.map.other_layers.size() == 1);
+  CHECK(labels_of(layered.map.volume).at(1) == held.at(1));
+  CHECK(labels_of(layered.map.other_layers[0]).at(300) == held.at(1));
+  CHECK(layered.map.segmentation.segments[1].layer == 1);
+  Mesh third = first;
+  third.points.col(0).array() += 60;
+  const Segment d{"d", 2, 0, {}, {}}, e{"e", 300, 0, {}, {}};
+  const MapOfMeshes three = map_in_layers({{a, first}, {b, second}, {d, third}}, grid);
+  CHECK(three.map.other_layers.size() == 1);
+  CHECK(three.map.segmentation.find(2, 0) != nullptr);
+  CHECK(three.map.segmentation.find(300, 1) != nullptr);
+  const MapOfMeshes again = map_in_layers({{a, first}, {c, second}, {e, second}}, grid);
+  REQUIRE(again.map.other_layers.size() == 2);
+  CHECK(again.map.segmentation.segments[2].layer == 2);
+  CHECK(labels_of(again.map.other_layers[1]).at(300) == held.at(1));
+  // Nothing changes where none overlaps.
+  const MapOfMeshes free = map_in_layers({{a, first}, {d, third}}, grid);
+  CHECK(free.contested_voxels == 0);
+  CHECK(free.map.volume.data == map_of_meshes({{a, first}, {d, third}}, grid).map.volume.data);
+  CHECK(free.map.other_layers.empty());
 }
 
 }  // namespace homolog

@@ -104,6 +104,7 @@ Result<VolumeCarrier> VolumeCarrier::make(const VolumeMesh& mesh, const Mesh& th
   if (carrier.off_mm_ > 0.1 * diagonal)
     return fail("", "has an outside that lies up to " + mm_text(carrier.off_mm_) +
                         " off the template's surface, so it is not of this template; mesh the template itself");
+  carrier.far_off_ = carrier.off_mm_ > 0.01 * diagonal;
   carrier.least_ = scaled_jacobians(mesh.tetrahedra, mesh.points).minCoeff();
   carrier.prepare();
   return carrier;

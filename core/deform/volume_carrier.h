@@ -27,7 +27,7 @@ struct CarriedVolume {
 /// and stretched as the face is. Points within lie where the elements are least distorted [volume_energy.h].
 class VolumeCarrier {
  public:
-  /// Errors: the outside lies farther from the template than a few of its edges are long, so it is another body's.
+  /// Errors: the outside lies off the template by more than a tenth of its diagonal, so it is another body's.
   static Result<VolumeCarrier> make(const VolumeMesh& mesh, const Mesh& the_template);
 
   /// `shape`: the template's vertices in the case, LPS mm. Errors: another number of vertices; a
@@ -40,6 +40,8 @@ class VolumeCarrier {
   double asked() const;
   double edge_mm() const;                    ///< how long an edge of a regular element of mean volume is
   double off_mm() const { return off_mm_; }  ///< how far a point of the outside lies from the template at most
+  /// Whether that is more than meshers leave: above a hundredth of the template's diagonal.
+  bool is_far_off() const { return far_off_; }
 
  private:
   struct Solver;
@@ -64,6 +66,7 @@ class VolumeCarrier {
   std::vector<Eigen::Index> fixed_, free_;  ///< points on the outside (and those of no element), points within
   std::vector<SurfacePoint> places_;        ///< of the fixed ones
   double least_ = 0, off_mm_ = 0;
+  bool far_off_ = false;
   std::shared_ptr<const Solver> solver_;
 };
 

@@ -93,15 +93,16 @@ Result<Json> fill_one(const VolumeMesh& mesh, const Template& the_template, cons
                        " tetrahedra would be turned over, so no mesh was written; give one whose outside is as fine as "
                        "the template, or look at the fit");
   }
-  return Json{{"name", name},
-              {"scaled_jacobian_least", carried->least},
-              {"inverted", carried->inverted},
-              {"poor", carried->poor},
-              {"doubtful", !carried->sound() || carried->lifted_mm > carrier.edge_mm() || slid_far},
-              {"slid_mm", carried->slid_mm},
-              {"lifted_mm", carried->lifted_mm},
-              {"file", written ? Json(to.string()) : Json()},
-              {"seconds", taken.count()}};
+  return Json{
+      {"name", name},
+      {"scaled_jacobian_least", carried->least},
+      {"inverted", carried->inverted},
+      {"poor", carried->poor},
+      {"doubtful", !carried->sound() || carried->lifted_mm > carrier.edge_mm() || slid_far || carrier.is_far_off()},
+      {"slid_mm", carried->slid_mm},
+      {"lifted_mm", carried->lifted_mm},
+      {"file", written ? Json(to.string()) : Json()},
+      {"seconds", taken.count()}};
 }
 
 Result<Report> fill_shapes(const TetsJob& job, Progress& progress) {
@@ -115,6 +116,10 @@ Result<Report> fill_shapes(const TetsJob& job, Progress& progress) {
   if (!carrier) return fail(job.tets.string(), carrier.error().what);
   Report report;
   for (const std::string& warning : mesh->warnings) report.warnings.push_back(job.tets.string() + ": " + warning);
+  if (carrier->is_far_off())
+    report.warnings.push_back(job.tets.string() + ": its outside lies up to " + plain_number(carrier->off_mm()) +
+                              " mm off the template's surface, and about as far off that of each case; mesh the "
+                              "template itself");
   progress.part(0, 0.1);
   const auto sources = shape_sources(job.shapes, job.group);
   if (!sources) return fail(sources.error());

@@ -38,6 +38,28 @@ TEST_CASE("tetrahedra of a template are written in the shape of each case") {
   CHECK(run(folder, "tets t.ply a.ply --template t.ply -o out2").status == 1);
 }
 
+TEST_CASE("tetrahedra whose outside lies off the template are doubtful and said") {
+  const TemporaryFolder folder;
+  const Mesh ball = icosphere(2, 20);
+  REQUIRE(write_mesh(ball, folder.path / "t.ply"));
+  REQUIRE(write_mesh(ball, folder.path / "a.ply"));
+  const auto carried = [&](const Mesh& outside) {
+    std::ofstream(folder.path / "t.vtu") << BallOfTetrahedra(outside, 4).vtu();
+    return run(folder, "tets t.vtu a.ply --template t.ply -o out --json");
+  };
+  const Ran near = carried({ball.topology, ball.points * 1.01});
+  REQUIRE_MESSAGE(near.status == 0, near.errors);
+  CHECK(near.json()["cases"][0]["doubtful"] == false);
+  CHECK(near.errors.find("off the template's surface") == std::string::npos);
+  const Ran larger = carried({ball.topology, ball.points * 1.1});
+  REQUIRE_MESSAGE(larger.status == 0, larger.errors);
+  CHECK(larger.json()["off_mm"].get<double>() == doctest::Approx(2).epsilon(0.1));
+  CHECK(larger.json()["cases"][0]["doubtful"] == true);
+  CHECK(larger.errors.find("t.vtu: its outside lies up to ") != std::string::npos);
+  CHECK(larger.errors.find(" mm off the template's surface, and about as far off that of each case") !=
+        std::string::npos);
+}
+
 TEST_CASE("tetrahedra are not carried into a shape of another numbering") {
   const TemporaryFolder folder;
   const Mesh ball = icosphere(2, 20);

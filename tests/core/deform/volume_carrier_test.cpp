@@ -86,6 +86,9 @@ TEST_CASE("an outside that lies off the template keeps its distance in a larger 
   const Mesh inner{file.surface.topology, file.surface.points * 0.97};
   const VolumeCarrier carrier = test::must(VolumeCarrier::make(file.mesh, inner));
   CHECK(carrier.off_mm() == doctest::Approx(0.6).epsilon(0.02));
+  CHECK_FALSE(carrier.is_far_off());
+  const Mesh farther_in{file.surface.topology, file.surface.points * 0.95};
+  CHECK(test::must(VolumeCarrier::make(file.mesh, farther_in)).is_far_off());
   const CarriedVolume carried = test::must(carrier.carry(inner.points * 2, nullptr));
   CHECK((carried.points - 2 * file.mesh.points).cwiseAbs().maxCoeff() < 0.02);
   const Mesh other{file.surface.topology, file.surface.points * 0.6};

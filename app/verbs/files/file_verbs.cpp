@@ -120,6 +120,16 @@ Result<Mesh> surface_of(const MeshFile& file, const fs::path& path) {
   return Mesh{*faces, file.points};
 }
 
+/// Of an open mesh against a closed surface: Dice closes the rims, and the distances do not.
+void warn_of_rims(const fs::path& path, const Mesh& mesh, const std::string& closed,
+                  std::vector<std::string>& warnings) {
+  if (mesh.topology->rims().empty()) return;
+  warnings.push_back(path.string() +
+                     ": dice counts it as closed, and the distances (assd_mm, hd95_mm, hausdorff_mm) do "
+                     "not, so that the part of " +
+                     closed + " beyond the rim makes them larger than those that fit reports");
+}
+
 }  // namespace
 
 void add_compare(CLI::App& app, CommandLine& asked) {
@@ -152,6 +162,8 @@ void add_compare(CLI::App& app, CommandLine& asked) {
       const Agreement agreement = compare_meshes(*mesh, *other);
       for (std::string& warning : mesh_warnings(options->other, *other_file, *other))
         warnings.push_back(std::move(warning));
+      if (other->topology->rims().empty()) warn_of_rims(options->mesh, *mesh, options->other.string(), warnings);
+      if (mesh->topology->rims().empty()) warn_of_rims(options->other, *other, options->mesh.string(), warnings);
       if (agreement.dice < surely_met) warn_of_misfit(options->mesh, *mesh, options->other, *other, warnings);
       Report report{describe(agreement), std::move(warnings)};
       if (const auto landmarks = landmark_distances_mm(*file, *other_file); !landmarks.empty())
@@ -163,6 +175,7 @@ void add_compare(CLI::App& app, CommandLine& asked) {
     if (!mask) return fail(mask.error());
     const auto agreement = compare_with_mask(*mesh, mask->volume, mask->label, mask->frame);
     if (!agreement) return fail(options->mask.string(), mask->named(agreement.error().what));
+    warn_of_rims(options->mesh, *mesh, "the label", warnings);
     warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
     if (agreement->dice < surely_met)
       if (const auto target = labelled_surface(options->mask, *mask))

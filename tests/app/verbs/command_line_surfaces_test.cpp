@@ -290,6 +290,13 @@ TEST_CASE("what needs the inside of an open mesh says that its rim was closed fl
   CHECK(says("observers a.ply b/a.ply", " of the second:"));
   CHECK_FALSE(says("label-map ball.ply --like good.nii.gz -o l.nii", "ball.ply:"));
   CHECK_FALSE(says("compare ball.ply --mask l.nii", "ball.ply:"));
+  // Distances do not take the cap that Dice takes.
+  const std::string open = "a.ply: dice counts it as closed, and the distances";
+  CHECK(run(folder, "compare a.ply --mask l.nii").errors.find(open) != std::string::npos);
+  CHECK(run(folder, "compare ball.ply --mesh a.ply").errors.find(open) != std::string::npos);
+  CHECK(run(folder, "compare a.ply --mesh ball.ply").errors.find(open) != std::string::npos);
+  CHECK(run(folder, "compare a.ply --mesh b/a.ply").errors.find("dice counts it as closed") == std::string::npos);
+  CHECK(run(folder, "compare ball.ply --mask l.nii").errors.find("dice counts it as closed") == std::string::npos);
   const Json info = run(folder, "info a.ply --json").json();
   CHECK(info["volume_capped_ml"] == info["volume_ml"]);
   CHECK_FALSE(run(folder, "info ball.ply --json").json().contains("volume_capped_ml"));

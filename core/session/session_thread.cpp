@@ -48,6 +48,11 @@ struct SessionThread::Shared {
     std::vector<Compute> then;
     std::string of;
   };
+  /// What a preview showed when an edit ended it, and of which structure.
+  struct Previewed {
+    std::shared_ptr<const Document> shown;
+    std::string of;
+  };
   using Job = std::variant<EditStep, Computed, SaveAs, Save, NameLabels>;
 
   mutable std::mutex mutex;
@@ -61,6 +66,7 @@ struct SessionThread::Shared {
   EditSession session;
   std::shared_ptr<const Document> prepared;  ///< the document for whose next gesture all is ready
   std::string last_of;                       ///< the structure that was worked on last
+  std::optional<Previewed> previewed;        ///< until the last edit, for what follows it
   std::function<void()> wake;
   std::thread thread;
 
@@ -115,7 +121,9 @@ struct SessionThread::Shared {
   void do_action(EditStep step) {
     if (std::holds_alternative<Note>(step.action)) return do_note(std::move(step));
     Snapshot snapshot = *latest;
+    previewed.reset();
     auto report = session.apply(std::move(step));
+    if (report && snapshot.preview) previewed = {snapshot.shown, snapshot.preview_of};
     end_edit(snapshot);
     if (report) {
       snapshot.message = report->message;
@@ -135,7 +143,24 @@ struct SessionThread::Shared {
     publish(std::move(snapshot), report.error().sentence());
   }
 
+  /// The mesh that a preview showed until the edit that ended it stays on the screen while what follows it is computed.
+  void show_again(const Previewed& before, const std::string& of) {
+    const auto was = before.shown->view(before.of), is = session.document().view(of);
+    if (!was || !is || was->structure.id != is->structure.id || was->frame != is->frame ||
+        was->shape.points->rows() != is->shape.points->rows())
+      return;
+    auto updated = session.preview(SetPoints{FoundBy::fit, std::nullopt, was->shape.points}, {}, of);
+    if (!updated) return;
+    Snapshot snapshot = *latest;
+    snapshot.shown = std::make_shared<const Document>(std::move(updated->document));
+    snapshot.preview = std::move(updated->report);
+    snapshot.preview_of = of;
+    publish(std::move(snapshot));
+  }
+
   void do_computed(const Computed& computed) {
+    const auto before = std::exchange(previewed, std::nullopt);
+    if (before && computed.joined) show_again(*before, computed.of);
     auto action = computed.compute(session.document(), computed.of);
     if (action && *action) return do_action({std::move(**action), computed.of, computed.joined});
     Snapshot snapshot = *latest;
@@ -191,6 +216,7 @@ struct SessionThread::Shared {
 
   void show_preview(const Preview& preview) {
     Snapshot snapshot = *latest;
+    previewed.reset();
     snapshot.message.clear();  // the last edit's is old by now; the preview has one of its own
     if (preview.action || !preview.then.empty()) {
       last_of = preview.of;

@@ -57,7 +57,8 @@ class SessionThread {
   /// is dropped, one that is shown stays until the edit is done.
   void apply(Action action, bool joined = false, std::string of = {});
   /// Commits what `compute` makes of the document, once everything posted before is done. It runs on this thread, which
-  /// takes no previews meanwhile. Does nothing where `compute` gives no action.
+  /// takes no previews meanwhile. Does nothing where `compute` gives no action. If it is joined to an edit that ended a
+  /// preview, the mesh that this showed is shown until it is done.
   void apply_computed(Compute compute, bool joined = false, std::string of = {});
   /// Looks after the case's file [EditSession::keep] and brings all edits to the disk. With `says_so`, Refusals::saved
   /// says where they are.

@@ -165,7 +165,9 @@ void draw_contour_fit(const UiContext& ui, bool any, Outbox& out) {
     out.send(FitContours{});
   std::optional<WorkShown> running;
   if (ui.work.contour_fits.busy())
-    running = {"Fitting", ui.work.contour_fits.fraction(), "The mesh stays as it is (Escape)"};
+    running = {
+        "Fitting", ui.work.contour_fits.fraction(),
+        ui.snapshot().preview ? "The mesh goes back to how it was (Escape)" : "The mesh stays as it is (Escape)"};
   const auto& last = ui.state.found.fitted_contours;
   const bool known = last && ui.has_shape() && last->contours == ui.structure()->contours &&
                      last->points->rows() == ui.committed_shape().points->rows() &&

@@ -160,6 +160,26 @@ TEST_CASE("the mesh follows while a curve is drawn and Escape gives it up") {
   CHECK(driver.lines_with(R"("closed":false)") == 1);
 }
 
+TEST_CASE("the mesh that followed a curve stays on the screen until the fit is there") {
+  const TemporaryFolder folder;
+  Driver driver(ball_document(folder));
+  driver.settle();
+  const Points start = mesh_of(driver);
+  const auto moved_mm = [&] {
+    return (*driver.app().snapshot().shown->view()->shape.points - start).rowwise().norm().maxCoeff();
+  };
+  draw(driver, circle_px(driver, ViewKind::axial, 0));
+  driver.wait_until("the mesh follows the curve", [&] { return moved_mm() > 3; });
+  driver.button(MouseButton::left, false);
+  driver.hold_keys({});
+  // The session's thread shows the document for a moment only, before it computes.
+  driver.wait_until("the fit is there, or the mesh that followed meanwhile",
+                    [&] { return contours_of(driver) == 1 && moved_mm() > 3; });
+  driver.settle();
+  CHECK(moved_mm() > 3);
+  CHECK(driver.app().snapshot().shown == driver.app().snapshot().document);
+}
+
 TEST_CASE("the list of contours says how far to trust each and what side it is of") {
   const TemporaryFolder folder;
   Driver driver(ball_document(folder));

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <chrono>
 #include <new>
 #include <stdexcept>
 
@@ -145,6 +146,38 @@ TEST_CASE("a preview that is shown ends with a computed edit that gives nothing"
   REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.committed == 1; }));
   CHECK(!thread.snapshot()->preview);
   CHECK(thread.snapshot()->shown == thread.snapshot()->document);
+}
+
+TEST_CASE("the mesh that a preview showed stays on the screen while what follows its edit is computed") {
+  for (const bool joined : {true, false})
+    for (const bool gives_something : {true, false}) {
+      CAPTURE(joined);
+      CAPTURE(gives_something);
+      SessionThread thread(EditSession(ball_document(40)), nullptr);
+      thread.preview(pull(60));
+      REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.preview && height(*s.shown) > 59; }));
+      std::atomic<bool> runs{false}, go{false};
+      thread.apply(SetStiffnessBase{7});
+      thread.apply_computed(
+          [&](const Document&, const std::string&) -> Result<std::optional<Action>> {
+            runs = true;
+            while (!go) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            return gives_something ? std::optional<Action>(pull(50)) : std::nullopt;
+          },
+          joined);
+      REQUIRE(test::wait_until([&] { return runs.load(); }));
+      const auto meanwhile = thread.snapshot();
+      CHECK(meanwhile->preview.has_value() == joined);
+      CHECK((height(*meanwhile->shown) > 59) == joined);
+      CHECK(height(*meanwhile->document) < 40.1);
+      CHECK(meanwhile->shown->view()->paint().base == 7);  // what was edited is seen, too
+      go = true;
+      REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.committed == 2; }));
+      const auto after = thread.snapshot();
+      CHECK(!after->preview);
+      CHECK(after->shown == after->document);
+      CHECK(height(*after->shown) == doctest::Approx(gives_something ? 50 : 40).epsilon(0.02));
+    }
 }
 
 TEST_CASE("what is thrown in a job ends neither the thread nor the case") {

@@ -3,8 +3,6 @@
 
 doubtful_objects_test.py PROGRAM. Exits with 77 where pydicom or numpy is missing.
 """
-import copy
-
 from checks import check, compare, finish, folder, make, numpy, pydicom, read_nrrd, refused, run, write
 
 masks = make.blobs()

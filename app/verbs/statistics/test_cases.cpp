@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "core/base/files/file_stem.h"
+#include "app/verbs/statistics/case_rows.h"
 #include "core/base/text/nearest_names.h"
 #include "core/base/text/text_table.h"
 #include "core/model/alignment/self_mirror.h"
@@ -82,36 +82,13 @@ Result<std::vector<std::size_t>> needed_columns(const TestCasesAsked& asked, con
   return std::vector<std::size_t>(columns.begin(), columns.end());
 }
 
-/// Finds the row of a shape.
-class RowFinder {
- public:
-  RowFinder(const CovariateTable& table, const std::map<std::string, StudyCase>& studies) : studies_(studies) {
-    for (const auto& [key, one] : studies) groups_[one.name] = one.group;
-    for (std::size_t row = 0; row < table.cases.size(); ++row) rows_[table.cases[row]] = row;
-    for (std::size_t row = 0; row < table.cases.size(); ++row) rows_.emplace(file_stem(table.cases[row]), row);
-  }
-  /// `study_keys`: of the study's cases that the shape is of.
-  std::optional<std::size_t> find(const std::vector<std::string>& study_keys, const std::string& name) const {
-    for (const std::string& key : study_keys)
-      if (const auto of_study = studies_.find(key); of_study != studies_.end())
-        if (const auto row = rows_.find(of_study->second.name); row != rows_.end()) return row->second;
-    const auto row = rows_.find(name);
-    return row == rows_.end() ? std::nullopt : std::optional(row->second);
-  }
-  bool is_of_study(const std::vector<std::string>& study_keys) const {
-    return std::ranges::any_of(study_keys, [&](const std::string& key) { return studies_.contains(key); });
-  }
-  /// Whether a row is of a study's case that is of another group.
-  bool is_of_other_group(const std::string& row, const std::string& group) const {
-    const auto found = groups_.find(row);
-    return !group.empty() && found != groups_.end() && found->second != group;
-  }
-
- private:
-  const std::map<std::string, StudyCase>& studies_;
-  std::map<std::string, std::size_t> rows_;
-  std::map<std::string, std::string> groups_;  ///< of the studies' cases
-};
+/// Whether a row is of a study's case that is of another group.
+bool is_of_other_group(const std::map<std::string, StudyCase>& studies, const std::string& row,
+                       const std::string& group) {
+  return !group.empty() && std::ranges::any_of(studies, [&](const auto& one) {
+    return one.second.name == row && one.second.group != group;
+  });
+}
 
 struct Partner {
   Eigen::Index shape;
@@ -166,26 +143,39 @@ Result<void> take_direction_out(const std::vector<fs::path>& two, const Training
   return {};
 }
 
+/// The rows of the shapes, then of those that were left out, so that no other shape takes theirs.
+Result<std::vector<std::optional<std::size_t>>> rows_of_all(const TestCasesAsked& asked, const TrainingSetRead& read,
+                                                            const std::map<std::string, StudyCase>& studies,
+                                                            const TestCases& cases) {
+  std::vector<ShapeOfRow> shapes;
+  for (std::size_t k = 0; k < read.set.names.size(); ++k) shapes.push_back({read.set.names[k], read.study_keys[k]});
+  for (const DoubtfulShape& one : cases.left_out) shapes.push_back({one.name, one.study_keys});
+  return rows_of_shapes(cases.table, studies, shapes, asked.shapes.structures.empty());
+}
+
 /// Shapes with their rows; what has no partner goes into `left_out`. `names`: of the shapes.
-Result<std::vector<Partner>> partners(const TrainingSetRead& read, const std::vector<std::string>& names,
-                                      const RowFinder& finder, const TrainingOptions& asked, TestCases& cases) {
+Result<std::vector<Partner>> partners(const TestCasesAsked& asked, const TrainingSetRead& read,
+                                      const std::vector<std::string>& names,
+                                      const std::map<std::string, StudyCase>& studies, TestCases& cases) {
   const TrainingSet& set = read.set;
+  const auto rows = rows_of_all(asked, read, studies, cases);
+  if (!rows) return fail(rows.error());
   std::vector<Partner> found;
   std::map<std::size_t, std::string> taken;
   std::set<std::size_t> known_to_lack;  // rows of shapes that were left out
-  std::vector<std::string> of_left_out;
-  for (const DoubtfulShape& one : cases.left_out) of_left_out.push_back(one.name);
-  of_left_out = shape_names(of_left_out);
-  for (std::size_t k = 0; k < of_left_out.size(); ++k)
-    if (const auto row = finder.find(cases.left_out[k].study_keys, of_left_out[k])) known_to_lack.insert(*row);
+  for (std::size_t k = names.size(); k < rows->size(); ++k)
+    if ((*rows)[k]) known_to_lack.insert(*(*rows)[k]);
+  const auto is_of_study = [&](const std::vector<std::string>& keys) {
+    return std::ranges::any_of(keys, [&](const std::string& key) { return studies.contains(key); });
+  };
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const auto row = finder.find(read.study_keys[k], names[k]);
+    const auto row = (*rows)[k];
     if (!row) {
       cases.left_out.push_back({names[k], "has no row in " + cases.table.source});
       continue;
     }
     const auto [other, is_new] = taken.emplace(*row, set.names[k]);
-    const bool are_frames = asked.all_frames && finder.is_of_study(read.study_keys[k]);
+    const bool are_frames = asked.shapes.reading.all_frames && is_of_study(read.study_keys[k]);
     if (!is_new && !are_frames)
       return fail(set.names[k], "has the name of " + other->second + ", so one row of the table would count twice");
     found.push_back({static_cast<Eigen::Index>(k), *row});
@@ -195,9 +185,18 @@ Result<std::vector<Partner>> partners(const TrainingSetRead& read, const std::ve
                                         " where the shapes are " + first_words(names));
   for (std::size_t row = 0; row < cases.table.cases.size(); ++row)
     if (!taken.contains(row) && !known_to_lack.contains(row) &&
-        !finder.is_of_other_group(cases.table.cases[row], asked.group))
+        !is_of_other_group(studies, cases.table.cases[row], asked.shapes.reading.group))
       cases.left_out.push_back({cases.table.cases[row], "is a row without a shape"});
   return found;
+}
+
+/// Every shape with a row of its own.
+std::vector<Partner> rows_of_their_own(const std::vector<std::string>& names, TestCases& cases) {
+  std::vector<Partner> all;
+  for (std::size_t k = 0; k < names.size(); ++k) all.push_back({static_cast<Eigen::Index>(k), k});
+  cases.table.cases = names;
+  cases.table.cells.resize(names.size());
+  return all;
 }
 
 /// Takes out cases that lack a value, and those of pairs whose partner is not there.
@@ -339,14 +338,12 @@ Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progres
   if (!columns) return fail(columns.error());
   auto read = read_shapes_asked(asked.shapes, progress);
   if (!read) return fail(read.error());
-  const auto names = asked.shapes.structures.empty() ? shape_names(read->set.names) : read->set.names;
+  const auto names = asked.shapes.structures.empty() ? names_with_folders(read->set.names) : read->set.names;
   cases.warnings = std::move(read->warnings);
   cases.left_out = std::move(read->left_out);
-  if (cases.table.columns.empty() && cases.table.cases.empty()) {  // the shapes' sizes are enough
-    cases.table.cases = names;
-    cases.table.cells.resize(cases.table.cases.size());
-  }
-  auto found = partners(*read, names, RowFinder(cases.table, *studies), asked.shapes.reading, cases);
+  const bool sizes_are_enough = cases.table.columns.empty() && cases.table.cases.empty();
+  auto found = sizes_are_enough ? Result<std::vector<Partner>>(rows_of_their_own(names, cases))
+                                : partners(asked, *read, names, *studies, cases);
   if (!found) return fail(found.error());
   // What object symmetry pairs is made of each case alone.
   leave_out_incomplete(*found, *columns, asked.object_symmetry ? std::string() : asked.paired, cases);

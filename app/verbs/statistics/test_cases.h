@@ -47,8 +47,8 @@ Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<std:
 
 /// Reads table and shapes, brings them together by their names, leaves out what lacks a partner or a value that the
 /// formula needs, and aligns the rest. A direction that is asked for is taken out of the aligned shapes. Errors: those
-/// of read_covariates and read_training_set; a word of the formula that is no column; no names in common; two shapes of
-/// one name; fewer than two cases left; object symmetry of shapes that have none.
+/// of read_covariates and read_training_set; a word of the formula that is no column; no names in common; a row
+/// that may be of several shapes; fewer than two cases left; object symmetry of shapes that have none.
 Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progress);
 
 }  // namespace homolog

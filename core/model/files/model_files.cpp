@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "core/base/files/file_stem.h"
 #include "core/base/files/files.h"
@@ -66,14 +67,29 @@ std::string score_table(const PrincipalComponents& components, const std::vector
   return text;
 }
 
+/// The last `count` folders of a path.
+fs::path innermost(fs::path folder, std::size_t count) {
+  fs::path end;
+  for (; count > 0 && folder.has_filename(); --count, folder = folder.parent_path())
+    end = end.empty() ? folder.filename() : folder.filename() / end;
+  return end;
+}
+
 }  // namespace
 
-std::string ShapeNames::next(const std::string& file) {
+std::string shape_stem(const std::string& file) {
   // "heart.homolog structure s2 frame 7" is the shape "heart structure s2 frame 7".
   std::size_t which = file.rfind(" structure ");
   if (which == std::string::npos || !is_case_file(file.substr(0, which))) which = file.rfind(" frame ");
   const bool is_of_case = which != std::string::npos && is_case_file(file.substr(0, which));
-  const std::string stem = is_of_case ? file_stem(file.substr(0, which)) + file.substr(which) : file_stem(file);
+  return is_of_case ? file_stem(file.substr(0, which)) + file.substr(which) : file_stem(file);
+}
+
+std::string ShapeNames::next(const std::string& file) {
+  return next_of(shape_stem(file));
+}
+
+std::string ShapeNames::next_of(const std::string& stem) {
   std::string name = stem;
   while (used_.contains(name)) name = stem + "-" + std::to_string(++used_[stem]);
   used_[name] = 1;
@@ -85,6 +101,31 @@ std::vector<std::string> shape_names(const std::vector<std::string>& files) {
   std::vector<std::string> names;
   for (const std::string& file : files) names.push_back(all.next(file));
   return names;
+}
+
+std::vector<std::string> names_with_folders(const std::vector<std::string>& files) {
+  std::map<std::string, std::set<fs::path>> folders;  // by the stem of the files
+  const auto folder_of = [](const std::string& file) {
+    std::error_code ignored;
+    return fs::absolute(file, ignored).lexically_normal().parent_path();
+  };
+  for (const std::string& file : files) folders[shape_stem(file)].insert(folder_of(file));
+  std::map<std::string, std::size_t> depth;
+  for (const auto& [stem, all] : folders) {
+    const auto differ = [&](std::size_t count) {
+      std::set<fs::path> ends;
+      for (const fs::path& folder : all) ends.insert(innermost(folder, count));
+      return ends.size() == all.size();
+    };
+    while (!differ(depth[stem])) ++depth[stem];
+  }
+  ShapeNames names;
+  std::vector<std::string> named;
+  for (const std::string& file : files) {
+    const std::string stem = shape_stem(file);
+    named.push_back(names.next_of((innermost(folder_of(file), depth[stem]) / stem).generic_string()));
+  }
+  return named;
 }
 
 Result<void> write_model_tables(const PrincipalComponents& components, const std::vector<std::string>& names,

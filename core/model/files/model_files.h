@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,10 +14,17 @@ namespace homolog {
 /// A name for each file of a training set to write its shape under: the file's name without folders and extension,
 /// with -2, -3, … where several are equal.
 std::vector<std::string> shape_names(const std::vector<std::string>& files);
-/// The same one after the other.
+/// Names for tables: where several files' names are equal, with as many folders as tell them apart ("pre/P1",
+/// "post/P1"). -2, -3, … where they lie in one folder.
+std::vector<std::string> names_with_folders(const std::vector<std::string>& files);
+/// The name of a shape's file without folders and extension, with the structure and the frame that it is of.
+std::string shape_stem(const std::string& file);
+/// The same as shape_names one after the other.
 class ShapeNames {
  public:
   std::string next(const std::string& file);
+  /// Of a file's name without folders and extension.
+  std::string next_of(const std::string& stem);
 
  private:
   std::map<std::string, int> used_;

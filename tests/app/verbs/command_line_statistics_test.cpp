@@ -1,5 +1,7 @@
 #include <cmath>
+#include <map>
 
+#include "core/base/text/text_table.h"
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/shapes/doubtful_shapes.h"
@@ -128,6 +130,68 @@ TEST_CASE("cases without a partner or a value are left out with the reason") {
   const Json sure = run(folder, by("size ~ group + age") + "--without-doubtful").json();
   CHECK(sure["shapes"] == 9);
   CHECK(sure["left_out"].size() == 4);
+}
+
+TEST_CASE("shapes of one name are told apart by their folders") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 0);
+  std::string table = "name,visit,subject,score\n";
+  for (const char* visit : {"pre", "post"}) {
+    fs::create_directory(folder.path / visit);
+    for (int k = 0; k < 6; ++k) {
+      const int ball = 2 * k + (visit == std::string("pre") ? 0 : 1);
+      const std::string file = visit + ("/P" + std::to_string(k) + ".ply");
+      fs::copy_file(folder.path / "shapes" / ("c" + std::to_string(ball) + ".ply"), folder.path / file);
+      table += file + "," + visit + ",P" + std::to_string(k) + "," + std::to_string((5 * ball) % 12) + "\n";
+    }
+  }
+  REQUIRE(write_whole_file(folder.path / "visits.csv", table));
+  const auto sizes = [&](const std::string& shapes) {
+    const Ran ran = run(folder, "test " + shapes + " --covariates visits.csv --formula 'size ~ score' --csv out");
+    REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+    std::map<std::string, std::string> size_of;
+    for (const auto& row : read_text_table(folder.path / "out/cases.csv").value().rows) size_of[row[0]] = row[1];
+    return size_of;
+  };
+  const auto both = sizes("pre post");
+  CHECK(both.size() == 12);
+  CHECK(both == sizes("post pre"));
+  const auto pre = sizes("pre");
+  CHECK(pre.size() == 6);
+  CHECK(pre.at("pre/P3.ply") == both.at("pre/P3.ply"));
+  CHECK(both.at("pre/P3.ply") != both.at("post/P3.ply"));
+  // The folder that a shape lies in goes before the order of the arguments.
+  const Ran paired =
+      run(folder, "test post pre --covariates visits.csv --json --formula 'size ~ visit' --paired subject");
+  REQUIRE_MESSAGE(paired.status == 0, paired.errors);
+  CHECK(paired.json()["shapes"] == 12);
+  CHECK(paired.json()["left_out"].empty());
+  // A shape whose row is not there takes none of another folder.
+  const std::string last = table.substr(table.find("post/P5.ply"));
+  REQUIRE(write_whole_file(folder.path / "visits.csv", table.substr(0, table.size() - last.size())));
+  const Json lacks = run(folder, "test post --covariates visits.csv --json --formula 'size ~ score'").json();
+  CHECK(lacks["shapes"] == 5);
+  CHECK(lacks["left_out"][0] == Json({{"name", "P5"}, {"reason", "has no row in visits.csv"}}));
+  // Names of other folders count by the file alone; a plain name that may be of two shapes does not.
+  std::string moved = table, plain = "name,score\n";
+  for (std::size_t at = 0; (at = moved.find(".ply", at)) != std::string::npos;) moved.replace(at, 4, ".nii.gz");
+  for (std::size_t at = moved.find('\n'); at + 1 < moved.size(); at = moved.find('\n', at + 1))
+    moved.insert(at + 1, "/data/");
+  REQUIRE(write_whole_file(folder.path / "visits.csv", moved));
+  CHECK(sizes("pre post").at("/data/pre/P3.nii.gz") == both.at("pre/P3.ply"));
+  for (int k = 0; k < 6; ++k) plain += "P" + std::to_string(k) + "," + std::to_string((5 * k) % 12) + "\n";
+  REQUIRE(write_whole_file(folder.path / "visits.csv", plain));
+  CHECK(sizes("post").at("P3") == both.at("post/P3.ply"));
+  check_refused(run(folder, "test pre post --covariates visits.csv --formula 'size ~ score'"),
+                "has the row P0, which may be of pre/P0.ply or of post/P0.ply; write the folder into the names of its "
+                "rows, as pre/P0");
+  REQUIRE(write_whole_file(folder.path / "visits.csv", table));
+  check_refused(run(folder, "test shapes --covariates visits.csv --formula 'size ~ score'"),
+                "names none of the shapes");
+  const std::string twice = "name,score\na/P0.ply,1\nb/P0.ply,2\na/P1.ply,4\n";
+  REQUIRE(write_whole_file(folder.path / "visits.csv", twice));
+  check_refused(run(folder, "test pre --covariates visits.csv --formula 'size ~ score'"),
+                "has the rows a/P0.ply and b/P0.ply, and either may be of pre/P0.ply");
 }
 
 TEST_CASE("an answer that rests on vertices in doubt or on one template is told apart from one that does not") {

@@ -265,6 +265,15 @@ Result<void> add_mirror_images(const TestCasesAsked& asked, TestCases& cases) {
   return {};
 }
 
+/// How many times as large as they were the aligned shapes are.
+Eigen::VectorXd scales_of(const TestCases& cases, Alignment alignment) {
+  Eigen::VectorXd scales = Eigen::VectorXd::Ones(cases.sizes_mm.size());
+  if (alignment != Alignment::similarity) return scales;
+  for (Eigen::Index i = 0; i < scales.size(); ++i)
+    if (cases.sizes_mm[i] > 0) scales[i] = centroid_size_mm(points_of(cases.shapes, i)) / cases.sizes_mm[i];
+  return scales;
+}
+
 Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& read,
                          const std::vector<std::string>& names, const std::vector<Partner>& partners,
                          TestCases& cases) {
@@ -287,18 +296,21 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& rea
   if (asked.object_symmetry)
     if (auto added = add_mirror_images(asked, cases); !added) return added;
   align(cases.shapes, asked.shapes.alignment());
+  const Eigen::VectorXd scales = scales_of(cases, asked.shapes.alignment());
   if (!asked.direction.empty())
     if (auto out = take_direction_out(asked.direction, asked.shapes, cases.shapes); !out) return out;
   if (!asked.shapes.reading.vertex_doubts) return {};
   const Eigen::Index vertices = cases.shapes.rows() / 3;
   VertexScalars squares = VertexScalars::Zero(vertices);
   double known = 0;
-  for (const Partner& one : partners) {
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Partner& one = partners[static_cast<std::size_t>(i)];
     const auto doubt = read.vertex_doubts.find(set.names[static_cast<std::size_t>(one.shape)]);
     const bool is_known = doubt != read.vertex_doubts.end() && doubt->second.size() == vertices;
-    cases.doubt_mm.push_back(is_known ? std::sqrt(doubt->second.cwiseAbs2().mean())
+    const VertexScalars scaled = is_known ? VertexScalars(scales[i] * doubt->second) : VertexScalars();
+    cases.doubt_mm.push_back(is_known ? std::sqrt(scaled.cwiseAbs2().mean())
                                       : std::numeric_limits<double>::quiet_NaN());
-    if (is_known) squares += doubt->second.cwiseAbs2();
+    if (is_known) squares += scaled.cwiseAbs2();
     known += is_known ? 1 : 0;
   }
   if (known > 0) cases.vertex_doubt_mm = (squares / known).cwiseSqrt();

@@ -56,6 +56,21 @@ Points aligned_as_trained(const ShapeModel& model, const Points& shape) {
   return aligned;
 }
 
+/// n: doubts of a shape, mm, as large as they are where the shape is aligned.
+VertexScalars doubts_as_aligned(const ShapeModel& model, const Points& shape, const Points& aligned,
+                                VertexScalars doubt_mm) {
+  if (model.alignment.value_or(Alignment::similarity) != Alignment::similarity) return doubt_mm;
+  const auto scale = [&](Eigen::Index first, Eigen::Index count) {
+    const double size = centroid_size_mm(shape.middleRows(first, count));
+    if (size > 0) doubt_mm.segment(first, count) *= centroid_size_mm(aligned.middleRows(first, count)) / size;
+  };
+  if (!model.poses || !model.poses->apart)
+    scale(0, shape.rows());
+  else
+    for (const StructurePart& part : model.parts) scale(part.first_vertex, part.vertices);
+  return doubt_mm;
+}
+
 /// n: the variance of each vertex along a direction, mm², by the modes and beside them.
 VertexScalars variances_along(const ShapeModel& model, const Points& directions) {
   VertexScalars variances = VertexScalars::Constant(directions.rows(), model.noise_variance);
@@ -120,8 +135,9 @@ Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, con
   if (!(score.size_mm > 0)) return fail("", "has all its vertices in one place, so it is no shape");
   score.aligned = aligned_as_trained(model, shape);
   const bool doubted = doubt_mm.size() == shape.rows() && doubt_mm.maxCoeff() > 0;
-  VertexScalars weights;
-  if (doubted) weights = (1 + doubt_mm.array().square() / mean_variances(model).array()).inverse();
+  VertexScalars weights, doubts;
+  if (doubted) doubts = doubts_as_aligned(model, shape, score.aligned, doubt_mm);
+  if (doubted) weights = (1 + doubts.array().square() / mean_variances(model).array()).inverse();
   const Eigen::VectorXd b = weighed_coefficients(model, score.aligned, weights);
   score.modes = b.cwiseQuotient(model.variances.cwiseSqrt());
   score.distance = score.modes.norm();
@@ -133,12 +149,12 @@ Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, con
   // Where nothing varied among the training shapes a thousandth of the usual spread stands for it.
   constexpr double least_share = 1e-6;
   variances = variances.cwiseMax(least_share * variances.mean());
-  if (doubted) variances += doubt_mm.cwiseAbs2();
+  if (doubted) variances += doubts.cwiseAbs2();
   score.z = along.cwiseQuotient(variances.cwiseSqrt());
   constexpr double of_95 = 1.96;
   const double shapes = std::max<double>(2, static_cast<double>(model.scores.cols()));
   VertexScalars error = 1 / shapes + score.z.array().square() / (2 * (shapes - 1));
-  if (doubted) error += doubt_mm.cwiseAbs2().cwiseQuotient(variances);
+  if (doubted) error += doubts.cwiseAbs2().cwiseQuotient(variances);
   score.z_low = score.z - of_95 * error.cwiseSqrt();
   score.z_high = score.z + of_95 * error.cwiseSqrt();
   score.all = score_of_rows(score.z, beyond, 0, shape.rows());

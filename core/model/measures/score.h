@@ -35,9 +35,9 @@ struct ShapeScore {
 };
 
 /// Scores a shape of the model's numbering (n×3, mm), brought to the mean as the model's shapes were. `doubt_mm`: n, of
-/// a fit, or empty. A vertex in doubt says less: it weighs 1 / (1 + (doubt / spread)²) in the coordinates, and its z is
-/// counted in the spread and the doubt together. The result depends on this shape and the model alone. Errors: another
-/// number of vertices, a model without modes or faces.
+/// a fit, or empty; it is scaled as its shape is. A vertex in doubt says less: it weighs 1 / (1 + (doubt / spread)²) in
+/// the coordinates, and its z is counted in the spread and the doubt together. The result depends on this shape and the
+/// model alone. Errors: another number of vertices, a model without modes or faces.
 Result<ShapeScore> score_shape(const ShapeModel& model, const Points& shape, const VertexScalars& doubt_mm = {});
 
 /// Errors: faces of a mesh that are not the model's, so that the same number of vertices means nothing. Turned inside

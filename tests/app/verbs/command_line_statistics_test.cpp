@@ -285,6 +285,32 @@ TEST_CASE("doubts weigh by how shapes scatter where the shapes themselves explai
   CHECK(mean_weight("1") == doctest::Approx(mean_weight("6")).epsilon(1e-9));
 }
 
+TEST_CASE("with size taken out cases and their doubt may be of any size") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  const auto put = [&](const std::string& into, const std::vector<double>& scales) {
+    fs::create_directory(folder.path / into);
+    for (std::size_t k = 0; k < 12; ++k) {
+      const std::string name = "c" + std::to_string(k) + ".ply";
+      MeshFile mesh = read_mesh_file(folder.path / "shapes" / name).value();
+      const double scale = scales[k % scales.size()];
+      mesh.points *= scale;
+      mesh.doubt_mm = VertexScalars::LinSpaced(mesh.points.rows(), 0, scale * static_cast<double>(k % 5));
+      REQUIRE(write_mesh_file(mesh, folder.path / into / name));
+    }
+  };
+  put("plain", {1.0});
+  put("scaled", {0.6, 1.0, 1.5});
+  const auto test_of = [&](const std::string& shapes, const std::string& more) {
+    const Ran ran = run(folder, "test " + shapes + " --covariates t.csv --json --formula 'shape ~ group' " + more);
+    REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+    return ran.json();
+  };
+  const double f = test_of("plain", "--by-doubt")["terms"][0]["f"];
+  CHECK(test_of("scaled", "--by-doubt")["terms"][0]["f"].get<double>() == doctest::Approx(f).epsilon(1e-4));
+  CHECK(test_of("scaled", "")["again"][0]["of"] == test_of("plain", "")["again"][0]["of"]);
+}
+
 TEST_CASE("few cases say that no p can be small") {
   const TemporaryFolder folder;
   put_balls(folder.path, 4);

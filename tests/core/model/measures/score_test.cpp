@@ -108,6 +108,20 @@ TEST_CASE("z has the spread of the training shapes") {
   CHECK(squares / 200 < 1.1);
 }
 
+TEST_CASE("with size taken out a shape and its doubt may be of any size") {
+  ShapeModel model = ball_model();
+  const Points shape = plus_modes(model, 1, -1);
+  VertexScalars doubt_mm = VertexScalars::LinSpaced(shape.rows(), 0, 3);
+  model.alignment = Alignment::similarity;
+  const ShapeScore whole = test::must(score_shape(model, shape, doubt_mm));
+  const ShapeScore half = test::must(score_shape(model, 0.5 * shape, 0.5 * doubt_mm));
+  CHECK(half.distance == doctest::Approx(whole.distance).epsilon(1e-9));
+  CHECK(half.all.z_rms == doctest::Approx(whole.all.z_rms).epsilon(1e-9));
+  CHECK(half.z_high[9] == doctest::Approx(whole.z_high[9]).epsilon(1e-9));
+  CHECK(whole.distance !=
+        doctest::Approx(test::must(score_shape(model, shape, 0.5 * doubt_mm)).distance).epsilon(1e-4));
+}
+
 TEST_CASE("a vertex in doubt says less") {
   const ShapeModel model = ball_model();
   Points shape = plus_modes(model, 1, 0);

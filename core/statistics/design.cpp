@@ -32,27 +32,60 @@ Eigen::MatrixXd products(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return all;
 }
 
-Result<void> refuse_determined(const Design& design) {
-  Eigen::MatrixXd scaled = design.columns;
-  for (Eigen::Index j = 1; j < scaled.cols(); ++j)
-    if (const double length = (scaled.col(j).array() - scaled.col(j).mean()).matrix().norm(); length > 0)
-      scaled.col(j) /= length;
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
-  for (const DesignTerm& term : design.terms)
-    for (Eigen::Index j = term.first; j < term.first + term.count; ++j)
-      if (!(std::abs(qr.matrixQR()(j, j)) > determined))
-        return fail("--formula", "the term " + term.name +
-                                     " is already determined by the terms before it, so nothing is left to test; "
-                                     "leave one of them out");
-  return {};
-}
-
 /// Whether the constant and the first `terms` terms of a design leave nothing of these columns.
 bool determines(const Design& design, std::size_t terms, const Eigen::MatrixXd& columns) {
   const DesignTerm& last = design.terms[terms - 1];
   const Eigen::MatrixXd known = design.columns.leftCols(last.first + last.count);
   const Eigen::MatrixXd rest = columns - known * known.colPivHouseholderQr().solve(columns);
   return (rest.colwise().norm().array() <= determined * columns.colwise().norm().array()).all();
+}
+
+Result<void> refuse_determined(const Design& design, std::size_t taken_out, const TakenOut& why) {
+  Eigen::MatrixXd scaled = design.columns;
+  for (Eigen::Index j = 1; j < scaled.cols(); ++j)
+    if (const double length = (scaled.col(j).array() - scaled.col(j).mean()).matrix().norm(); length > 0)
+      scaled.col(j) /= length;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
+  for (const DesignTerm& term : design.terms) {
+    bool free = term.count > 0;
+    for (Eigen::Index j = term.first; j < term.first + term.count; ++j)
+      free = free && std::abs(qr.matrixQR()(j, j)) > determined;
+    if (free) continue;
+    if (taken_out > 0 && term.tested && term.count > 0 &&
+        determines(design, taken_out, design.columns.middleCols(term.first, term.count)))
+      return fail("--formula", "the term " + term.name + " is the same in " + why.same_in + ", so " + why.option +
+                                   " takes it out and nothing is left to test; test its interaction with another "
+                                   "term, or leave out " +
+                                   why.option);
+    return fail("--formula", "the term " + term.name +
+                                 " is already determined by the terms before it, so nothing is left to test; "
+                                 "leave one of them out");
+  }
+  return {};
+}
+
+/// Leaves out the columns of an interaction that its parts, what is taken out and its columns before determine, as
+/// where no case has two of its groups. `kept`: the variables of the design's terms.
+void leave_out_determined(const Design& design, std::size_t taken_out, const std::vector<FormulaTerm>& kept,
+                          const FormulaTerm& variables, DesignTerm& term, Eigen::MatrixXd& columns) {
+  std::vector<Eigen::Index> order{0};
+  for (std::size_t t = 0; t < kept.size(); ++t)
+    if (t < taken_out || is_part_of(kept[t], variables))
+      for (Eigen::Index j = 0; j < design.terms[t].count; ++j) order.push_back(design.terms[t].first + j);
+  Eigen::MatrixXd known = design.columns(Eigen::all, order);
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index j = 0; j < columns.cols(); ++j) {
+    const Eigen::VectorXd column = columns.col(j);
+    const Eigen::VectorXd rest = column - known * known.colPivHouseholderQr().solve(column);
+    if (!(rest.norm() > determined * column.norm())) continue;
+    free.push_back(j);
+    known.conservativeResize(Eigen::NoChange, known.cols() + 1);
+    known.rightCols(1) = column;
+  }
+  term.left_out = columns.cols() - std::ssize(free);
+  if (term.left_out == 0) return;
+  columns = Eigen::MatrixXd(columns(Eigen::all, free));
+  term.count = columns.cols();
 }
 
 Result<DesignTerm> coded_term(const FormulaTerm& variables,
@@ -154,8 +187,9 @@ Result<CodedVariable> coded_column(const CovariateTable& table, const std::vecto
 }
 
 Result<Design> make_design(const std::vector<FormulaTerm>& terms, std::size_t taken_out,
-                           const std::function<Result<CodedVariable>(const Variable&)>& code) {
+                           const std::function<Result<CodedVariable>(const Variable&)>& code, const TakenOut& why) {
   Design design;
+  Eigen::Index asked = 1;  // parameters, with those that are left out
   std::vector<FormulaTerm> kept;
   for (std::size_t t = 0; t < terms.size(); ++t) {
     Eigen::MatrixXd columns;
@@ -168,6 +202,8 @@ Result<Design> make_design(const std::vector<FormulaTerm>& terms, std::size_t ta
       design.taken.push_back(term->name);
       continue;
     }
+    asked += term->count;
+    if (terms[t].size() > 1) leave_out_determined(design, taken_out, kept, terms[t], *term, columns);
     term->first = design.columns.cols();
     term->tested = t >= taken_out;
     design.columns.conservativeResize(Eigen::NoChange, term->first + term->count);
@@ -179,10 +215,9 @@ Result<Design> make_design(const std::vector<FormulaTerm>& terms, std::size_t ta
     for (std::size_t other = 0; other < kept.size(); ++other)
       if (is_part_of(kept[t], kept[other])) design.terms[t].holders.push_back(other);
   if (design.cases() <= design.parameters())
-    return fail("--formula", "has " + std::to_string(design.parameters()) + " parameters, and " +
-                                 std::to_string(design.cases()) +
+    return fail("--formula", "has " + std::to_string(asked) + " parameters, and " + std::to_string(design.cases()) +
                                  " cases are left to be tested; give more cases or fewer terms");
-  if (auto free = refuse_determined(design); !free) return fail(free.error());
+  if (auto free = refuse_determined(design, taken_out, why); !free) return fail(free.error());
   return design;
 }
 

@@ -42,6 +42,7 @@ struct DesignTerm {
   std::vector<std::size_t> holders;  ///< interactions that hold it
   bool tested = true;                ///< else it is taken out and no more
   bool numbers = false;              ///< one column of numbers
+  Eigen::Index left_out = 0;  ///< columns of an interaction that its parts determine, as of groups without a case
 };
 
 /// A linear model: the constant, then the terms' columns.
@@ -54,11 +55,18 @@ struct Design {
   Eigen::Index parameters() const { return columns.cols(); }
 };
 
+/// What errors say of terms that are taken out.
+struct TakenOut {
+  std::string same_in = "what is taken out";  ///< where what they determine is the same
+  std::string option = "--paired";            ///< that takes them out
+};
+
 /// `code` gives a variable's columns. `taken_out`: the first so many terms are not tested. A term that they determine,
-/// as the subjects of repeated measures do their group, is left out where an interaction has it. Errors: code's, more
+/// as the subjects of repeated measures do their group, is left out where an interaction has it. An interaction
+/// loses the columns that its parts determine. Errors: code's, more
 /// parameters than cases allow, a term that those before it already determine.
 Result<Design> make_design(const std::vector<FormulaTerm>& terms, std::size_t taken_out,
-                           const std::function<Result<CodedVariable>(const Variable&)>& code);
+                           const std::function<Result<CodedVariable>(const Variable&)>& code, const TakenOut& why = {});
 
 /// The basis that testing a term needs: orthonormal columns, a row a case. The second kind of sums: the reduced model
 /// has every term but this one and the interactions that hold it.

@@ -45,12 +45,19 @@ Result<void> put_design(TestJob& job, Progress& progress) {
     if (!numbers) return fail(numbers.error());
     return coded_numbers(variable.text(), *numbers);
   };
-  auto design = make_design(terms, asked.paired.empty() ? 0 : 1, code);
+  const TakenOut why = asked.object_symmetry ? TakenOut{"a case and its mirror image", "--object-symmetry"}
+                                             : TakenOut{"all cases of a " + asked.paired, "--paired"};
+  auto design = make_design(terms, asked.paired.empty() ? 0 : 1, code, why);
   if (!design) return fail(design.error());
   job.design = std::move(*design);
   for (const std::string& term : job.design.taken)
-    job.cases.warnings.push_back(term + ": is the same in all cases of a " + asked.paired +
-                                 ", so --paired takes it out; its interactions are tested");
+    job.cases.warnings.push_back(term + ": is the same in " + why.same_in + ", so " + why.option +
+                                 " takes it out; its interactions are tested");
+  for (const DesignTerm& term : job.design.terms)
+    if (term.left_out > 0)
+      job.cases.warnings.push_back(term.name + ": has " + std::to_string(term.count) + " df and not " +
+                                   std::to_string(term.count + term.left_out) +
+                                   ", since some combinations of its groups have no case");
   return {};
 }
 

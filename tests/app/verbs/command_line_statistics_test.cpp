@@ -332,7 +332,8 @@ TEST_CASE("what a test cannot answer is refused in a sentence") {
   check_refused(run(folder, by("shape ~ factor(size)")), "factor(size): is of sizes, which name no groups");
   check_refused(run(folder, by("factor(age) ~ group")), "factor(age): is what is tested");
   check_refused(run(folder, by("shape ~ group*age*factor(subject)")), "parameters");
-  check_refused(run(folder, by("shape ~ factor(subject)") + "--paired subject"), "determined");
+  check_refused(run(folder, by("shape ~ factor(subject)") + "--paired subject"),
+                "factor(subject) is the same in all cases of a subject, so --paired takes it out");
   check_refused(run(folder, by("shape ~ group") + "--by-doubt"), "none of the shapes has a doubt");
   check_refused(run(folder, by("age ~ shape") + "--modes 40"), "--modes");
   check_refused(run(folder, by("shape ~ age") + "--modes 2"), "--modes: has no effect");
@@ -421,7 +422,25 @@ TEST_CASE("repeated measures of two arms test the visit and how the arms differ 
   CHECK(repeated.json()["residual"]["df"] == 4);  // 12 less 6 subjects, a visit and an interaction
   CHECK(repeated.errors.find("arm: is the same in all cases of a subject") != std::string::npos);
   // Alone it cannot be tested: nothing is left of it.
-  CHECK(run(folder, by("shape ~ visit + arm") + "--paired subject").errors.find("the term arm is already determined") !=
+  CHECK(run(folder, by("shape ~ visit + arm") + "--paired subject")
+            .errors.find("the term arm is the same in all cases of a subject, so --paired takes it out") !=
+        std::string::npos);
+}
+
+TEST_CASE("an interaction with an empty cell has fewer df, and the answer says so") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  const std::string kinds = "aabbccaabbcc", sexes = "fmfmfffmfmff";  // no m of c
+  std::string table = "name,kind,sex\n";
+  for (std::size_t k = 0; k < 12; ++k) table += "c" + std::to_string(k) + "," + kinds[k] + "," + sexes[k] + "\n";
+  REQUIRE(write_whole_file(folder.path / "t.csv", table));
+  const Ran ran = run(folder, by("size ~ kind*sex"));
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json terms = ran.json()["terms"];
+  CHECK(terms[2]["name"] == "kind:sex");
+  CHECK(terms[2]["df"] == 1);
+  CHECK(ran.json()["residual"]["df"] == 7);
+  CHECK(ran.errors.find("kind:sex: has 1 df and not 2, since some combinations of its groups have no case") !=
         std::string::npos);
 }
 

@@ -150,6 +150,62 @@ TEST_CASE("a term that others determine and too many parameters are refused") {
   CHECK(says(design("y ~ a*b*c"), "has 8 parameters, and 6 cases"));
 }
 
+TEST_CASE("an interaction has the df that its cases leave") {
+  const std::string groups = "aabbccaabbccaabbcc", sexes = "fmfmfffmfmfffmfmff";  // no m of c
+  const auto code = [&](const Variable& variable) {
+    std::vector<std::string> values;
+    for (std::size_t k = 0; k < groups.size(); ++k)
+      values.emplace_back(1, variable.name == "group" ? groups[k]
+                             : variable.name == "sex" ? sexes[k]
+                             : groups[k] == 'a'       ? 'x'
+                                                      : 'y');
+    return coded_groups(variable.name, values);
+  };
+  const auto design = [&](const char* formula) {
+    return make_design(test::must(read_formula(formula)).terms, 0, code);
+  };
+  const Design crossed = test::must(design("y ~ group*sex"));
+  CHECK(crossed.parameters() == 5);
+  CHECK(crossed.terms[2].name == "group:sex");
+  CHECK(crossed.terms[2].count == 1);
+  CHECK(crossed.terms[2].left_out == 1);
+  CHECK(crossed.terms[0].left_out == 0);
+  // By hand: y is 1 in the cases of b and m, so the interaction explains all that the main effects leave.
+  Eigen::VectorXd y(18);
+  for (std::size_t k = 0; k < groups.size(); ++k)
+    y[static_cast<Eigen::Index>(k)] = groups[k] == 'b' && sexes[k] == 'm' ? 1 : 0;
+  const TermBasis basis = basis_of(crossed, 2, Eigen::VectorXd::Ones(18));
+  CHECK(basis.added.cols() == 1);
+  CHECK((y - basis.reduced * (basis.reduced.transpose() * y)).squaredNorm() ==
+        doctest::Approx((basis.added.transpose() * y).squaredNorm()));
+  // What the groups determine as a whole stays refused.
+  CHECK(says(design("y ~ group*kind"), "the term kind is already determined"));
+  CHECK(says(design("y ~ kind + group"), "the term group is already determined"));
+}
+
+TEST_CASE("a term that those taken out determine says so") {
+  const auto code = [](const Variable& variable) {
+    std::vector<std::string> values;
+    for (int k = 0; k < 12; ++k)
+      values.push_back(variable.name == "subject" ? std::to_string(k / 2)
+                       : variable.name == "arm"   ? (k < 6 ? "x" : "y")
+                                                  : (k % 2 == 0 ? "pre" : "post"));
+    return coded_groups(variable.name, values);
+  };
+  const std::vector<FormulaTerm> nested{{{Variable::By::factor, "subject"}}, {{Variable::By::itself, "arm"}}};
+  CHECK(says(make_design(nested, 1, code, {"all cases of a subject", "--paired"}),
+             "the term arm is the same in all cases of a subject, so --paired takes it out and nothing is left to "
+             "test; test its interaction with another term, or leave out --paired"));
+  const std::vector<FormulaTerm> visits{{{Variable::By::factor, "subject"}},
+                                        {{Variable::By::itself, "visit"}},
+                                        {{Variable::By::itself, "arm"}},
+                                        {{Variable::By::itself, "visit"}, {Variable::By::itself, "arm"}}};
+  const Design design = test::must(make_design(visits, 1, code));
+  CHECK(design.taken == std::vector<std::string>{"arm"});
+  CHECK(design.terms[2].count == 1);
+  CHECK(design.terms[2].left_out == 0);
+}
+
 TEST_CASE("permutations keep blocks and depend on the seed alone") {
   const std::vector<int> blocks{0, 1, 0, 1, 1, 2, 2};
   const Permutations all = random_permutations(blocks, 200, 7);

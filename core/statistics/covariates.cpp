@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -26,7 +27,38 @@ Result<void> refuse_twice(const std::string& source, const char* what, const std
   return {};
 }
 
+/// "1" of "1", "1.0" and "01": the digits without those that say nothing. Nothing of other text.
+std::optional<std::string> bare_digits(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  if (negative || text.starts_with('+')) text.remove_prefix(1);
+  const std::size_t point = std::min(text.find('.'), text.size());
+  std::string_view whole = text.substr(0, point), rest = text.substr(std::min(point + 1, text.size()));
+  if (whole.size() + rest.size() == 0) return std::nullopt;
+  for (const std::string_view part : {whole, rest})
+    if (part.find_first_not_of("0123456789") != part.npos) return std::nullopt;
+  while (whole.starts_with('0')) whole.remove_prefix(1);
+  while (rest.ends_with('0')) rest.remove_suffix(1);
+  const std::string digits = std::string(whole) + "." + std::string(rest);
+  return negative && digits != "." ? "-" + digits : digits;
+}
+
 }  // namespace
+
+void write_numbers_alike(CovariateTable& table, std::size_t column) {
+  std::map<std::string, std::string> shortest;  // by the bare digits
+  for (const auto& row : table.cells) {
+    const std::string& cell = row[column];
+    if (is_missing(cell)) continue;
+    const auto digits = bare_digits(cell);
+    if (!digits && !as_number<double>(cell)) return;
+    if (!digits) continue;
+    std::string& known = shortest.emplace(*digits, cell).first->second;
+    if (cell.size() < known.size()) known = cell;
+  }
+  for (auto& row : table.cells)
+    if (const auto digits = bare_digits(row[column]); digits && !is_missing(row[column]))
+      row[column] = shortest.at(*digits);
+}
 
 std::optional<std::size_t> CovariateTable::column(std::string_view name) const {
   const auto found = std::find(columns.begin(), columns.end(), name);

@@ -21,6 +21,10 @@ struct CovariateTable {
   std::optional<std::size_t> column(std::string_view name) const;
 };
 
+/// Writes numbers of one value alike, as 1, 1.0 and 01, in a column that holds numbers alone: as the shortest of them.
+/// Numbers with an exponent stay as they are.
+void write_numbers_alike(CovariateTable& table, std::size_t column);
+
 /// Reads a table with commas, semicolons or tabs. The names are in the column name, case or id, else in the first.
 /// Errors: unreadable, no rows, a line with another number of cells, a column or a case twice, a row without a name.
 Result<CovariateTable> read_covariates(const std::filesystem::path& path);

@@ -82,6 +82,15 @@ Result<std::vector<std::size_t>> needed_columns(const TestCasesAsked& asked, con
   return std::vector<std::size_t>(columns.begin(), columns.end());
 }
 
+/// Groups that numbers name are told apart by their value.
+void write_group_numbers_alike(const TestCasesAsked& asked, CovariateTable& table) {
+  for (const FormulaTerm& term : asked.formula.terms)
+    for (const Variable& one : term)
+      if (const auto column = table.column(one.name); column && one.by == Variable::By::factor)
+        write_numbers_alike(table, *column);
+  if (const auto subjects = table.column(asked.paired)) write_numbers_alike(table, *subjects);
+}
+
 /// Whether a row is of a study's case that is of another group.
 bool is_of_other_group(const std::map<std::string, StudyCase>& studies, const std::string& row,
                        const std::string& group) {
@@ -348,6 +357,7 @@ Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progres
   cases.table = std::move(*table);
   const auto columns = needed_columns(asked, cases.table);
   if (!columns) return fail(columns.error());
+  write_group_numbers_alike(asked, cases.table);
   auto read = read_shapes_asked(asked.shapes, progress);
   if (!read) return fail(read.error());
   const auto names = asked.shapes.structures.empty() ? names_with_folders(read->set.names) : read->set.names;

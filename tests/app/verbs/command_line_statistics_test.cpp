@@ -444,6 +444,20 @@ TEST_CASE("an interaction with an empty cell has fewer df, and the answer says s
         std::string::npos);
 }
 
+TEST_CASE("numbers that name groups are told apart by their value") {
+  const TemporaryFolder folder;
+  put_balls(folder.path, 4);
+  const auto pairs = [&](const std::vector<std::string>& sites) {
+    std::string table = "name,site\n";
+    for (std::size_t k = 0; k < 12; ++k) table += "c" + std::to_string(k) + "," + sites[k % sites.size()] + "\n";
+    REQUIRE(write_whole_file(folder.path / "t.csv", table));
+    const Ran ran = run(folder, by("size ~ factor(site)"));
+    REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+    return ran.json()["pairs"];
+  };
+  CHECK(pairs({"1", "2", "1.0", "02"}) == pairs({"1", "2"}));
+}
+
 TEST_CASE("a direction that is nobody's is taken out before the test") {
   const TemporaryFolder folder;
   put_balls(folder.path, 4);

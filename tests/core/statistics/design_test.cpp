@@ -107,6 +107,23 @@ TEST_CASE("decimal commas are those of a whole column and what may part thousand
   CHECK(says(cells("name;a\nx;1,5\ny;1.5\n"), "write all its numbers with points"));
 }
 
+TEST_CASE("numbers of one value are written alike where a column holds numbers alone") {
+  const auto alike = [](const std::vector<std::string>& values) {
+    CovariateTable table = table_of(values);
+    write_numbers_alike(table, 0);
+    std::vector<std::string> cells;
+    for (const auto& row : table.cells) cells.push_back(row[0]);
+    return cells;
+  };
+  using Cells = std::vector<std::string>;
+  CHECK(alike({"1.0", "1", "01", "2.50", "2.5", "NA", ""}) == Cells{"1", "1", "1", "2.5", "2.5", "NA", ""});
+  CHECK(alike({"001", "002", "001"}) == Cells{"001", "002", "001"});
+  CHECK(alike({"-0", "0", "-1", "1"}) == Cells{"0", "0", "-1", "1"});
+  CHECK(alike({"1", "01", "old"}) == Cells{"1", "01", "old"});
+  CHECK(alike({"12345678901234567", "12345678901234568", "1e3"}) ==
+        Cells{"12345678901234567", "12345678901234568", "1e3"});
+}
+
 TEST_CASE("numbers are coded with mean 0 and deviation 1 and groups against the first") {
   const CodedVariable numbers = test::must(coded_column(table_of({"1", "2", "3", "6"}), first_four, x));
   CHECK(numbers.columns.mean() == doctest::Approx(0));

@@ -108,6 +108,9 @@ const MeshFormat* mesh_format_of(const std::filesystem::path& path) {
 
 Result<MeshFile> read_mesh_to_mend(const std::filesystem::path& path) {
   const auto format = format_of(path);
+  std::error_code ignored;
+  if (!format && !std::filesystem::exists(std::filesystem::symlink_status(path, ignored)))
+    return fail(path.string(), "does not exist; check the name");
   if (!format) return fail(format.error());
   const auto bytes = read_whole_file(path);
   if (!bytes) return fail(bytes.error());

@@ -20,6 +20,16 @@ std::size_t column_of_names(const std::vector<std::string>& columns) {
   return 0;
 }
 
+/// Whether a row is one that `measure --model` wrote: a mode of the model and no case.
+bool is_row_of_model(const std::vector<std::string>& columns, const std::vector<std::string>& cells,
+                     const std::string& name) {
+  if (name != "model") return false;
+  return std::ranges::all_of(std::array{"mode", "sd"}, [&](const char* word) {
+    const auto column = std::find(columns.begin(), columns.end(), word);
+    return column != columns.end() && as_number<double>(cells[static_cast<std::size_t>(column - columns.begin())]);
+  });
+}
+
 Result<void> refuse_twice(const std::string& source, const char* what, const std::vector<std::string>& names) {
   std::set<std::string> seen;
   for (const std::string& name : names)
@@ -76,6 +86,7 @@ Result<CovariateTable> read_covariates(const std::filesystem::path& path) {
     auto& cells = read->rows[k];
     if (cells[names].empty())
       return fail(table.source, "line " + std::to_string(read->lines[k]) + " names no case; correct it");
+    if (is_row_of_model(table.columns, cells, cells[names])) continue;
     table.cases.push_back(std::move(cells[names]));
     cells.erase(cells.begin() + static_cast<std::ptrdiff_t>(names));
     table.cells.push_back(std::move(cells));

@@ -26,6 +26,7 @@ struct CovariateTable {
 void write_numbers_alike(CovariateTable& table, std::size_t column);
 
 /// Reads a table with commas, semicolons or tabs. The names are in the column name, case or id, else in the first.
+/// The rows of a model's modes, which `measure --model` writes, are left out.
 /// Errors: unreadable, no rows, a line with another number of cells, a column or a case twice, a row without a name.
 Result<CovariateTable> read_covariates(const std::filesystem::path& path);
 

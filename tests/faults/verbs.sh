@@ -17,7 +17,7 @@ printf '{"homolog_study":1,"cases":[{"file":"a.ply"},{"file":"b.ply"},{"file":"c
 awk '/^v /{v[n++]=$2" "$3" "$4} END{print "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4"; for(k=0;k<4;++k) print k+1, v[int(k*n/4)]
   print "$EndNodes\n$Elements\n1\n1 4 0 1 2 3 4\n$EndElements"}' corners.obj > tets.msh
 printf 'name,age\na,1\nb,2\nc,4\n' > t.csv
-printf 'vertex,v\n0,1\n1,2\n' > v.csv
+printf 'vertex,v\n1,1\n3,2\n' > v.csv
 printf '{"homolog_set":1,"structures":[{"name":"A","value":1,"template":"a.ply"},{"name":"B","value":2,"template":"a.ply"}]}\n' > two.set.json
 
 if [ "${which:-}" = all ]; then

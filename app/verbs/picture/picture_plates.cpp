@@ -14,6 +14,7 @@
 #include "core/model/files/statismo.h"
 #include "core/model/shapes/shape_files.h"
 #include "core/statistics/design.h"
+#include "core/volume/volume_io.h"
 
 // The verbs `picture map`, `groups`, `score` and `plot`: what was measured, for print.
 
@@ -43,7 +44,7 @@ std::map<std::string, VertexScalars> values_in(const MeshFile& mesh) {
 }
 
 /// A column of a table with a row a vertex, as `test --csv` writes it; NaN where it has no row. Errors: no such column,
-/// several terms, a row that is no vertex of the mesh.
+/// several terms, a row that is no vertex of the mesh, a table of a mesh with fewer vertices.
 Result<VertexScalars> values_in(const TextTable& table, const PlateVerb& verb, Eigen::Index vertices) {
   const auto column = [&](const std::string& name) {
     return static_cast<std::size_t>(std::find(table.columns.begin(), table.columns.end(), name) -
@@ -56,6 +57,7 @@ Result<VertexScalars> values_in(const TextTable& table, const PlateVerb& verb, E
       return fail(file, "has no column " + name + "; it has " + listed(table.columns, ", "));
   if (!verb.term.empty() && term == table.columns.size()) return fail(file, "has no column term; leave out --term");
   std::set<std::string> terms;
+  std::set<Eigen::Index> named;
   VertexScalars values = VertexScalars::Constant(vertices, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
     const auto& cells = table.rows[row];
@@ -67,11 +69,17 @@ Result<VertexScalars> values_in(const TextTable& table, const PlateVerb& verb, E
                             " that the mesh does not have; "
                             "its vertices are 0 to " +
                             std::to_string(vertices - 1));
+    named.insert(*number);
     if (const auto known = as_number<double>(cells[value])) values[*number] = *known;
   }
   const std::vector<std::string> names(terms.begin(), terms.end());
   if (verb.term.empty() ? terms.size() > 1 : !terms.contains(verb.term))
     return fail(file, "has the terms " + listed(names, " and ") + "; name one with --term");
+  // One that begins as a mesh does and ends before is of another mesh; one with gaps is of some vertices.
+  if (const auto rows = std::ssize(named); rows > 0 && rows < vertices && *named.rbegin() == rows - 1)
+    return fail(file, "is of a mesh of " + std::to_string(rows) + " vertices, and " +
+                          verb.picture->in.front().string() + " has " + std::to_string(vertices) +
+                          "; give the table of this mesh");
   return values;
 }
 
@@ -193,6 +201,10 @@ Result<Report> of_groups(const PlateVerb& verb, Progress& progress) {
 Result<Report> of_score(const PlateVerb& verb, Progress& progress) {
   const auto model = read_model(verb.model);
   if (!model) return fail(model.error());
+  const fs::path& file = verb.picture->in.front();
+  std::error_code ignored;
+  if (!is_mesh_name(file) && fs::is_regular_file(file, ignored) && looks_like_volume(file))
+    return fail(file.string(), "is an image or a label map; give the mesh that score -o writes of it");
   const auto sources = shape_sources(verb.picture->in);
   if (!sources) return fail(sources.error());
   std::optional<ReadShape> subject;

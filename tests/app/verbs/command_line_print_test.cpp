@@ -267,6 +267,11 @@ TEST_CASE("what cannot be shown for print is refused with a sentence") {
   refused("map k0.ply --property z -o a.svg", "k0.ply", "has no property z");
   refused("map k0.ply --property z --values cases.csv -o a.svg", "cases.csv",
           "has no column vertex; it has case, kind");
+  std::ofstream(folder.path / "v.csv") << "vertex,v\n0,1\n1,2\n2,1\n";
+  refused("map k0.ply --property v --values v.csv -o a.svg", "v.csv", "is of a mesh of 3 vertices, and k0.ply has ");
+  std::ofstream(folder.path / "scan.nii.gz") << "x";
+  refused("score scan.nii.gz --model m.h5.json -o a.svg", "scan.nii.gz", "is an image or a label map");
+  refused("score nosuch --model m.h5.json -o a.svg", "nosuch", "does not exist");
   refused("groups" + files + " --covariates cases.csv --by age -o a.svg", "age", "is no column");
   refused("plot k0.ply -o a.svg", "k0.ply", "");
   refused("modes m.h5.json --mode 99 -o a.gif", "--mode 99", "is more than");

@@ -522,7 +522,8 @@ TEST_CASE("files that are wrong are refused by a sentence with their name") {
   CHECK(contains(folder.refusal("a.particles", "1 2 3\n1 2\n"), "x y z"));
   CHECK(contains(folder.refusal("a.ply", ""), "is empty"));
   CHECK(contains(folder.refusal("a.png", "x"), "use .ply"));
-  CHECK(contains(read_mesh_file(folder.path / "absent.ply").error().sentence(), "does not exist"));
+  for (const char* absent : {"absent.ply", "absent", "absent.png"})
+    CHECK(contains(read_mesh_file(folder.path / absent).error().sentence(), "does not exist"));
   CHECK(contains(write_mesh_file(sphere_file(), folder.path / "a.gltf").error().sentence(), "use .ply"));
 }
 

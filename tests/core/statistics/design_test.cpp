@@ -84,6 +84,10 @@ TEST_CASE("a table is read with any separator and its errors name the line") {
              "UTF-16"));
   CHECK(says(read(std::string("PK\3\4a\0b\n", 8)), "is no text"));  // as a workbook
   CHECK(says(read("name,age\nk1,4\nk1,5\n"), "has the case k1 twice"));
+  // The rows that measure --model adds are no cases; of other tables "model" is one.
+  const CovariateTable modes = test::must(read("name,mode,sd,volume\nk1,,,4\nmodel,1,-2,5\nmodel,1,2,6\n"));
+  CHECK(modes.cases == std::vector<std::string>{"k1"});
+  CHECK(test::must(read("name,mode\nmodel,1\nk1,2\n")).cases.size() == 2);
   CHECK(says(read("name,age,age\nk1,4,4\n"), "has the column age twice"));
   CHECK(says(read("name,age\n,4\n"), "names no case"));
   CHECK(says(read("name,age\n"), "has no cases"));

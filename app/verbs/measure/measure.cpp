@@ -63,7 +63,7 @@ Result<NamedShapes> read(const ShapesVerb& options, Progress& progress) {
   auto warnings = read_shapes(*sources, {options.all_frames}, take, &progress);
   if (!warnings) return fail(warnings.error());
   if (std::ranges::all_of(all.groups, &std::string::empty)) all.groups.clear();
-  all.names = shape_names(all.names);
+  all.names = names_with_folders(all.names);
   all.warnings = std::move(*warnings);
   std::ranges::move(of_first, std::back_inserter(all.warnings));
   return all;

@@ -27,6 +27,7 @@ namespace {
 /// One shape, measured.
 struct MeasuredCase {
   std::string name;
+  std::string file;   ///< as OfCase has it
   std::string group;  ///< of a study's case; empty: none
   std::optional<int> frame;
   std::vector<MeasuredNumber> values;
@@ -38,6 +39,7 @@ struct OfCase {
   std::vector<std::string> stems;  ///< what files of its own may be called
   std::string group;
   std::optional<int> frame{};
+  std::filesystem::path source{};  ///< the file that it was read from, or the folder of several
 };
 
 /// Measures shapes one after the other, as they are read.
@@ -53,6 +55,7 @@ class RecipeWork {
     }
     progress.part(0, job_.model.empty() ? 1 : 0.8);
     if (auto read = read_all(progress); !read) return fail(read.error());
+    name_cases();
     for (const MeasuredCase& one : cases_) note_missing(one.name, one.values);
     if (!job_.model.empty()) {
       progress.part(0.8, 1);
@@ -88,7 +91,7 @@ class RecipeWork {
       for (const auto& [name, mesh] : shape.others)
         if (auto added = add_structure(measured, shape.name, name, *mesh); !added)
           return fail(shape.name, added.error().what);
-      OfCase of{shape.name, {case_name_of(shape.of->file)}, shape.of->group, noted_frame(*shape.mesh)};
+      OfCase of{shape.name, {case_name_of(shape.of->file)}, shape.of->group, noted_frame(*shape.mesh), shape.of->file};
       if (!shape.of->study_case.empty()) of.stems.push_back(shape.of->study_case);
       return measure_one(of, std::move(measured));
     };
@@ -123,7 +126,10 @@ class RecipeWork {
         if (k == 0) shape.lacks_first.clear();
       }
       if (shape.structures.empty()) continue;
-      if (auto measured = measure_one({one.name, {one.name}, {}}, std::move(shape)); !measured) return measured;
+      OfCase of{one.name, {one.name}, {}};
+      for (const ShapeSource& source : one.of_structure)
+        if (of.source.empty()) of.source = source.file.parent_path();
+      if (auto measured = measure_one(of, std::move(shape)); !measured) return measured;
     }
     return {};
   }
@@ -158,8 +164,41 @@ class RecipeWork {
     if (auto seen = add_image(of, name, shape); !seen) return seen;
     template_suits_ = lenders_.lend_to(shape) || template_suits_;
     if (!job_.model.empty() && cases_.empty()) first_ = shape;
-    cases_.push_back({name, of.group, of.frame, measure(recipe_, shape)});
+    cases_.push_back({name, of.file, of.group, of.frame, measure(recipe_, shape)});
     return job_.profiles.empty() ? Result<void>() : write_profiles(name, shape);
+  }
+
+  /// Gives the cases the names that tables have, of equal ones with their folders.
+  void name_cases() {
+    std::vector<std::string> files;
+    for (const MeasuredCase& one : cases_) files.push_back(one.file);
+    const auto names = names_with_folders(files);
+    for (std::size_t k = 0; k < cases_.size(); ++k) cases_[k].name = names[k];
+  }
+
+  /// The folder of a shape's own folder's name in one that holds files of shapes, and then that one.
+  static std::vector<std::filesystem::path> folders_for(const OfCase& of, const std::filesystem::path& folder) {
+    std::error_code ignored;
+    const auto own = folder / std::filesystem::absolute(of.source, ignored).parent_path().filename();
+    if (of.source.empty() || !std::filesystem::is_directory(own, ignored)) return {folder};
+    return {own, folder};
+  }
+
+  /// Remembers of which shape a file is; gives another one that it was taken for.
+  static std::optional<std::filesystem::path> taken_for(const OfCase& of, const std::filesystem::path& file,
+                                                        std::map<std::filesystem::path, std::filesystem::path>& taken) {
+    const auto& first = taken.emplace(file, of.source).first->second;
+    return first == of.source ? std::nullopt : std::optional(first);
+  }
+
+  /// The image of one of these names in a folder; of several the last. Empty: there is none.
+  static std::filesystem::path image_in(const std::filesystem::path& folder, const std::vector<std::string>& stems) {
+    std::filesystem::path file;
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+      if (std::ranges::count(stems, case_name_of(entry.path())) > 0 && looks_like_volume(entry.path()))
+        file = std::max(file, entry.path());
+    return file;
   }
 
   /// The image that is sampled along normals: one for all, or of the shape's name.
@@ -170,14 +209,17 @@ class RecipeWork {
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored)) {
       file.clear();
-      for (const auto& entry : std::filesystem::directory_iterator(job_.image, ignored))
-        if (std::ranges::count(of.stems, case_name_of(entry.path())) > 0 && looks_like_volume(entry.path()))
-          file = std::max(file, entry.path());
+      for (const auto& folder : folders_for(of, job_.image))
+        if (file.empty()) file = image_in(folder, of.stems);
       if (file.empty()) {
         warnings_.push_back(name + ": has no image in " + job_.image.string() + " (" + listed(of.stems, " or ") +
                             ".nii.gz); call it so");
         return {};
       }
+      if (const auto other = taken_for(of, file, images_taken_))
+        warnings_.push_back(file.string() + ": is sampled for " + other->string() + " and for " + of.source.string() +
+                            "; if it is not the image of both, put each image into a folder of its shape's folder's "
+                            "name");
     }
     if (file != image_file_) {
       Progress unseen;
@@ -223,14 +265,18 @@ class RecipeWork {
   }
 
   /// Landmarks that lie in files of their own; they count before those of the mesh.
-  Result<void> add_landmarks(const OfCase& of, MeasuredStructure& structure) const {
+  Result<void> add_landmarks(const OfCase& of, MeasuredStructure& structure) {
     if (job_.landmarks.empty()) return {};
     std::filesystem::path file = job_.landmarks;
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored)) {
       file.clear();
-      for (const std::string& stem : of.stems)
-        if (file.empty()) file = landmark_file_in(job_.landmarks, stem);
+      for (const auto& folder : folders_for(of, job_.landmarks))
+        for (const std::string& stem : of.stems)
+          if (file.empty()) file = landmark_file_in(folder, stem);
+      if (const auto other = file.empty() ? std::nullopt : taken_for(of, file, landmarks_taken_))
+        return fail(file.string(), "may be of " + other->string() + " or of " + of.source.string() +
+                                       "; put each shape's landmarks into a folder of its folder's name");
     } else if (!alone_)
       return fail(file.string(), "is one file for several shapes; give the folder with a file of each shape's name");
     if (file.empty()) return {};
@@ -353,6 +399,7 @@ class RecipeWork {
   Lenders lenders_;
   std::optional<MeasuredShape> first_;  ///< where a model is measured too
   ShapeNames names_;
+  std::map<std::filesystem::path, std::filesystem::path> landmarks_taken_, images_taken_;  ///< the shape by the file
   bool template_suits_ = false;            ///< a shape has its vertices and faces
   std::shared_ptr<const Topology> faces_;  ///< of the mesh before
   Volume image_;                           ///< of `image_file_`

@@ -149,6 +149,42 @@ TEST_CASE("a built-in template brings its recipe along and a recipe with a fault
   CHECK(run(folder, "measure b0.ply --template b0.ply --json").json()["recipe"] == "Kept");
 }
 
+TEST_CASE("shapes of one name have landmark files of their own folders") {
+  const TemporaryFolder folder;
+  put_marked_balls(folder);
+  fs::create_directory(folder.path / "lmk");
+  const auto put_landmarks = [&](const std::string& file, double south_mm) {
+    fs::create_directories((folder.path / file).parent_path());
+    REQUIRE(write_whole_file(folder.path / file, R"([{"id": "north", "coordinates": [0, 0, 10]},
+      {"id": "south", "coordinates": [0, 0, )" + std::to_string(south_mm) +
+                                                     "]}]"));
+  };
+  for (const char* visit : {"pre", "post"}) {
+    fs::create_directory(folder.path / visit);
+    fs::copy(folder.path / "b0.ply", folder.path / visit / "P1.ply");
+  }
+  fs::copy(folder.path / "b1.ply", folder.path / "pre/P2.ply");
+  put_landmarks("lmk/P1.json", -5);
+  put_landmarks("lmk/P2.json", -6);
+  const std::string measure = "measure pre/P1.ply pre/P2.ply post/P1.ply --recipe r.json --landmarks lmk --json";
+  check_refused(run(folder, measure),
+                "lmk/P1.json: may be of pre/P1.ply or of post/P1.ply; put each shape's landmarks "
+                "into a folder of its folder's name");
+  put_landmarks("lmk/post/P1.json", -7);
+  const Ran ran = run(folder, measure + " -o t.csv");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json cases = ran.json()["cases"];
+  const std::vector<std::pair<std::string, double>> lengths{{"pre/P1", 15}, {"P2", 16}, {"post/P1", 17}};
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    CHECK(cases[k]["name"] == lengths[k].first);
+    CHECK(cases[k]["values"]["length"].get<double>() == doctest::Approx(lengths[k].second));
+  }
+  // The table brings each shape its own row.
+  const Ran tested = run(folder, "test pre post --covariates t.csv --formula 'size ~ `length mm`' --json");
+  REQUIRE_MESSAGE(tested.status == 0, tested.errors);
+  CHECK(tested.json()["left_out"].empty());
+}
+
 TEST_CASE("an image is measured along the normals") {
   const TemporaryFolder folder;
   REQUIRE(run(folder, "phantom kidney --subject 1 -o .").status == 0);
@@ -176,6 +212,9 @@ TEST_CASE("an image is measured along the normals") {
   CHECK(several.json()["cases"][1]["values"] == values);
   CHECK(several.json()["cases"][2]["values"]["inside"].is_null());
   CHECK(several.errors.find("stray: has no image in images (stray.nii.gz)") != std::string::npos);
+  CHECK(
+      several.errors.find("images/k.nii.gz: is sampled for a/k.ply and for b/k.ply; if it is not the image of both") !=
+      std::string::npos);
   CHECK(fs::exists(folder.path / "both/k.vtp"));
   CHECK(fs::exists(folder.path / "both/k-2.vtp"));
   check_refused(run(folder, "measure both/k.vtp --recipe r.json --image images --profiles both"), "both/k.vtp");

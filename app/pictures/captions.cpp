@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -22,6 +23,28 @@ void add_scale_bar(Page& page, double x_mm, double y_mm, double longest_mm, doub
   page.add_line({{x, y_mm}, {x + shown, y_mm}});
   for (const double end : {x, x + shown}) page.add_line({{end, y_mm - tick}, {end, y_mm + tick}});
   page.add_text(x + shown + apart, y_mm + 0.35 * small_pt * 25.4 / 72, text, PageText::Anchor::start, small_pt);
+}
+
+/// As shortened_among(), but of a difference, "A less B, side", the sign and the side stay, and both names are cut
+/// alike.
+std::string short_caption(const std::string& name, const std::vector<std::string>& names, const TextFits& fits) {
+  const std::string minus = " \xe2\x88\x92 ", text = shortened_among(name, names, fits);
+  const std::size_t at = name.find(minus), side = name.rfind(", ");
+  if (at == std::string::npos || text.find(minus) != std::string::npos) return text;
+  const std::size_t from = at + minus.size(), end = side == std::string::npos || side < from ? name.size() : side;
+  const auto cut_to = [](const std::string& part, std::ptrdiff_t most) {
+    return shortened(part, [&](const std::string& shorter) {
+      return std::count_if(shorter.begin(), shorter.end(),
+                           [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }) <= most;
+    });
+  };
+  constexpr std::ptrdiff_t least = 3;
+  for (std::ptrdiff_t letters = std::ssize(name); letters >= least; --letters)
+    if (const std::string shorter = cut_to(name.substr(0, at), letters) + minus +
+                                    cut_to(name.substr(from, end - from), letters) + name.substr(end);
+        fits(shorter))
+      return shorter;
+  return text;
 }
 
 }  // namespace
@@ -61,7 +84,7 @@ Page captioned(MadePicture made, const MontageOptions& options) {
     double room = mm * one.width - 2 * inset_mm;
     if (one.mm_per_px > 0) room /= 2;
     const auto fits = [&](const std::string& text) { return text_width_mm(text, name_pt) <= room; };
-    page.add_text(x, y, shortened_among(one.name, names, fits), PageText::Anchor::start, name_pt);
+    page.add_text(x, y, short_caption(one.name, names, fits), PageText::Anchor::start, name_pt);
     if (one.mm_per_px > 0)
       add_scale_bar(page, mm * (one.x + one.width) - 4 * inset_mm, y - 1, mm * one.width / 5, mm / one.mm_per_px, true);
   }

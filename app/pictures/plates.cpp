@@ -17,6 +17,7 @@ namespace {
 
 constexpr double narrow_mm = 120;  // a page of one column
 constexpr double plot_mm = 55, scored_mm = 62;
+constexpr double colour_bar_left = 0.42;  ///< of the page
 
 /// Where a direction looks from, as captions say it.
 std::string side_name(const Vec3& from) {
@@ -46,9 +47,10 @@ Result<Page> plate(const std::vector<MontageCell>& cells, int columns, const Col
   auto made = montage(cells, columns, options);
   if (!made) return fail(made.error());
   Page page = captioned(std::move(*made), options);
-  add_colour_bar(page,
-                 {0.42 * page.width_mm, page.height_mm - below_mm - colour_bar_mm, 0.54 * page.width_mm, colour_bar_mm},
-                 scale);
+  add_colour_bar(
+      page,
+      {colour_bar_left * page.width_mm, page.height_mm - below_mm - colour_bar_mm, 0.54 * page.width_mm, colour_bar_mm},
+      scale);
   return page;
 }
 
@@ -87,6 +89,18 @@ void plot_coordinates(Page& page, const PageBox& box, const ShapeModel& model, c
   page.add_text(1, y + row_mm, said);
 }
 
+/// The title of a scale of groups, with as much of the first one's name as the page has room for.
+std::string title_of_outward(const std::vector<GroupMean>& groups, double width_mm) {
+  const auto title = [](const std::string& name) { return "Outward of the mean of " + name + " (mm)"; };
+  const auto fits = [&](const std::string& name) {
+    return text_width_mm(title(name), 8) <= (1 - colour_bar_left) * width_mm;
+  };
+  std::vector<std::string> names;
+  for (const GroupMean& group : groups) names.push_back(group.name);
+  const std::string name = shortened_among(groups.front().name, names, fits);
+  return name.empty() ? "Outward (mm)" : title(name);
+}
+
 }  // namespace
 
 Result<Page> map_page(const Mesh& mesh, const VertexScalars& values, const std::string& property,
@@ -115,7 +129,7 @@ Result<Page> groups_page(const std::vector<GroupMean>& groups, const std::shared
     add_sides(cells, first, groups[k].name + " \xe2\x88\x92 " + groups.front().name, scale.of(outward[k - 1]), options);
   }
   ColourScale titled = scale;
-  titled.title = "Outward of the mean of " + groups.front().name + " (mm)";
+  titled.title = title_of_outward(groups, options.width_mm);
   return plate(cells, options.width_mm < narrow_mm ? 2 : 4, titled, 0, options);
 }
 

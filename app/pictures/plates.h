@@ -43,7 +43,9 @@ struct TablePlot {
 };
 /// The rows of a table as dots. If x names groups, the dots of a group stand side by side, with their mean and its
 /// standard error. Rows without one of the values are left out. Errors: a column that is not there, y that is no
-/// number, no rows, more groups than colours.
+/// number, no rows, more groups than colours. Long names of groups are parted into lines, or shortened.
 Result<Page> table_plot(const TextTable& table, const TablePlot& shown, double width_mm);
+/// How many rows a plot leaves out.
+std::size_t rows_without_values(const TextTable& table, const TablePlot& shown);
 
 }  // namespace homolog

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "app/pictures/pictures.h"
 #include "core/mesh/colours.h"
@@ -12,7 +13,7 @@ namespace homolog {
 
 namespace {
 
-constexpr double number_pt = 7, title_pt = 8, number_mm = number_pt * 25.4 / 72;
+constexpr double number_pt = axis_pt, title_pt = 8, number_mm = number_pt * 25.4 / 72;
 constexpr Rgb pale{0.85f, 0.85f, 0.85f}, unknown_grey{0.75f, 0.75f, 0.75f};
 
 Rgb on_colours(const std::vector<Rgb>& colours, double share) {
@@ -22,6 +23,20 @@ Rgb on_colours(const std::vector<Rgb>& colours, double share) {
   Rgb mixed{};
   for (std::size_t k = 0; k < 3; ++k) mixed[k] = (1 - t) * colours[low][k] + t * colours[low + 1][k];
   return mixed;
+}
+
+constexpr double y_mark_mm = 7;
+
+/// Where an axis is marked: at its names, else at round numbers, each with so much room.
+std::vector<double> axis_marks(const PlotAxis& axis, double room_mm, double each_mm) {
+  if (!axis.names.empty()) {
+    std::vector<double> places;
+    for (std::size_t k = 0; k < axis.names.size(); ++k) places.push_back(static_cast<double>(k));
+    return places;
+  }
+  auto ticks = round_ticks(axis.low, axis.high, std::max(2, static_cast<int>(room_mm / each_mm)));
+  if (axis.whole) std::erase_if(ticks, [](double tick) { return std::abs(tick - std::round(tick)) > 1e-9; });
+  return ticks;
 }
 
 /// The next round number that is not below.
@@ -45,35 +60,33 @@ std::vector<double> round_ticks(double low, double high, int most) {
   return ticks;
 }
 
-Plot::Plot(Page& page, const PageBox& box, const PlotAxis& x, const PlotAxis& y) : page_(page), x_(x), y_(y) {
-  constexpr double above = 6, below = 9.5, right = 3;
-  const auto marks = [](const PlotAxis& axis, double room_mm, double each_mm) {
-    if (!axis.names.empty()) {
-      std::vector<double> places;
-      for (std::size_t k = 0; k < axis.names.size(); ++k) places.push_back(static_cast<double>(k));
-      return places;
-    }
-    auto ticks = round_ticks(axis.low, axis.high, std::max(2, static_cast<int>(room_mm / each_mm)));
-    if (axis.whole) std::erase_if(ticks, [](double tick) { return std::abs(tick - std::round(tick)) > 1e-9; });
-    return ticks;
-  };
-  const auto y_marks = marks(y, box.height - above - below, 7);
+PageBox Plot::area_in(const PageBox& box, const PlotAxis& x, const PlotAxis& y) {
+  constexpr double above = 6, right = 3;
+  std::ptrdiff_t more_lines = 0;
+  for (const std::string& name : x.names) more_lines = std::max(more_lines, std::count(name.begin(), name.end(), '\n'));
+  const double below = 9.5 + axis_line_mm * static_cast<double>(more_lines);
   double left = 0;
-  for (const double tick : y_marks) left = std::max(left, text_width_mm(figure(tick), number_pt));
+  for (const double tick : axis_marks(y, box.height - above - below, y_mark_mm))
+    left = std::max(left, text_width_mm(figure(tick), number_pt));
   left += 3;
-  area_ = {box.x + left, box.y + above, box.width - left - right, box.height - above - below};
+  return {box.x + left, box.y + above, box.width - left - right, box.height - above - below};
+}
+
+Plot::Plot(Page& page, const PageBox& box, const PlotAxis& x, const PlotAxis& y)
+    : page_(page), area_(area_in(box, x, y)), x_(x), y_(y) {
   const double bottom = area_.y + area_.height;
-  for (const double tick : y_marks) {
+  for (const double tick : axis_marks(y, area_.height, y_mark_mm)) {
     const double place = at(x.low, tick).y();
     page.paths.push_back({{{area_.x, place}, {area_.x + area_.width, place}}, pale, 0.15});
     page.add_text(area_.x - 1, place + 0.35 * number_mm, figure(tick), PageText::Anchor::end, number_pt);
   }
-  for (const double tick : marks(x, area_.width, 9)) {
+  for (const double tick : axis_marks(x, area_.width, 9)) {
     const double place = at(tick, y.low).x();
     page.add_line({{place, bottom}, {place, bottom + 0.8}});
-    page.add_text(place, bottom + 1.4 + number_mm,
-                  x.names.empty() ? figure(tick) : x.names[static_cast<std::size_t>(tick)], PageText::Anchor::middle,
-                  number_pt);
+    std::istringstream lines(x.names.empty() ? figure(tick) : x.names[static_cast<std::size_t>(tick)]);
+    double line_y = bottom + 1.4 + number_mm;
+    for (std::string line; std::getline(lines, line); line_y += axis_line_mm)
+      page.add_text(place, line_y, line, PageText::Anchor::middle, number_pt);
   }
   page.add_line({{area_.x, area_.y}, {area_.x, bottom}, {area_.x + area_.width, bottom}});
   page.add_text(box.x + 1, box.y + title_pt * 25.4 / 72, y.title, PageText::Anchor::start, title_pt);

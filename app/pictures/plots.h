@@ -19,8 +19,11 @@ struct PlotAxis {
   std::string title;
   double low = 0, high = 1;
   bool whole = false;                ///< whole numbers alone are marked
-  std::vector<std::string> names{};  ///< of the places 0, 1, …, in place of numbers
+  std::vector<std::string> names{};  ///< of the places 0, 1, …, in place of numbers; '\n' parts their lines
 };
+
+/// The size of the numbers and names at axes, and how far apart the lines of a name lie.
+inline constexpr double axis_pt = 7, axis_line_mm = 1.2 * axis_pt * 25.4 / 72;
 
 /// Places for round numbers from low to high, at most `most` of them.
 std::vector<double> round_ticks(double low, double high, int most);
@@ -29,6 +32,9 @@ std::vector<double> round_ticks(double low, double high, int most);
 class Plot {
  public:
   Plot(Page& page, const PageBox& box, const PlotAxis& x, const PlotAxis& y);
+
+  /// The box between the axes of a plot that is made so; names of several lines make the box lower.
+  static PageBox area_in(const PageBox& box, const PlotAxis& x, const PlotAxis& y);
 
   Eigen::Vector2d at(double x, double y) const;
   void add_line(const std::vector<Eigen::Vector2d>& values, const Rgb& colour);

@@ -2,10 +2,12 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "app/pictures/plates.h"
 #include "app/pictures/plots.h"
 #include "core/base/text/listed.h"
+#include "core/base/text/short_names.h"
 #include "core/base/text/text.h"
 
 // The columns of any table as a plot for print.
@@ -83,10 +85,94 @@ void add_mean(Plot& plot, double place, const std::vector<double>& values, const
   plot.add_error(place, mean, std::sqrt(squares / (count - 1) / count), colour);
 }
 
+/// A text in lines that are no wider, at its blanks.
+std::vector<std::string> wrapped_words(const std::string& text, double room_mm, double size_pt) {
+  std::vector<std::string> lines;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const std::string longer = lines.empty() ? word : lines.back() + " " + word;
+    if (lines.empty() || text_width_mm(longer, size_pt) > room_mm)
+      lines.push_back(word);
+    else
+      lines.back() = longer;
+  }
+  return lines;
+}
+
+/// The names of places across as they fit side by side: as they are, else in up to three lines, else shortened.
+std::vector<std::string> names_across(const std::vector<std::string>& names, const PageBox& area, double width_mm) {
+  constexpr double apart_mm = 1;
+  constexpr std::size_t most_lines = 3;
+  const double room = area.width / static_cast<double>(names.size());
+  bool fit = true;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const double half = text_width_mm(names[k], axis_pt) / 2, middle = area.x + room * (static_cast<double>(k) + 0.5);
+    const double next = k + 1 < names.size() ? text_width_mm(names[k + 1], axis_pt) / 2 : 0;
+    fit = fit && half + next + apart_mm / 2 <= room && middle - half >= 0 && middle + half <= width_mm;
+  }
+  if (fit) return names;
+  const auto fits = [&](const std::string& text) {
+    const auto lines = wrapped_words(text, room - apart_mm, axis_pt);
+    return lines.size() <= most_lines && std::all_of(lines.begin(), lines.end(), [&](const std::string& line) {
+             return text_width_mm(line, axis_pt) <= room - apart_mm;
+           });
+  };
+  std::vector<std::string> shown;
+  for (const std::string& name : names) {
+    std::string text;
+    for (const std::string& line : wrapped_words(shortened_among(name, names, fits), room - apart_mm, axis_pt))
+      text += (text.empty() ? "" : "\n") + line;
+    shown.push_back(std::move(text));
+  }
+  return shown;
+}
+
+constexpr double legend_mm = 5, legend_pt = 7;
+
+/// The colours' names, in as many rows as the page needs. Gives how high they are.
+double add_legend(Page& page, const std::vector<std::string>& groups) {
+  constexpr double mark_mm = 4, apart_mm = 2, row_mm = 4;
+  const double most = page.width_mm - 2 * apart_mm - 1;
+  std::vector<std::string> shown;
+  for (const std::string& group : groups)
+    shown.push_back(shortened_among(group, groups,
+                                    [&](const std::string& text) { return text_width_mm(text, legend_pt) <= most; }));
+  std::vector<std::size_t> row_ends;  // the last row has the last groups
+  double used = apart_mm;
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    const double width = text_width_mm(shown[k], legend_pt) + apart_mm + mark_mm;
+    if (k > 0 && used + width > page.width_mm + 3) row_ends.push_back(k), used = apart_mm;
+    used += width;
+  }
+  row_ends.push_back(groups.size());
+  for (std::size_t row = 0; row < row_ends.size(); ++row) {
+    double at = page.width_mm - apart_mm;
+    const double y = row_mm * static_cast<double>(row);
+    for (std::size_t k = row_ends[row]; k-- > (row == 0 ? 0 : row_ends[row - 1]);) {
+      page.add_text(at, y + 4, shown[k], PageText::Anchor::end, legend_pt);
+      at -= text_width_mm(shown[k], legend_pt) + apart_mm;
+      page.add_mark({at, y + 3}, 0.9, plot_colours[k]);
+      at -= mark_mm;
+    }
+  }
+  return legend_mm + row_mm * static_cast<double>(row_ends.size() - 1);
+}
+
 }  // namespace
 
+std::size_t rows_without_values(const TextTable& table, const TablePlot& shown) {
+  std::size_t count = 0;
+  for (const auto& row : table.rows) {
+    bool lacks = false;
+    for (const std::string& name : {shown.x, shown.y, shown.by.empty() ? shown.x : shown.by})
+      if (const auto column = plot_column(table, name); column) lacks = lacks || is_missing(row[*column]);
+    count += lacks ? 1 : 0;
+  }
+  return count;
+}
+
 Result<Page> table_plot(const TextTable& table, const TablePlot& shown, double width_mm) {
-  constexpr double plot_height_mm = 70, legend_mm = 5, legend_pt = 7;
+  constexpr double plot_height_mm = 70;
   const auto rows = plot_rows(table, shown);
   if (!rows) return fail(rows.error());
   std::vector<double> x, y;
@@ -104,18 +190,18 @@ Result<Page> table_plot(const TextTable& table, const TablePlot& shown, double w
                         ", more than can be told apart; name another column");
   Page page;
   page.width_mm = width_mm;
-  page.height_mm = plot_height_mm + (shown.by.empty() ? 0 : legend_mm);
-  double at = width_mm - 2;
-  for (std::size_t k = groups.size(); !shown.by.empty() && k-- > 0;) {
-    page.add_text(at, 4, groups[k], PageText::Anchor::end, legend_pt);
-    at -= text_width_mm(groups[k], legend_pt) + 2;
-    page.add_mark({at, 3}, 0.9, plot_colours[k]);
-    at -= 4;
-  }
+  const double legend = shown.by.empty() ? 0 : add_legend(page, groups);
   PlotAxis across = is_named ? PlotAxis{title_of(shown.x), -0.5, static_cast<double>(names.size()) - 0.5, false, names}
                              : axis_of(title_of(shown.x), x);
-  Plot plot(page, {0, page.height_mm - plot_height_mm, width_mm, plot_height_mm}, across,
-            axis_of(title_of(shown.y), y));
+  const PlotAxis up = axis_of(title_of(shown.y), y);
+  PageBox box{0, legend, width_mm, plot_height_mm};
+  if (is_named) {
+    const PageBox area = Plot::area_in(box, across, up);
+    across.names = names_across(names, area, width_mm);
+    box.height += area.height - Plot::area_in(box, across, up).height;  // what more lines take
+  }
+  page.height_mm = legend + box.height;
+  Plot plot(page, box, across, up);
   const double step = 0.8 / static_cast<double>(groups.size());
   for (std::size_t g = 0; g < groups.size(); ++g) {
     std::vector<std::vector<double>> of_name(names.size());

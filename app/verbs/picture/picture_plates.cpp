@@ -233,8 +233,13 @@ Result<Report> of_plot(const PlateVerb& verb) {
     auto table = read_text_table(file);
     if (!table) return fail(table.error());
     if (auto mended = mend_decimal_commas(file, *table); !mended) return fail(mended.error());
-    return write_plate(verb.plot.x.empty() ? measure_plots(*table, width_mm) : table_plot(*table, verb.plot, width_mm),
-                       *verb.picture);
+    if (verb.plot.x.empty()) return write_plate(measure_plots(*table, width_mm), *verb.picture);
+    auto report = write_plate(table_plot(*table, verb.plot, width_mm), *verb.picture);
+    if (const std::size_t without = rows_without_values(*table, verb.plot); report && without > 0)
+      report->warnings.push_back(file.string() + ": " + std::to_string(without) +
+                                 (without == 1 ? " row lacks a value and is" : " rows lack a value and are") +
+                                 " left out");
+    return report;
   }
   const auto model = read_model(file);
   if (!model) return fail(model.error());

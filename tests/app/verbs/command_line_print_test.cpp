@@ -1,4 +1,7 @@
 // Pictures for print, and a mode that plays.
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <fstream>
 #include <regex>
 
@@ -50,6 +53,13 @@ std::vector<SvgText> texts_of(const std::string& svg) {
 
 bool has_text(const std::vector<SvgText>& texts, const std::string& wanted) {
   return std::any_of(texts.begin(), texts.end(), [&](const SvgText& one) { return one.text == wanted; });
+}
+
+/// Letters are at least 0.45 of their size wide on average.
+double least_width_mm(const SvgText& text) {
+  return 0.45 * text.size * static_cast<double>(std::count_if(text.text.begin(), text.text.end(), [](char c) {
+           return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+         }));
 }
 
 /// The pixels that an SVG holds.
@@ -215,6 +225,63 @@ TEST_CASE("columns of a table are plotted, as numbers and as groups") {
   check_refused(run(folder, "picture plot t.csv --x age --y group -o a.svg"), "where group should be a number");
   CHECK(run(folder, "picture plot t.csv --x age -o a.svg").status == 2);
   CHECK_FALSE(fs::exists(folder.path / "a.svg"));
+}
+
+TEST_CASE("long names of groups stay on the page and beside each other") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> names{"Patients with chronic kidney disease", "Healthy volunteers, screened",
+                                       "Diabetes mellitus type 2", "Siblings of the patients"};
+  std::string table = "case,age,val,grp\n";
+  for (int k = 0; k < 24; ++k)
+    table += "c" + std::to_string(k) + "," + std::to_string(40 + k) + "," + std::to_string(k * 3 % 7) + ",\"" +
+             names[static_cast<std::size_t>(k % 4)] + "\"\n";
+  REQUIRE(write_whole_file(folder.path / "t.csv", table + "c24,,4,Siblings of the patients\nc25,50,,NA\n"));
+  for (const std::string shown : {"--x age --y val --by grp", "--x grp --y val", "--x grp --y val --by grp"})
+    for (const int width_mm : {85, 170}) {
+      CAPTURE(shown);
+      CAPTURE(width_mm);
+      const Ran ran = run(folder, "picture plot t.csv " + shown + " -o p.svg --width-mm " + std::to_string(width_mm));
+      REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+      const bool by_age = shown.find("age") != std::string::npos;
+      CHECK(ran.errors.find(by_age ? "2 rows lack a value and are left out" : "1 row lacks a value and is left out") !=
+            std::string::npos);
+      std::vector<std::array<double, 3>> places;  // from, to, the baseline
+      for (const SvgText& one : texts_of(read(folder, "p.svg"))) {
+        const double width = least_width_mm(one);
+        const double from = one.anchor == "start" ? one.x : one.anchor == "middle" ? one.x - width / 2 : one.x - width;
+        CHECK_MESSAGE((from >= 0 && from + width <= width_mm), one.text);
+        for (const auto& [other_from, other_to, y] : places)
+          CHECK_MESSAGE((std::abs(y - one.y) > 1 || from > other_to || from + width < other_from), one.text);
+        places.push_back({from, from + width, one.y});
+      }
+    }
+  // In full where there is room: lines of a name, and rows of colours.
+  CHECK(has_text(texts_of(read(folder, "p.svg")), "Diabetes mellitus type 2"));
+  REQUIRE(run(folder, "picture plot t.csv --x age --y val --by grp -o p.svg --width-mm 85").status == 0);
+  for (const std::string& name : names) CHECK_MESSAGE(has_text(texts_of(read(folder, "p.svg")), name), name);
+}
+
+TEST_CASE("a long name of a group leaves the sign of a difference and the unit") {
+  const TemporaryFolder folder;
+  const std::string files = put_shapes(folder);
+  if (cannot_draw(run(folder, "picture correspondence" + files + " -o x.png"))) return;
+  std::string table = "case,kind\n";
+  for (int k = 0; k < 6; ++k)
+    table += "k" + std::to_string(k) + (k < 3 ? ",Diabetes mellitus type 2\n" : ",\"Healthy volunteers, screened\"\n");
+  REQUIRE(write_whole_file(folder.path / "long.csv", table));
+  const Ran ran = run(folder, "picture groups" + files + " --covariates long.csv --by kind --width-mm 85 -o p.svg");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  int differences = 0;
+  bool has_unit = false;
+  for (const SvgText& one : texts_of(read(folder, "p.svg"))) {
+    const bool side = one.text.ends_with("erior") || one.text.find(", ant") != std::string::npos;
+    differences += side && one.text.find(" \xe2\x88\x92 ") != std::string::npos ? 1 : 0;
+    if (!one.text.starts_with("Outward")) continue;
+    has_unit = one.text.ends_with(" (mm)");
+    CHECK(one.x + least_width_mm(one) <= 85);
+  }
+  CHECK(differences == 2);
+  CHECK(has_unit);
 }
 
 TEST_CASE("measures are plotted with their errors and a broken table is refused by its line") {

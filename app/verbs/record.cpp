@@ -61,7 +61,7 @@ const std::array recorded_verbs{
     RecordedVerb{"tets", {"TETS", "SHAPE", "--template"}, "--output", {}},
     RecordedVerb{"landmarks", {"SHAPE"}, "--output", {}},
     RecordedVerb{"observers", {"FIRST", "SECOND"}, "--csv", {}},
-    RecordedVerb{"report", {"SHAPE", "--recipe", "--template"}, "--output", {}},
+    RecordedVerb{"report", {"SHAPE", "--recipe", "--template", "--left-out"}, "--output", {}},
     RecordedVerb{"picture correspondence", {"SHAPE"}, "--output", {}},
     RecordedVerb{"picture modes", {"MODEL"}, "--output", {}},
     RecordedVerb{"picture case", {"CASE"}, "--output", {}},

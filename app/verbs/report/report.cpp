@@ -128,6 +128,10 @@ void add_report(CLI::App& app, CommandLine& asked) {
                        "; without it that of the template");
   verb->add_option("--template", options->the_template,
                    "Lends its landmarks and regions to the model for that; without it the first shape does");
+  verb->add_option("--left-out", options->left_out,
+                   "A table (.csv) of cases that are not among the shapes, as of fits that failed: the name in the "
+                   "column name, case or id, the reason in failed or reason; a row without a reason counts as no such "
+                   "case");
   verb->add_option("--samples", options->samples, "How many random shapes to draw for specificity")
       ->check(CLI::Range(1, 1000000));
   verb->callback([options, verb, &asked] {

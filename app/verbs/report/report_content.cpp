@@ -8,11 +8,13 @@
 #include "app/verbs/report/report_measurements.h"
 #include "app/verbs/statistics/test_cases.h"
 #include "core/base/files/file_stem.h"
+#include "core/base/text/text_table.h"
 #include "core/model/files/model_files.h"
 #include "core/model/files/statismo.h"
 #include "core/model/measures/leave_one_out.h"
 #include "core/model/shapes/shape_files.h"
 #include "core/model/shapes/study.h"
+#include "core/statistics/covariates.h"
 
 namespace homolog {
 
@@ -51,6 +53,7 @@ std::string plain_command(const ReportVerb& verb) {
   if (training.world) command += " --world";
   if (!verb.recipe.empty()) command += " --recipe " + fs::path(verb.recipe).filename().string();
   if (!verb.the_template.empty()) command += " --template " + fs::path(verb.the_template).filename().string();
+  if (!verb.left_out.empty()) command += " --left-out " + verb.left_out.filename().string();
   if (verb.modes > 0) command += " --modes " + std::to_string(verb.modes);
   if (verb.without_names) command += " --without-names";
   if (verb.samples != ReportVerb().samples) command += " --samples " + std::to_string(verb.samples);
@@ -251,6 +254,40 @@ Result<PageContent> content_of_set(const ReportVerb& verb, Progress& progress) {
   return content;
 }
 
+/// "is empty" of "homolog: masks/k1.nii.gz: is empty": a page needs no path, which may name a patient.
+std::string reason_alone(std::string reason, const std::string& name) {
+  const std::string program = "homolog: ";
+  if (reason.starts_with(program)) reason.erase(0, program.size());
+  const std::size_t end = reason.find(": ");
+  if (end != std::string::npos && reason.substr(0, end).find(name) != std::string::npos) reason.erase(0, end + 2);
+  return reason;
+}
+
+/// Puts the cases of a table behind the others. Errors: read_covariates', no column of reasons.
+Result<void> put_left_out(const ReportVerb& verb, PageContent& content) {
+  const auto table = read_covariates(verb.left_out);
+  if (!table) return fail(table.error());
+  const auto failed = table->column("failed"), reasons = failed ? failed : table->column("reason");
+  if (!reasons)
+    return fail(table->source, "has no column failed or reason; give one that says why each case is left out");
+  std::set<std::string> known;
+  for (const PageCase& one : content.cases) known.insert(one.name);
+  for (std::size_t k = 0; k < table->cases.size(); ++k) {
+    const std::string& name = table->cases[k];
+    if (is_missing(table->cells[k][*reasons])) continue;
+    if (known.contains(name)) {
+      content.warnings.push_back(table->source + ": names " + name + ", which is among the shapes");
+      continue;
+    }
+    PageCase one;
+    one.name = name;
+    one.excluded = reason_alone(table->cells[k][*reasons], name);
+    if (verb.without_names && one.excluded.find(name) != std::string::npos) one.excluded = "could not be taken";
+    content.cases.push_back(std::move(one));
+  }
+  return {};
+}
+
 }  // namespace
 
 Eigen::Index PageContent::cases_in_model() const {
@@ -272,6 +309,8 @@ Result<PageContent> page_content(const ReportVerb& verb, Progress& progress) {
   if (!content) return content;
   if (!verb.recipe.empty() || !verb.the_template.empty())
     if (auto measured = measure_page(verb, *content, progress); !measured) return fail(measured.error());
+  if (!verb.left_out.empty())
+    if (auto put = put_left_out(verb, *content); !put) return fail(put.error());
   const bool names_cases = files.size() > 1 || !(is_study_file(files.front()) || is_model_name(files.front()));
   content->title = !verb.title.empty()                 ? verb.title
                    : verb.without_names && names_cases ? "Shapes"

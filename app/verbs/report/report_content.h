@@ -19,9 +19,10 @@ struct ReportVerb {
   std::string title;  ///< empty: the name of the first file
   int modes = 0;      ///< how many the page has; 0: those that hold 95 % of the variance, at most 10
   Eigen::Index samples = 1000;
-  std::string recipe;          ///< what is measured along the modes: a file, or the name of one that ships
-  std::string the_template;    ///< lends landmarks and regions for that; empty: the first shape does
-  bool without_names = false;  ///< cases are numbered: their names may be those of patients
+  std::string recipe;              ///< what is measured along the modes: a file, or the name of one that ships
+  std::string the_template;        ///< lends landmarks and regions for that; empty: the first shape does
+  std::filesystem::path left_out;  ///< a table of cases that are not among the shapes, with the reasons; empty: none
+  bool without_names = false;      ///< cases are numbered: their names may be those of patients
 };
 
 /// A case of the page.

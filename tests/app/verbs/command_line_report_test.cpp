@@ -117,6 +117,29 @@ TEST_CASE("a report says which cases are left out and why") {
   CHECK(page.find("homolog report organs.study.json --without-doubtful</code>") != std::string::npos);
 }
 
+TEST_CASE("a report lists cases that never became shapes") {
+  const TemporaryFolder folder;
+  put_study(folder);
+  REQUIRE(write_whole_file(
+      folder.path / "agreement.csv",
+      "case,dice,failed\ne0,0.98,\ntorn-case,,\"homolog: masks/torn-case.nii.gz: is cut short, so it is left\"\n"
+      "case 2,,odd\n"));
+  const std::string report = "report organs.study.json --left-out agreement.csv -o page.html --json ";
+  const Ran ran = run(folder, report);
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["cases"] == 5);
+  CHECK(ran.json()["left_out"] == 1);
+  CHECK(ran.errors.find("agreement.csv: names case 2, which is among the shapes") != std::string::npos);
+  const std::string page = page_in(folder, "page.html");
+  CHECK(page.find("torn-case") != std::string::npos);
+  CHECK(page.find("left out: is cut short, so it is left") != std::string::npos);
+  CHECK(page.find("masks/torn-case.nii.gz") == std::string::npos);
+  REQUIRE(run(folder, report + "--without-names").status == 0);
+  CHECK(page_in(folder, "page.html").find("torn-case") == std::string::npos);
+  REQUIRE(write_whole_file(folder.path / "agreement.csv", "case,dice\ne0,0.98\n"));
+  check_refused(run(folder, report), "agreement.csv: has no column failed or reason");
+}
+
 TEST_CASE("a report without names numbers its cases") {
   const TemporaryFolder folder;
   put_study(folder);

@@ -13,11 +13,12 @@ namespace homolog {
 
 namespace {
 
-std::size_t column_of_names(const std::vector<std::string>& columns) {
+/// None: no column is called so.
+std::optional<std::size_t> column_of_names(const std::vector<std::string>& columns) {
   for (const char* word : {"name", "case", "id"})
     for (std::size_t k = 0; k < columns.size(); ++k)
       if (lower_case(columns[k]) == word) return k;
-  return 0;
+  return std::nullopt;
 }
 
 /// Whether a row is one that `measure --model` wrote: a mode of the model and no case.
@@ -79,9 +80,13 @@ std::optional<std::size_t> CovariateTable::column(std::string_view name) const {
 Result<CovariateTable> read_covariates(const std::filesystem::path& path) {
   auto read = read_text_table(path);
   if (!read) return fail(read.error());
+  const std::string encoding = mend_encoding(*read);
   if (auto mended = mend_decimal_commas(path, *read); !mended) return fail(mended.error());
   CovariateTable table{path.string(), std::move(read->columns), {}, {}};
-  const std::size_t names = column_of_names(table.columns);
+  if (!encoding.empty()) table.warnings.push_back(table.source + ": " + encoding);
+  const auto called = column_of_names(table.columns);
+  const std::size_t names = called.value_or(0);
+  if (!called && !table.columns.empty()) table.first_as_names = table.columns.front();
   for (std::size_t k = 0; k < read->rows.size(); ++k) {
     auto& cells = read->rows[k];
     if (cells[names].empty())
@@ -94,7 +99,11 @@ Result<CovariateTable> read_covariates(const std::filesystem::path& path) {
   if (table.cases.empty()) return fail(table.source, "has no cases; give a line with the columns and one a case");
   table.columns.erase(table.columns.begin() + static_cast<std::ptrdiff_t>(names));
   if (auto once = refuse_twice(table.source, "column", table.columns); !once) return fail(once.error());
-  if (auto once = refuse_twice(table.source, "case", table.cases); !once) return fail(once.error());
+  if (auto once = refuse_twice(table.source, "case", table.cases); !once)
+    return fail(table.source,
+                once.error().what + (called ? ""
+                                            : ": its names are in the first column, " + table.first_as_names +
+                                                  ", since none is called name, case or id"));
   return table;
 }
 

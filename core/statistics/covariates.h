@@ -16,6 +16,8 @@ struct CovariateTable {
   std::vector<std::string> columns;             ///< but that of the names
   std::vector<std::string> cases;               ///< names; no two are equal
   std::vector<std::vector<std::string>> cells;  ///< of each case one a column
+  std::string first_as_names{};  ///< the first column, where it has the names because none is called so; else empty
+  std::vector<std::string> warnings{};  ///< each a sentence
 
   /// The column of that name, from 0.
   std::optional<std::size_t> column(std::string_view name) const;

@@ -232,6 +232,7 @@ Result<Report> of_plot(const PlateVerb& verb) {
   if (!is_model_name(file)) {
     auto table = read_text_table(file);
     if (!table) return fail(table.error());
+    const std::string encoding = mend_encoding(*table);
     if (auto mended = mend_decimal_commas(file, *table); !mended) return fail(mended.error());
     if (verb.plot.x.empty()) return write_plate(measure_plots(*table, width_mm), *verb.picture);
     auto report = write_plate(table_plot(*table, verb.plot, width_mm), *verb.picture);
@@ -239,6 +240,7 @@ Result<Report> of_plot(const PlateVerb& verb) {
       report->warnings.push_back(file.string() + ": " + std::to_string(without) +
                                  (without == 1 ? " row lacks a value and is" : " rows lack a value and are") +
                                  " left out");
+    if (report && !encoding.empty()) report->warnings.push_back(file.string() + ": " + encoding);
     return report;
   }
   const auto model = read_model(file);

@@ -19,7 +19,7 @@ struct NamedPlace {
   std::string file, stem;
 };
 
-NamedPlace place_of(const fs::path& path) {
+NamedPlace named_place_of(const fs::path& path) {
   NamedPlace place;
   for (const fs::path& part : path.lexically_normal())
     if (const std::string text = part.string(); !text.empty() && text != "." && text != ".." && text != "/")
@@ -33,7 +33,7 @@ NamedPlace place_of(const fs::path& path) {
 
 NamedPlace place_of_shape(const std::string& name, bool is_file) {
   std::error_code ignored;
-  NamedPlace place = place_of(is_file ? fs::absolute(name, ignored) : fs::path(name));
+  NamedPlace place = named_place_of(is_file ? fs::absolute(name, ignored) : fs::path(name));
   place.stem = is_file ? shape_stem(name) : place.file;
   return place;
 }
@@ -63,7 +63,7 @@ class RowsOfShapes {
  public:
   RowsOfShapes(const CovariateTable& table, const std::vector<ShapeOfRow>& shapes, bool are_files)
       : table_(table), shapes_(shapes), are_files_(are_files), found_(shapes.size()), may_be_(shapes.size()) {
-    for (const std::string& name : table.cases) rows_.push_back(place_of(name));
+    for (const std::string& name : table.cases) rows_.push_back(named_place_of(name));
     for (std::size_t row = 0; row < rows_.size(); ++row) {
       by_name_[rows_[row].stem].push_back(row);
       if (rows_[row].file != rows_[row].stem) by_name_[rows_[row].file].push_back(row);

@@ -73,6 +73,9 @@ Result<std::vector<std::size_t>> needed_columns(const TestCasesAsked& asked, con
     if (asked.object_symmetry && (one.name == mirrored_column || one.name == whose_column)) continue;
     if (table.columns.empty())
       return fail("--covariates", "is needed for " + one.name + ": the shapes are of no study that knows it");
+    if (one.name == table.first_as_names)
+      return fail(one.name, "was taken as the names of the cases, since no column of " + table.source +
+                                " is called name, case or id; call the column of the names so");
     std::vector<std::string> words = table.columns;
     words.insert(words.end(), {"shape", "size"});
     if (asked.object_symmetry) words.emplace_back(mirrored_column);
@@ -362,6 +365,7 @@ Result<TestCases> read_test_cases(const TestCasesAsked& asked, Progress& progres
   if (!read) return fail(read.error());
   const auto names = asked.shapes.structures.empty() ? names_with_folders(read->set.names) : read->set.names;
   cases.warnings = std::move(read->warnings);
+  cases.warnings.insert(cases.warnings.end(), cases.table.warnings.begin(), cases.table.warnings.end());
   cases.left_out = std::move(read->left_out);
   const bool sizes_are_enough = cases.table.columns.empty() && cases.table.cases.empty();
   auto found = sizes_are_enough ? Result<std::vector<Partner>>(rows_of_their_own(names, cases))

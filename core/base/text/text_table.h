@@ -20,9 +20,14 @@ struct TextTable {
   char separator = ',';                        ///< between cells
 };
 
-/// Reads a table with commas, semicolons or tabs between its cells [table_separator]. Errors: unreadable, UTF-16, more
-/// than 32 MiB, a line with another number of cells than columns.
+/// Reads a table with commas, semicolons or tabs between its cells [table_separator]. A first line "sep=;" says which,
+/// lines may end as those of old Macs, and the row numbers that R's write.table puts before rows without a column are
+/// left out. Errors: unreadable, UTF-16, more than 32 MiB, a line with another number of cells than columns.
 Result<TextTable> read_text_table(const std::filesystem::path& path);
+
+/// Reads what is no UTF-8 as Windows-1252, which spreadsheets write. Gives what a warning says of that; empty: all was
+/// UTF-8.
+std::string mend_encoding(TextTable& table);
 
 /// Whether a cell holds no value: it is empty, or says "NA", "NaN", "." or "?".
 bool is_missing(std::string_view cell);

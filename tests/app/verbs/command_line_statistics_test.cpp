@@ -351,6 +351,9 @@ TEST_CASE("what a test cannot answer is refused in a sentence") {
   check_refused(run(folder, by("shape ~ group") + "--paired age"), "is the only case of age");
   REQUIRE(write_whole_file(folder.path / "orders.txt", "0 1 2\n"));
   check_refused(run(folder, by("shape ~ group") + "--permutation-file orders.txt"), "orders.txt");
+  REQUIRE(write_whole_file(folder.path / "t.csv", "Age,Subject ID\n40,c0\n41,c1\n"));
+  check_refused(run(folder, by("shape ~ Age")),
+                "Age: was taken as the names of the cases, since no column of t.csv is called name, case or id");
   REQUIRE(write_whole_file(folder.path / "t.csv", "name,group\nx,a\ny,b\n"));
   check_refused(run(folder, by("shape ~ group")), "names none of the shapes");
   REQUIRE(write_mesh(icosphere(1, 20), folder.path / "shapes" / "c12.ply"));

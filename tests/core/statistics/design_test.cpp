@@ -95,6 +95,37 @@ TEST_CASE("a table is read with any separator and its errors name the line") {
   CHECK_FALSE(is_missing("0"));
 }
 
+TEST_CASE("tables are read as spreadsheets and R write them") {
+  const TemporaryFolder folder;
+  const auto file = folder.path / "t.csv";
+  const auto read = [&](const std::string& text) {
+    REQUIRE(write_whole_file(file, text));
+    return read_covariates(file);
+  };
+  const CovariateTable plain = test::must(read("name;age\nk1;4,5\nk2;5\n"));
+  for (const char* text : {"sep=;\nname;age\nk1;4,5\nk2;5\n", "\"sep=;\"\r\nname;age\r\nk1;4,5\r\nk2;5\r\n",
+                           "name;age\rk1;4,5\rk2;5\r", "\"name\",\"age\"\n\"1\",\"k1\",4.5\n\"2\",\"k2\",5\n"}) {
+    CAPTURE(text);
+    const CovariateTable table = test::must(read(text));
+    CHECK(table.columns == plain.columns);
+    CHECK(table.cases == plain.cases);
+    CHECK(table.cells == plain.cells);
+    CHECK(table.warnings.empty());
+  }
+  CHECK(says(read("name,age\n1,4,5\n2,5,1\n"), "line 2 has 3 cells"));  // decimal commas, perhaps
+  // A separator that the header alone would not tell.
+  CHECK(test::must(read("sep=|\nname|a,b\nk1|2\n")).columns == std::vector<std::string>{"a,b"});
+  CHECK(says(read("name,age\n\"x\",k1,4.5\n\"y\",k2,5\n"), "where R's write.table wrote it with names of its rows"));
+  const CovariateTable latin = test::must(read("name,sex\nk1,m\xE4nnlich\nk2,\x80\n"));
+  CHECK(latin.cells[0][0] == "m\xC3\xA4nnlich");
+  CHECK(latin.cells[1][0] == "\xE2\x82\xAC");
+  REQUIRE(latin.warnings.size() == 1);
+  CHECK(latin.warnings[0].find("t.csv: is no UTF-8, so it was read as Windows-1252 (Latin-1)") != std::string::npos);
+  CHECK(says(read("Age,grp\n4,a\n4,b\n"),
+             "has the case 4 twice: its names are in the first column, Age, since none is called name, case or id"));
+  CHECK(test::must(read("Age,grp\n4,a\n5,b\n")).first_as_names == "Age");
+}
+
 TEST_CASE("decimal commas are those of a whole column and what may part thousands is refused") {
   const auto cells = [](const char* text) {
     const TemporaryFolder folder;

@@ -342,7 +342,7 @@ Result<std::map<std::string, StudyCase>> cases_of_studies(const std::vector<fs::
     auto read = read_study(file);
     if (!read) return fail(read.error());
     for (StudyCase& one : read->study.cases) {
-      const std::string key = ShapeSource{.file = one.file, .study_case = one.name}.study_key();
+      const std::string key = source_of(one).study_key();
       cases.emplace(key, std::move(one));
     }
   }

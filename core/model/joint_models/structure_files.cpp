@@ -141,17 +141,7 @@ class Finder {
                                        "meshes in place of the study");
       const bool is_whole = one.structure.empty();  // else it is named after its structure too
       const std::string name = is_whole || frames[one.file].size() > 1 ? one.name : file_stem(one.file);
-      const bool done = one.state == CaseState::done;
-      if (auto added = add_case(name, {.file = one.file,
-                                       .frame = one.frame,
-                                       .flipped = one.flipped,
-                                       .doubt = done ? std::string() : one.doubt,
-                                       .group = one.group,
-                                       .done = done,
-                                       .structure = one.structure,
-                                       .study_case = one.name});
-          !added)
-        return added;
+      if (auto added = add_case(name, source_of(one)); !added) return added;
     }
     return {};
   }

@@ -43,10 +43,7 @@ Result<std::vector<std::pair<std::string, ShapeSource>>> sources_of(const fs::pa
   } else if (is_study_file(path)) {
     auto read = read_study(path);
     if (!read) return fail(read.error());
-    for (const StudyCase& one : read->study.cases)
-      sources.emplace_back(
-          one.name,
-          ShapeSource{.file = one.file, .frame = one.frame, .flipped = one.flipped, .structure = one.structure});
+    for (const StudyCase& one : read->study.cases) sources.emplace_back(one.name, source_of(one));
     if (sources.empty()) return fail(path.string(), "has no cases yet; add some first");
   } else {
     sources.emplace_back("", ShapeSource{path, {}});

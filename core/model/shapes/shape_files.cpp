@@ -185,6 +185,18 @@ Result<std::shared_ptr<const MeshFile>> read_shape(const ShapeSource& source) {
   return mesh && source.flipped ? std::make_shared<const MeshFile>(mirrored_with_names(**mesh)) : mesh;
 }
 
+ShapeSource source_of(const StudyCase& one) {
+  const bool done = one.state == CaseState::done;
+  return {.file = one.file,
+          .frame = one.frame,
+          .flipped = one.flipped,
+          .doubt = done ? std::string() : one.doubt,
+          .group = one.group,
+          .done = done,
+          .structure = one.structure,
+          .study_case = one.name};
+}
+
 Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& files, const std::string& group) {
   std::vector<ShapeSource> sources;
   for (const fs::path& file : files) {
@@ -206,15 +218,7 @@ Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& file
     const std::size_t before = sources.size();
     for (const StudyCase& one : read->study.cases) {
       if (one.waits() || !(group.empty() || one.group == group)) continue;
-      const bool done = one.state == CaseState::done;
-      sources.push_back({.file = one.file,
-                         .frame = one.frame,
-                         .flipped = one.flipped,
-                         .doubt = done ? std::string() : one.doubt,
-                         .group = one.group,
-                         .done = done,
-                         .structure = one.structure,
-                         .study_case = one.name});
+      sources.push_back(source_of(one));
     }
     if (sources.size() > before) continue;
     if (std::any_of(read->study.cases.begin(), read->study.cases.end(),

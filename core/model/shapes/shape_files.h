@@ -17,6 +17,8 @@
 
 namespace homolog {
 
+struct StudyCase;
+
 /// The shapes of one structure.
 struct ShapesOfStructure {
   std::string id;                                         ///< empty: of a mesh
@@ -89,6 +91,8 @@ struct ShapeSource {
            (of_frame ? " frame " + std::to_string(*of_frame) : "");
   }
 };
+/// The shape of a study's case. One that is done is in no doubt.
+ShapeSource source_of(const StudyCase& one);
 /// Files as sources, one each; a folder stands for its shapes [shape_folder.h], a study (*.study.json) stands for its
 /// cases, of one group where `group` is not empty. Cases of a study without a shape of their own yet are no sources.
 /// Errors: a study that cannot be read, a group without a study or that no case belongs to.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "app/editor/update/commands/looks/setting.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/assistance.h"
@@ -125,8 +124,10 @@ void RefineAlongSurface::run(Editing& editing) const {
   editing.work.fitter.start_refinement(editing.shown.snapshot().document, editing.state.look.structure);
 }
 
-void CancelFit::run(Editing& editing) const {
-  cancel_fit(editing);
+void cancel_fit(Editing& editing) {
+  if (!editing.work.fitter.busy()) return;
+  editing.work.fitter.cancel();
+  editing.shown.session().preview(std::nullopt);
 }
 
 void CancelFits::run(Editing& editing) const {
@@ -145,7 +146,7 @@ void PropagateFrames::run(Editing& editing) const {
       editing.shown.done(), carried_structures(editing.state.look.structures, document, editing.state.look.structure));
 }
 
-void CancelPropagation::run(Editing& editing) const {
+void cancel_propagation(Editing& editing) {
   editing.work.propagator.cancel();
 }
 

@@ -5,6 +5,7 @@
 
 #include "app/editor/state/state.h"
 #include "app/editor/update/commands/logged.h"
+#include "app/editor/update/commands/looks/setting.h"
 #include "core/assist/assist.h"
 #include "core/case/action.h"
 
@@ -65,13 +66,9 @@ struct RefineAlongSurface {
   static constexpr Logged logged = Logged::when_done;
   void run(Editing& editing) const;
 };
-/// Gives up a fit or a refinement.
-struct CancelFit {
-  static constexpr const char* key = "cancel fit";
-  static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::never;  ///< a fit that was given up is not logged either
-  void run(Editing& editing) const;
-};
+/// Gives up a fit or a refinement; neither is logged then.
+void cancel_fit(Editing& editing);
+using CancelFit = PlainEditingCallLogged<Logged::never, "cancel fit", cancel_fit>;
 /// Blends what the study's model expects into the shape, 0…1: now and after every stroke; as a preview, or as an edit.
 struct BlendModel {
   static constexpr const char* key = "blend model";
@@ -98,12 +95,9 @@ struct PropagateFrames {
   static constexpr Logged logged = Logged::when_done;
   void run(Editing& editing) const;
 };
-struct CancelPropagation {
-  static constexpr const char* key = "cancel propagation";
-  static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::never;  ///< one that was given up is not logged either
-  void run(Editing& editing) const;
-};
+/// Gives up a propagation, which is not logged then.
+void cancel_propagation(Editing& editing);
+using CancelPropagation = PlainEditingCallLogged<Logged::never, "cancel propagation", cancel_propagation>;
 /// Commits the frame that a slider went to.
 struct ShowFrame {
   static constexpr const char* key = "show frame";

@@ -4,16 +4,8 @@
 
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
-#include "app/editor/update/results/imports.h"
 
 namespace homolog {
-
-void OpenContours::spell(Fields& line) {
-  line.member("path", path);
-}
-void OpenContours::run(Editing& editing) const {
-  import_contours(editing, path);
-}
 
 void AddContours::spell(Fields& line) {
   line.member("number", number);

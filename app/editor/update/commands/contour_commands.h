@@ -1,11 +1,12 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "app/editor/state/state.h"
 #include "app/editor/update/commands/logged.h"
+#include "app/editor/update/commands/looks/setting.h"
+#include "app/editor/update/results/imports.h"
 
 namespace homolog {
 
@@ -16,13 +17,7 @@ struct Editing;
 
 /// Reads a file of contours. One structure comes into the case at once; of several, those that are called like a
 /// structure of the case. Else the panel offers them to choose from.
-struct OpenContours {
-  static constexpr const char* key = "open contours";
-  static constexpr Logged logged = Logged::when_done;
-  std::filesystem::path path;
-  void spell(Fields& line);
-  void run(Editing& editing) const;
-};
+using OpenContours = EditingCallLogged<Logged::when_done, "open contours", "path", import_contours>;
 /// Adds a structure of the file that is offered, by its number there, to the structure that is worked on.
 struct AddContours {
   static constexpr const char* key = "add contours";

@@ -8,17 +8,11 @@
 #include "app/editor/update/editing.h"
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/results/quitting.h"
-#include "app/editor/work/files/file_browsing.h"
 #include "app/editor/work/opening/recovery.h"
 
 namespace homolog {
 
 namespace {
-
-template <class Kind>
-Kind* open_dialog(EditorState& state) {
-  return state.dialog ? std::get_if<Kind>(&*state.dialog) : nullptr;
-}
 
 /// Whether the file dialog that is open takes several files.
 bool takes_several(EditorState& state) {
@@ -70,13 +64,6 @@ void DismissNotice::run(EditorState& state) const {
   if (index < state.notices.size()) state.notices.erase(state.notices.begin() + static_cast<std::ptrdiff_t>(index));
 }
 
-void EnterFolder::spell(Fields& line) {
-  line.member("folder", folder);
-}
-void EnterFolder::run(EditorState& state) const {
-  if (auto* browser = open_browser(state)) enter_folder(*browser, folder);
-}
-
 void MoveInFiles::spell(Fields& line) {
   static constexpr std::array names{"up", "down", "page up", "page down", "parent"};
   spell_choice(line, "by", names, by);
@@ -96,19 +83,6 @@ void SelectFile::run(EditorState& state) const {
     select_entry(*browser, index, takes_several(state) ? how : Choosing::alone);
     browser->scroll_to_selected = false;
   }
-}
-
-void TypeFileName::spell(Fields& line) {
-  line.member("name", name);
-}
-void TypeFileName::run(EditorState& state) const {
-  if (auto* browser = open_browser(state)) {
-    type_name(*browser, name);
-  }
-}
-
-void MakeFolder::run(EditorState& state) const {
-  if (auto* browser = open_browser(state)) make_folder(*browser);
 }
 
 void ShowAllFiles::spell(Fields& line) {

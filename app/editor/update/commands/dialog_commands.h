@@ -5,6 +5,8 @@
 
 #include "app/editor/state/state.h"
 #include "app/editor/update/commands/logged.h"
+#include "app/editor/update/commands/looks/setting.h"
+#include "app/editor/work/files/file_browsing.h"
 
 namespace homolog {
 
@@ -33,13 +35,7 @@ struct DismissNotice {
 
 // In the file dialog.
 
-struct EnterFolder {
-  static constexpr const char* key = "enter folder";
-  static constexpr Logged logged = Logged::never;
-  std::filesystem::path folder;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
+using EnterFolder = DialogCall<"enter folder", "folder", enter_folder, &FileDialog::browser>;
 /// Goes along the list by the keyboard, or to the folder above.
 struct MoveInFiles {
   static constexpr const char* key = "move in files";
@@ -58,13 +54,7 @@ struct SelectFile {
   void run(EditorState& state) const;
 };
 /// Filters the list, or names the new file.
-struct TypeFileName {
-  static constexpr const char* key = "type file name";
-  static constexpr Logged logged = Logged::never;
-  std::string name;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
+using TypeFileName = DialogCall<"type file name", "name", type_name, &FileDialog::browser>;
 /// Also files of other kinds, and hidden ones.
 struct ShowAllFiles {
   static constexpr const char* key = "show all files";
@@ -74,11 +64,7 @@ struct ShowAllFiles {
   void run(EditorState& state) const;
 };
 /// Makes it, and goes there.
-struct MakeFolder {
-  static constexpr const char* key = "make folder";
-  static constexpr Logged logged = Logged::never;
-  void run(EditorState& state) const;
-};
+using MakeFolder = PlainDialogCall<"make folder", make_typed_folder, &FileDialog::browser>;
 /// Does what the chosen file is for.
 struct AcceptFile {
   static constexpr const char* key = "accept file";

@@ -6,7 +6,7 @@
 
 #include "app/editor/update/editing.h"
 #include "app/editor/update/file_purposes.h"
-#include "app/editor/update/results/imports.h"
+#include "app/editor/update/results/write_beside.h"
 #include "app/editor/update/status.h"
 #include "core/base/pictures/picture_io.h"
 #include "core/base/text/listed.h"
@@ -226,10 +226,6 @@ void ExportLandmarks::run(Editing& editing) const {
   std::vector<Landmark> placed;
   for (const auto& [name, position] : shown->shape.landmarks) placed.push_back({name, position});
   write_beside(editing, path, [placed](const auto& to, Progress&) { return write_landmarks(placed, to); });
-}
-
-void ExportTemplate::run(Editing& editing) const {
-  if (!lacks_template(editing)) save_template(editing, path);
 }
 
 void ExportTemplateLandmarks::run(Editing& editing) const {

@@ -39,10 +39,7 @@ struct ExportLandmarks : FileCommand {
   void run(Editing& editing) const;
 };
 /// The template as it is painted, with its regions and landmarks.
-struct ExportTemplate : FileCommand {
-  static constexpr const char* key = "export template";
-  void run(Editing& editing) const;
-};
+using ExportTemplate = EditingCall<"export template", "path", save_template>;
 struct ExportTemplateLandmarks : FileCommand {
   static constexpr const char* key = "export template landmarks";
   void run(Editing& editing) const;

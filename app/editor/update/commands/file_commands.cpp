@@ -8,7 +8,6 @@
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/file_purposes.h"
-#include "app/editor/update/results/imports.h"
 #include "app/editor/update/status.h"
 #include "core/base/files/files.h"
 #include "core/base/files/paths.h"
@@ -113,7 +112,7 @@ OpenRequested open_phantom(Organ organ, int subject) {
   return open;
 }
 
-void CloseLabels::run(Editing& editing) const {
+void close_labels(Editing& editing) {
   editing.shown.close_labels();
 }
 
@@ -128,25 +127,19 @@ void ShowLabelsLayer::run(Editing& editing) const {
   editing.state.automatic.fit_settings.label = 0;
 }
 
-void SetLabelsFrame::spell(Fields& line) {
-  line.member("frame", frame);
-}
-void SetLabelsFrame::run(Editing& editing) const {
+void set_labels_frame(Editing& editing, int frame) {
   editing.shown.set_labels_frame(frame);
 }
 
-void CancelOpening::run(Editing& editing) const {
+void cancel_opening(Editing& editing) {
   editing.work.opener.cancel();
 }
 
-void CancelReading::run(Editing& editing) const {
+void cancel_reading(Editing& editing) {
   editing.work.imports.cancel();
 }
 
-void CancelWriting::spell(Fields& line) {
-  line.member("path", path);
-}
-void CancelWriting::run(Editing& editing) const {
+void cancel_writing(Editing& editing, const fs::path& path) {
   editing.work.exports.cancel(path);
 }
 
@@ -167,26 +160,6 @@ void FileCommand::spell(Fields& line) {
 
 void SaveCaseAs::run(Editing& editing) const {
   if (!nothing_to_save(editing)) editing.shown.session().save_as(path);
-}
-
-void ImportLandmarks::run(Editing& editing) const {
-  if (!lacks_template(editing)) import_landmarks(editing, path);
-}
-
-void OpenFitModel::run(Editing& editing) const {
-  open_fit_model(editing, path);
-}
-
-void OpenScoreModel::run(Editing& editing) const {
-  open_score_model(editing, path);
-}
-
-void ImportStiffness::run(Editing& editing) const {
-  if (!lacks_template(editing)) import_stiffness(editing, path);
-}
-
-void ImportTemplateLandmarks::run(Editing& editing) const {
-  if (!lacks_template(editing)) import_template_landmarks(editing, path);
 }
 
 }  // namespace homolog

@@ -7,6 +7,8 @@
 #include "app/editor/state/open_request.h"
 #include "app/editor/state/state.h"
 #include "app/editor/update/commands/logged.h"
+#include "app/editor/update/commands/looks/setting.h"
+#include "app/editor/update/results/imports.h"
 #include "core/phantom/phantom.h"
 
 namespace homolog {
@@ -38,10 +40,8 @@ OpenRequested open_template(const std::string& source);
 OpenRequested open_labels(const std::filesystem::path& file);
 OpenRequested open_phantom(Organ organ, int subject);
 
-struct CloseLabels {
-  static constexpr const char* key = "close labels";
-  void run(Editing& editing) const;
-};
+void close_labels(Editing& editing);
+using CloseLabels = PlainEditingCall<"close labels", close_labels>;
 /// Shows another layer of the label map, counted from 0.
 struct ShowLabelsLayer {
   static constexpr const char* key = "show label layer";
@@ -50,33 +50,15 @@ struct ShowLabelsLayer {
   void run(Editing& editing) const;
 };
 /// The label map, which holds one frame, belongs to another frame of the cine.
-struct SetLabelsFrame {
-  static constexpr const char* key = "set labels frame";
-  int frame = 0;
-  void spell(Fields& line);
-  void run(Editing& editing) const;
-};
-struct CancelOpening {
-  static constexpr const char* key = "cancel opening";
-  static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::never;
-  void run(Editing& editing) const;
-};
+void set_labels_frame(Editing& editing, int frame);
+using SetLabelsFrame = EditingCall<"set labels frame", "frame", set_labels_frame>;
+void cancel_opening(Editing& editing);
+using CancelOpening = PlainEditingCallLogged<Logged::never, "cancel opening", cancel_opening>;
 /// Gives up the reading of files for the case.
-struct CancelReading {
-  static constexpr const char* key = "cancel reading";
-  static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::never;
-  void run(Editing& editing) const;
-};
-struct CancelWriting {
-  static constexpr const char* key = "cancel writing";
-  static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::never;
-  std::filesystem::path path;
-  void spell(Fields& line);
-  void run(Editing& editing) const;
-};
+void cancel_reading(Editing& editing);
+using CancelReading = PlainEditingCallLogged<Logged::never, "cancel reading", cancel_reading>;
+void cancel_writing(Editing& editing, const std::filesystem::path& path);
+using CancelWriting = EditingCallLogged<Logged::never, "cancel writing", "path", cancel_writing>;
 /// Says where the case is kept; where it has no name yet, or another is wanted, asks for one.
 struct SaveCase {
   static constexpr const char* key = "save case";
@@ -96,34 +78,15 @@ struct SaveCaseAs : FileCommand {
   void run(Editing& editing) const;
 };
 /// Places the landmarks of a file whose names are the template's.
-struct ImportLandmarks : FileCommand {
-  static constexpr const char* key = "import landmarks";
-  static constexpr Logged logged = Logged::when_done;
-  void run(Editing& editing) const;
-};
+using ImportLandmarks = EditingCallLogged<Logged::when_done, "import landmarks", "path", import_landmarks>;
 /// Reads the shape model that fits may keep to.
-struct OpenFitModel : FileCommand {
-  static constexpr const char* key = "open fit model";
-  static constexpr Logged logged = Logged::when_done;
-  void run(Editing& editing) const;
-};
+using OpenFitModel = EditingCallLogged<Logged::when_done, "open fit model", "path", open_fit_model>;
 /// Reads the model that the shown mesh is scored against.
-struct OpenScoreModel : FileCommand {
-  static constexpr const char* key = "open score model";
-  static constexpr Logged logged = Logged::when_done;
-  void run(Editing& editing) const;
-};
+using OpenScoreModel = EditingCallLogged<Logged::when_done, "open score model", "path", open_score_model>;
 /// Takes every vertex's stiffness factor from a mesh file with the same vertices.
-struct ImportStiffness : FileCommand {
-  static constexpr const char* key = "import stiffness";
-  static constexpr Logged logged = Logged::when_done;
-  void run(Editing& editing) const;
-};
+using ImportStiffness = EditingCallLogged<Logged::when_done, "import stiffness", "path", import_stiffness>;
 /// Names points of the template after a landmark file in the template's own frame.
-struct ImportTemplateLandmarks : FileCommand {
-  static constexpr const char* key = "import template landmarks";
-  static constexpr Logged logged = Logged::when_done;
-  void run(Editing& editing) const;
-};
+using ImportTemplateLandmarks =
+    EditingCallLogged<Logged::when_done, "import template landmarks", "path", import_template_landmarks>;
 
 }  // namespace homolog

@@ -1,17 +1,8 @@
 #include "app/editor/update/commands/measurement_commands.h"
 
-#include "app/editor/update/editing.h"
-#include "app/editor/update/results/measurements.h"
 #include "core/case/actions/fields.h"
 
 namespace homolog {
-
-void ChooseRecipe::spell(Fields& line) {
-  line.member("source", source);
-}
-void ChooseRecipe::run(Editing& editing) const {
-  choose_recipe(editing, source);
-}
 
 void DrawMeasurement::spell(Fields& line) {
   line.member("name", name);

@@ -4,6 +4,7 @@
 
 #include "app/editor/update/commands/logged.h"
 #include "app/editor/update/commands/looks/setting.h"
+#include "app/editor/update/results/measurements.h"
 
 namespace homolog {
 
@@ -13,13 +14,7 @@ struct Editing;
 // What is measured of the shown mesh by a recipe.
 
 /// Measures by another recipe: the name of one that ships, or a file.
-struct ChooseRecipe {
-  static constexpr const char* key = "choose recipe";
-  static constexpr Logged logged = Logged::when_done;
-  std::string source;
-  void spell(Fields& line);
-  void run(Editing& editing) const;
-};
+using ChooseRecipe = EditingCallLogged<Logged::when_done, "choose recipe", "source", choose_recipe>;
 /// Draws a measurement on the mesh, or no more.
 struct DrawMeasurement {
   static constexpr const char* key = "draw measurement";

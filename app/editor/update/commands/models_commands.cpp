@@ -3,10 +3,7 @@
 #include <utility>
 
 #include "app/editor/state/models/gallery.h"
-#include "app/editor/update/commands/looks/setting.h"
 #include "app/editor/update/commands/spelling.h"
-#include "app/editor/update/editing.h"
-#include "app/editor/update/results/optimisation.h"
 
 namespace homolog {
 
@@ -79,10 +76,6 @@ void CompareGroup::spell(Fields& line) {
 }
 void CompareGroup::run(EditorState& state) const {
   if (which < state.models.view.compared.size()) state.models.view.compared[which] = group;
-}
-
-void StartOptimisation::run(Editing& editing) const {
-  start_optimisation(editing);
 }
 
 void CancelOptimisation::run(EditorState& state) const {

@@ -4,6 +4,8 @@
 #include <string>
 
 #include "app/editor/update/commands/file_commands.h"
+#include "app/editor/update/commands/looks/setting.h"
+#include "app/editor/update/results/optimisation.h"
 
 namespace homolog {
 
@@ -68,11 +70,7 @@ struct CompareGroup {
 // What the section Optimise of the Models mode asks for.
 
 /// Slides the vertices of the study's shapes along their surfaces.
-struct StartOptimisation {
-  static constexpr const char* key = "start optimisation";
-  static constexpr Logged logged = Logged::when_done;
-  void run(Editing& editing) const;
-};
+using StartOptimisation = PlainEditingCallLogged<Logged::when_done, "start optimisation", start_optimisation>;
 struct CancelOptimisation {
   static constexpr const char* key = "cancel optimisation";
   static constexpr bool cancels = true;

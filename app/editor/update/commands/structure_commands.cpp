@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "app/editor/update/editing.h"
-#include "app/editor/update/results/set_fit.h"
 #include "core/case/actions/fields.h"
 #include "core/case/placing.h"
 #include "core/placement/similarity_fit.h"
@@ -205,21 +204,7 @@ void HideLabels::run(EditorState& state) const {
       labels.empty() ? nullptr : std::make_shared<const std::set<int>>(labels.begin(), labels.end());
 }
 
-void ChooseSet::spell(Fields& line) {
-  line.member("source", source);
-}
-void ChooseSet::run(Editing& editing) const {
-  choose_set(editing, source);
-}
-
-void FitSet::spell(Fields& line) {
-  line.member("repair", repair);
-}
-void FitSet::run(Editing& editing) const {
-  start_set_fit(editing, repair);
-}
-
-void CancelSetFit::run(Editing& editing) const {
+void cancel_set_fit(Editing& editing) {
   editing.work.set_fitter.cancel();
 }
 

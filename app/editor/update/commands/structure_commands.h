@@ -5,6 +5,7 @@
 
 #include "app/editor/update/commands/logged.h"
 #include "app/editor/update/commands/looks/setting.h"
+#include "app/editor/update/results/set_fit.h"
 
 namespace homolog {
 
@@ -107,27 +108,13 @@ struct HideLabels {
   void run(EditorState& state) const;
 };
 /// Reads a template set, of a file or built in, to be fitted to the label map.
-struct ChooseSet {
-  static constexpr const char* key = "choose set";
-  static constexpr Logged logged = Logged::when_done;
-  std::string source;
-  void spell(Fields& line);
-  void run(Editing& editing) const;
-};
-/// Fits the chosen set to the label map that is shown: its structures come into the case as one step.
-struct FitSet {
-  static constexpr const char* key = "fit set";
-  static constexpr Logged logged = Logged::when_done;
-  bool repair = false;  ///< to the map that its repair proposes
-  void spell(Fields& line);
-  void run(Editing& editing) const;
-};
-struct CancelSetFit {
-  static constexpr const char* key = "cancel set fit";
-  static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::never;  ///< a fit that was given up is not logged either
-  void run(Editing& editing) const;
-};
+using ChooseSet = EditingCallLogged<Logged::when_done, "choose set", "source", choose_set>;
+/// Fits the chosen set to the label map that is shown, or to the map that its repair proposes. Its structures come into
+/// the case as one step.
+using FitSet = EditingCallLogged<Logged::when_done, "fit set", "repair", start_set_fit>;
+/// Gives up the fit of a set, which is not logged then.
+void cancel_set_fit(Editing& editing);
+using CancelSetFit = PlainEditingCallLogged<Logged::never, "cancel set fit", cancel_set_fit>;
 /// A structure that the list does not show any more is chosen no more either.
 struct FilterStructures {
   static constexpr const char* key = "filter structures";

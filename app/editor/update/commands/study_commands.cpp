@@ -6,8 +6,7 @@
 #include "app/editor/state/models/gallery.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
-#include "app/editor/update/results/imports.h"
-#include "app/editor/update/results/worklist.h"
+#include "app/editor/update/results/write_beside.h"
 #include "core/base/files/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/model/files/landmark_table.h"
@@ -26,29 +25,23 @@ void close_label_dialog(EditorState& state) {
 
 }  // namespace
 
-void OpenStudy::run(Editing& editing) const {
+void open_study(Editing& editing, const std::filesystem::path& path) {
   editing.work.models.open_study(editing.state.models, path);
 }
 
-void NewStudy::run(Editing& editing) const {
+void new_study(Editing& editing, const std::filesystem::path& path) {
   editing.work.models.new_study(editing.state.models, path);
 }
 
-void SaveStudyAs::run(Editing& editing) const {
+void save_study_as(Editing& editing, const std::filesystem::path& path) {
   editing.work.models.save_study_as(editing.state.models, path);
 }
 
-void OpenPhantomStudy::spell(Fields& line) {
-  spell_choice(line, "organ", organ_names, organ);
-}
-void OpenPhantomStudy::run(Editing& editing) const {
+void open_phantom_study(Editing& editing, Organ organ) {
   editing.work.models.open_phantom_study(organ);
 }
 
-void CancelStudyFile::spell(Fields& line) {
-  line.member("subject", subject);
-}
-void CancelStudyFile::run(Editing& editing) const {
+void cancel_study_file(Editing& editing, const std::string& subject) {
   editing.work.models.cancel_file(subject);
 }
 
@@ -102,7 +95,7 @@ void CompareObservers::run(Editing& editing) const {
   });
 }
 
-void CancelObservers::run(Editing& editing) const {
+void cancel_comparison(Editing& editing) {
   editing.work.observers.cancel();
 }
 
@@ -161,11 +154,11 @@ void ExportShapes::run(Editing& editing) const {
   editing.work.models.export_shapes(*this, editing.state.models);
 }
 
-void StartEvaluation::run(Editing& editing) const {
+void start_evaluation(Editing& editing) {
   editing.work.models.start_evaluation(editing.state.models);
 }
 
-void CancelEvaluation::run(Editing& editing) const {
+void cancel_evaluation(Editing& editing) {
   editing.work.models.cancel_evaluation();
 }
 
@@ -209,14 +202,6 @@ void MakeStudyTemplate::spell(Fields& line) {
 void MakeStudyTemplate::run(Editing& editing) const {
   close_label_dialog(editing.state);
   make_study_template(editing, path, label, all_labels);
-}
-
-void CancelWorklist::run(Editing& editing) const {
-  cancel_worklist(editing);
-}
-
-void OpenNextCase::run(Editing& editing) const {
-  open_next_case(editing);
 }
 
 void OpenCaseOfStudy::spell(Fields& line) {

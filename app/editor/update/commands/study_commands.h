@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "app/editor/update/commands/file_commands.h"
+#include "app/editor/update/commands/looks/setting.h"
+#include "app/editor/update/results/worklist.h"
 
 namespace homolog {
 
@@ -13,34 +15,18 @@ struct ControlsContext;
 
 // What the Models mode asks of the study: its files, its cases, its worklist, its measures.
 
-struct OpenStudy : FileCommand {
-  static constexpr const char* key = "open study";
-  void run(Editing& editing) const;
-};
-struct NewStudy : FileCommand {
-  static constexpr const char* key = "new study";
-  void run(Editing& editing) const;
-};
+void open_study(Editing& editing, const std::filesystem::path& path);
+using OpenStudy = EditingCall<"open study", "path", open_study>;
+void new_study(Editing& editing, const std::filesystem::path& path);
+using NewStudy = EditingCall<"new study", "path", new_study>;
 /// The study continues under another name.
-struct SaveStudyAs : FileCommand {
-  static constexpr const char* key = "save study as";
-  void run(Editing& editing) const;
-};
-struct OpenPhantomStudy {
-  static constexpr const char* key = "open phantom study";
-  Organ organ = Organ::kidney;
-  void spell(Fields& line);
-  void run(Editing& editing) const;
-};
+void save_study_as(Editing& editing, const std::filesystem::path& path);
+using SaveStudyAs = EditingCall<"save study as", "path", save_study_as>;
+void open_phantom_study(Editing& editing, Organ organ);
+using OpenPhantomStudy = EditingCall<"open phantom study", "organ", open_phantom_study>;
 /// Gives up a study that is read, or a case that is made for it.
-struct CancelStudyFile {
-  static constexpr const char* key = "cancel study file";
-  static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::never;
-  std::string subject;
-  void spell(Fields& line);
-  void run(Editing& editing) const;
-};
+void cancel_study_file(Editing& editing, const std::string& subject);
+using CancelStudyFile = EditingCallLogged<Logged::never, "cancel study file", "subject", cancel_study_file>;
 struct ExportModel : FileCommand {
   static constexpr const char* key = "export model";
   void run(Editing& editing) const;
@@ -64,11 +50,8 @@ struct CompareObservers : FileCommand {
   static constexpr const char* key = "compare observers";
   void run(Editing& editing) const;
 };
-struct CancelObservers {
-  static constexpr const char* key = "cancel comparison";
-  static constexpr bool cancels = true;
-  void run(Editing& editing) const;
-};
+void cancel_comparison(Editing& editing);
+using CancelObservers = PlainEditingCall<"cancel comparison", cancel_comparison>;
 struct ExportObservers : FileCommand {
   static constexpr const char* key = "export observers";
   void run(Editing& editing) const;
@@ -98,16 +81,10 @@ struct ExportShapes {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
-struct StartEvaluation {
-  static constexpr const char* key = "start evaluation";
-  void run(Editing& editing) const;
-};
-struct CancelEvaluation {
-  static constexpr const char* key = "cancel evaluation";
-  static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::never;
-  void run(Editing& editing) const;
-};
+void start_evaluation(Editing& editing);
+using StartEvaluation = PlainEditingCall<"start evaluation", start_evaluation>;
+void cancel_evaluation(Editing& editing);
+using CancelEvaluation = PlainEditingCallLogged<Logged::never, "cancel evaluation", cancel_evaluation>;
 
 // Cases.
 
@@ -140,17 +117,9 @@ struct MakeStudyTemplate : FileCommand {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
-struct CancelWorklist {
-  static constexpr const char* key = "cancel worklist";
-  static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::never;
-  void run(Editing& editing) const;
-};
+using CancelWorklist = PlainEditingCallLogged<Logged::never, "cancel worklist", cancel_worklist>;
 /// The case on the screen is done, and the next one of the study is opened.
-struct OpenNextCase {
-  static constexpr const char* key = "open next case";
-  void run(Editing& editing) const;
-};
+using OpenNextCase = PlainEditingCall<"open next case", open_next_case>;
 /// Opens a case of the study in the case mode, at a vertex with the Slide tool where one is given; a mesh becomes a
 /// case file first.
 struct OpenCaseOfStudy {

@@ -1,9 +1,7 @@
 #include "app/editor/update/commands/template_commands.h"
 
-#include "app/editor/update/commands/looks/setting.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
-#include "app/editor/update/results/imports.h"
 #include "core/mesh/voxels/isosurface.h"
 
 namespace homolog {
@@ -53,14 +51,6 @@ void CancelTemplate::run(Editing& editing) const {
 void UndoTemplate::run(Editing& editing) const {
   editing.work.template_maker.undo();
   editing.state.look.shown_stage.reset();
-}
-
-void CloseTemplateMaking::run(Editing& editing) const {
-  close_template_making(editing);
-}
-
-void UseMadeTemplate::run(Editing& editing) const {
-  use_made_template(editing, path);
 }
 
 }  // namespace homolog

@@ -25,15 +25,8 @@ struct UndoTemplate {
   void run(Editing& editing) const;
 };
 /// Shows the case's mesh again.
-struct CloseTemplateMaking {
-  static constexpr const char* key = "close template";
-  void run(Editing& editing) const;
-};
-/// Writes it and starts anew with it.
-struct UseMadeTemplate : FileCommand {
-  static constexpr const char* key = "use template";
-  static constexpr Logged logged = Logged::when_done;  ///< once the file is open
-  void run(Editing& editing) const;
-};
+using CloseTemplateMaking = PlainEditingCall<"close template", close_template_making>;
+/// Writes it and starts anew with it. It is done once the file is open.
+using UseMadeTemplate = EditingCallLogged<Logged::when_done, "use template", "path", use_made_template>;
 
 }  // namespace homolog

@@ -68,12 +68,6 @@ std::vector<Compute> assistance(const Editing& editing, const Action& action) {
   return then;
 }
 
-void cancel_fit(Editing& editing) {
-  if (!editing.work.fitter.busy()) return;
-  editing.work.fitter.cancel();
-  editing.shown.session().preview(std::nullopt);
-}
-
 void update_fit(Editing& editing) {
   Fitter& fitter = editing.work.fitter;
   SessionThread& session = editing.shown.session();

@@ -16,7 +16,6 @@ SnapArea snap_region(const ShapeView& shown, const Stroke& stroke);
 /// The computations that carry on from an edit while it is previewed.
 std::vector<Compute> assistance(const Editing& editing, const Action& action);
 
-void cancel_fit(Editing& editing);
 /// Shows how far the fit (or refinement) is, and takes it in when it is done; gives it up where the case was edited
 /// meanwhile.
 void update_fit(Editing& editing);

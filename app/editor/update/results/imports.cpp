@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/editor/update/editing.h"
 #include "core/adapt/choose_closing.h"
 #include "core/base/files/paths.h"
 #include "core/base/text/text.h"
@@ -83,7 +84,7 @@ void read_for_case(Editing& editing, const Done& command, Read read, Take take,
   const std::uint64_t number = editing.shown.number();
   auto reading = [command, number, of, read = std::move(read),
                   take = std::move(take)](Progress&) -> Result<Work::Then> {
-    auto got = read(command.path);
+    auto got = read(command.value);
     if (!got) return fail(got.error());
     using Value = typename decltype(got)::value_type;
     const auto value = std::make_shared<const Value>(std::move(*got));
@@ -91,7 +92,7 @@ void read_for_case(Editing& editing, const Done& command, Read read, Take take,
       const bool other_case = number != then.shown.number();
       if (other_case || (of && (then.structure() == nullptr || then.structure()->id != *of)))
         return add_notice(then.state,
-                          command.path.filename().string() + " was not imported, because another " +
+                          command.value.filename().string() + " was not imported, because another " +
                               (other_case ? "case was opened" : "structure was chosen") +
                               " meanwhile. Import it again.",
                           false);
@@ -99,7 +100,7 @@ void read_for_case(Editing& editing, const Done& command, Read read, Take take,
       take(then, *value);
     });
   };
-  editing.work.imports.queue(command.path.string(), std::move(reading));
+  editing.work.imports.queue(command.value.string(), std::move(reading));
 }
 
 /// The warning that contours were perhaps drawn on other images than that on the screen. Errors: they were.
@@ -184,8 +185,9 @@ void import_contours(Editing& editing, const std::filesystem::path& path) {
 }
 
 void import_landmarks(Editing& editing, const std::filesystem::path& path) {
+  if (lacks_template(editing)) return;
   read_for_case(
-      editing, ImportLandmarks{{path}}, [](const auto& file) { return read_landmarks(file); },
+      editing, ImportLandmarks{path}, [](const auto& file) { return read_landmarks(file); },
       [name = path.filename().string()](Editing& then, const std::vector<Landmark>& read) {
         const auto known = landmarks_of_template(read, *then.structure()->the_template);
         if (known.empty())
@@ -207,7 +209,7 @@ void import_landmarks(Editing& editing, const std::filesystem::path& path) {
 
 void open_fit_model(Editing& editing, const std::filesystem::path& path) {
   read_for_case(
-      editing, OpenFitModel{{path}}, [](const auto& file) { return read_model(file); },
+      editing, OpenFitModel{path}, [](const auto& file) { return read_model(file); },
       [path](Editing& then, const ShapeModel& model) {
         then.state.automatic.fit_model = std::make_shared<const ShapeModel>(model);
         then.state.automatic.fit_model_file = path;
@@ -217,7 +219,7 @@ void open_fit_model(Editing& editing, const std::filesystem::path& path) {
 
 void open_score_model(Editing& editing, const std::filesystem::path& path) {
   read_for_case(
-      editing, OpenScoreModel{{path}}, [](const auto& file) { return read_model(file); },
+      editing, OpenScoreModel{path}, [](const auto& file) { return read_model(file); },
       [path](Editing& then, const ShapeModel& model) {
         Scoring& scoring = then.state.scoring;
         scoring.of_file = std::make_shared<const ShapeModel>(model);
@@ -227,9 +229,10 @@ void open_score_model(Editing& editing, const std::filesystem::path& path) {
 }
 
 void import_stiffness(Editing& editing, const std::filesystem::path& path) {
+  if (lacks_template(editing)) return;
   const auto topology = editing.structure()->the_template->topology;
   read_for_case(
-      editing, ImportStiffness{{path}}, [topology](const auto& file) { return stiffness_in(file, *topology); },
+      editing, ImportStiffness{path}, [topology](const auto& file) { return stiffness_in(file, *topology); },
       [](Editing& then, const VertexScalars& factors) {
         then.apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(factors)});
       },
@@ -237,8 +240,9 @@ void import_stiffness(Editing& editing, const std::filesystem::path& path) {
 }
 
 void import_template_landmarks(Editing& editing, const std::filesystem::path& path) {
+  if (lacks_template(editing)) return;
   read_for_case(
-      editing, ImportTemplateLandmarks{{path}},
+      editing, ImportTemplateLandmarks{path},
       [the_template = editing.structure()->the_template](const auto& file) {
         return landmarks_on(file, *the_template);
       },
@@ -258,6 +262,7 @@ void import_template_landmarks(Editing& editing, const std::filesystem::path& pa
 }
 
 void save_template(Editing& editing, const std::filesystem::path& path) {
+  if (lacks_template(editing)) return;
   // Strokes before the painting are played with the template as it was.
   for (const auto& structure : editing.shown.snapshot().document->structures) {
     std::error_code ignored;
@@ -310,12 +315,6 @@ void use_made_template(Editing& editing, const std::filesystem::path& path) {
 void close_template_making(Editing& editing) {
   editing.state.look.making_shown = false;
   editing.work.template_maker.forget();
-}
-
-void write_picture_beside(Editing& editing, const std::filesystem::path& path, Result<Picture> picture) {
-  if (!picture) return add_notice(editing.state, picture.error().sentence());
-  write_beside(editing, path,
-               [picture = std::move(*picture)](const auto& to, Progress&) { return write_picture(picture, to); });
 }
 
 }  // namespace homolog

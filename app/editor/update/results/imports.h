@@ -1,23 +1,29 @@
 #pragma once
 
 #include <filesystem>
-#include <utility>
-
-#include "app/editor/update/editing.h"
 
 namespace homolog {
 
-// Files that are read into the case on the screen, and files that are written: beside the window, since they may be
+struct ContourRoi;
+struct Editing;
+struct Structure;
+
+// Files that are read into the case on the screen, and templates that are written: beside the window, since they may be
 // large or far away.
 
+// What needs a template says so where the case has none.
 void import_landmarks(Editing& editing, const std::filesystem::path& path);
+void import_stiffness(Editing& editing, const std::filesystem::path& path);
+void import_template_landmarks(Editing& editing, const std::filesystem::path& path);
 /// Reads contours [OpenContours].
 void import_contours(Editing& editing, const std::filesystem::path& path);
 /// Adds one structure of a file to a structure of the case, as one edit. `joined`: undone together with the edit
 /// before. False where the structure is locked, which is said.
 bool add_contours(Editing& editing, const ContourRoi& roi, const Structure& structure, bool joined);
-void import_stiffness(Editing& editing, const std::filesystem::path& path);
-void import_template_landmarks(Editing& editing, const std::filesystem::path& path);
+/// Reads a shape model for fits.
+void open_fit_model(Editing& editing, const std::filesystem::path& path);
+/// Reads the model that the shown mesh is scored against from then on.
+void open_score_model(Editing& editing, const std::filesystem::path& path);
 
 /// Writes the template as it is painted; from then on it is the case's, and that of the images that are opened next.
 void save_template(Editing& editing, const std::filesystem::path& path);
@@ -25,17 +31,5 @@ void save_template(Editing& editing, const std::filesystem::path& path);
 void use_made_template(Editing& editing, const std::filesystem::path& path);
 /// Shows the case's mesh again.
 void close_template_making(Editing& editing);
-
-/// Has a file written; `how` keeps what it is written from. `remark` is said when it is done.
-template <class How>
-void write_beside(Editing& editing, const std::filesystem::path& path, How how, std::string remark = {}) {
-  editing.work.exports.start(
-      path, [path, how = std::move(how)](Progress& progress) { return how(path, progress); }, {}, std::move(remark));
-}
-/// Reads a shape model for fits.
-void open_fit_model(Editing& editing, const std::filesystem::path& path);
-/// Reads the model that the shown mesh is scored against from then on.
-void open_score_model(Editing& editing, const std::filesystem::path& path);
-void write_picture_beside(Editing& editing, const std::filesystem::path& path, Result<Picture> picture);
 
 }  // namespace homolog

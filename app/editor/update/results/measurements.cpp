@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "app/editor/update/editing.h"
 #include "core/catalogue/catalogue.h"
 
 namespace homolog {

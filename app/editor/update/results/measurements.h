@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "app/editor/update/editing.h"
-
 namespace homolog {
+
+struct Editing;
 
 /// Reads a recipe beside the window: the name of one that ships, or a file. The shown mesh is measured by it from then
 /// on.

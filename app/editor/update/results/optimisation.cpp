@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "app/editor/update/editing.h"
+
 namespace homolog {
 
 void start_optimisation(Editing& editing) {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "app/editor/update/editing.h"
-
 namespace homolog {
+
+struct Editing;
 
 /// Starts sliding the vertices of the study's shapes along their surfaces; does nothing where that cannot be done.
 void start_optimisation(Editing& editing);

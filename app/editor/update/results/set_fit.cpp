@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/editor/update/editing.h"
 #include "app/editor/update/results/results.h"
 #include "core/base/text/text.h"
 #include "core/case/moved_points.h"

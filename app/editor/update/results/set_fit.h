@@ -1,10 +1,16 @@
 #pragma once
 
 #include <string>
-
-#include "app/editor/update/editing.h"
+#include <vector>
 
 namespace homolog {
+
+class ShownCase;
+struct Editing;
+struct EditorState;
+struct ShownLabels;
+struct TemplateSet;
+struct Work;
 
 // The fit of a template set to the label map that is shown.
 

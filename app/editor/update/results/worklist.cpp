@@ -4,6 +4,7 @@
 #include <system_error>
 #include <utility>
 
+#include "app/editor/update/editing.h"
 #include "core/base/files/file_stem.h"
 
 namespace homolog {

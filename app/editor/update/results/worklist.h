@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "app/editor/update/editing.h"
-
 namespace homolog {
+
+struct Editing;
 
 // The study as a worklist: scans become cases, those that wait are fitted, and what a person spends on each is counted.
 

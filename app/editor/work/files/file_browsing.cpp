@@ -102,7 +102,7 @@ void type_name(FileBrowser& browser, const std::string& name) {
   browser.selected = exact == shown.end() ? 0 : static_cast<int>(exact - shown.begin());
 }
 
-void make_folder(FileBrowser& browser) {
+void make_typed_folder(FileBrowser& browser) {
   const std::string name = std::exchange(browser.new_folder, std::nullopt).value_or("");
   if (name.empty()) return;
   std::error_code error;

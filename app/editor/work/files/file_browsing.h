@@ -22,7 +22,7 @@ void refresh(FileBrowser& browser);
 /// such a one.
 void type_name(FileBrowser& browser, const std::string& name);
 /// Makes the folder whose name was typed in the one that is shown, and goes there; says in `error` where that fails.
-void make_folder(FileBrowser& browser);
+void make_typed_folder(FileBrowser& browser);
 
 /// `extends`: the selection grows by the files on the way.
 void press_key(FileBrowser& browser, BrowserKey key, bool extends = false);

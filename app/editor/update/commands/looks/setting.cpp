@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "app/editor/update/commands/spelling.h"
+#include "core/phantom/phantom.h"
 
 namespace homolog {
 
@@ -19,6 +20,9 @@ constexpr std::array study_picture_names{"gallery", "modes"};
 }  // namespace
 
 void spell_value(Fields& line, const char* name, bool& value) {
+  line.member(name, value);
+}
+void spell_value(Fields& line, const char* name, int& value) {
   line.member(name, value);
 }
 void spell_value(Fields& line, const char* name, double& value) {
@@ -47,6 +51,9 @@ void spell_value(Fields& line, const char* name, std::optional<std::size_t>& val
 }
 void spell_value(Fields& line, const char* name, LookFrom& value) {
   spell_choice(line, name, side_names, value);
+}
+void spell_value(Fields& line, const char* name, Organ& value) {
+  spell_choice(line, name, organ_names, value);
 }
 void spell_value(Fields& line, const char* name, Alignment& value) {
   spell_choice(line, name, alignment_names, value);

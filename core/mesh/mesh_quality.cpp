@@ -94,6 +94,14 @@ Points vertex_normals(const Mesh& mesh) {
   return normals;
 }
 
+VertexScalars vertex_areas_mm2(const Mesh& mesh) {
+  VertexScalars areas_mm2 = VertexScalars::Zero(mesh.points.rows());
+  const Triangles& triangles = mesh.topology->triangles();
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
+    for (int k = 0; k < 3; ++k) areas_mm2[triangles(f, k)] += area_normal(mesh, f).norm() / 6;
+  return areas_mm2;
+}
+
 Mesh largest_part(const Mesh& mesh) {
   if (mesh.topology->components() == 1) return mesh;
   const auto& part = mesh.topology->component();

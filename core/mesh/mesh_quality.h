@@ -48,6 +48,9 @@ std::vector<std::array<std::int32_t, 2>> self_intersections(const Mesh& mesh);
 /// Unit area-weighted vertex normals, n×3, pointing outward; zero at a vertex whose faces are all degenerate.
 Points vertex_normals(const Mesh& mesh);
 
+/// The area that each vertex stands for, mm²: a third of its faces.
+VertexScalars vertex_areas_mm2(const Mesh& mesh);
+
 /// Returns the part with the most area of those that hang together, its vertices renumbered in their order.
 Mesh largest_part(const Mesh& mesh);
 

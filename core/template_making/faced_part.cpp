@@ -96,18 +96,6 @@ VertexScalars evened(const Mesh& surface, VertexScalars values, double radius_mm
   return values;
 }
 
-/// The area around each vertex, mm².
-VertexScalars areas_mm2(const Mesh& surface) {
-  VertexScalars area_mm2 = VertexScalars::Zero(surface.points.rows());
-  const Triangles& triangles = surface.topology->triangles();
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
-    const Vec3 a = surface.points.row(triangles(f, 0)), b = surface.points.row(triangles(f, 1)),
-               c = surface.points.row(triangles(f, 2));
-    for (Eigen::Index k = 0; k < 3; ++k) area_mm2[triangles(f, k)] += (b - a).cross(c - a).norm() / 6;
-  }
-  return area_mm2;
-}
-
 /// The patches of a surface that would be cut out, or would stay, each with its area.
 std::vector<std::pair<std::vector<std::int32_t>, double>> patches_with_areas(const Mesh& surface,
                                                                              const VertexScalars& area_mm2,
@@ -127,7 +115,7 @@ std::vector<std::pair<std::vector<std::int32_t>, double>> patches_with_areas(con
 void keep_holes(const Mesh& surface, VertexScalars& values) {
   // Of the largest opening, or of what stays if that is less. An outflow has a quarter of its ventricle's inflow.
   constexpr double hole_share = 0.05;
-  const VertexScalars area_mm2 = areas_mm2(surface);
+  const VertexScalars area_mm2 = vertex_areas_mm2(surface);
   const auto largest = [](const auto& patches) {
     double most = 0;
     for (const auto& patch : patches) most = std::max(most, patch.second);

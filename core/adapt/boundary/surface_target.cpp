@@ -24,9 +24,7 @@ SurfaceTarget::SurfaceTarget(const Boundary& boundary, Eigen::Index vertices, bo
       rims_(lacks_parts ? std::vector<Rim>() : long_rims(boundary.surface)) {
   const Mesh& surface = boundary.surface;
   const Eigen::Index count = surface.points.rows();
-  VertexScalars area = VertexScalars::Zero(count);
-  for (Eigen::Index f = 0; f < surface.topology->triangles().rows(); ++f)
-    for (int k = 0; k < 3; ++k) area[surface.topology->triangles()(f, k)] += area_normal(surface, f).norm() / 6;
+  const VertexScalars area = vertex_areas_mm2(surface);
   area_mm2_ = area.sum();
   const Eigen::Index stride = 1 + count / vertices;
   for (Eigen::Index v = 0; v < count; v += stride) {

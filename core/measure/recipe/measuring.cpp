@@ -10,13 +10,9 @@
 namespace homolog {
 
 const VertexScalars& MeasuredSurface::areas() {
-  if (areas_) return *areas_;
-  areas_ = VertexScalars::Ones(mesh().points.rows());
-  if (mesh().topology == nullptr) return *areas_;
-  areas_->setZero();
-  const Triangles& triangles = mesh().topology->triangles();
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-    for (int k = 0; k < 3; ++k) (*areas_)[triangles(f, k)] += area_normal(mesh(), f).norm() / 6;
+  if (!areas_)
+    areas_ = mesh().topology == nullptr ? VertexScalars(VertexScalars::Ones(mesh().points.rows()))
+                                        : vertex_areas_mm2(mesh());
   return *areas_;
 }
 

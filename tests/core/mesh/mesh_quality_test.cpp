@@ -56,6 +56,22 @@ TEST_CASE("orientation is exact where rounding would lose the sign") {
   CHECK(orientation(Vec2(12, 12), Vec2(24, 24), Vec2(next, x)) == -1);
 }
 
+TEST_CASE("a vertex stands for a third of the faces around it") {
+  Mesh mesh;
+  mesh.points.resize(4, 3);
+  mesh.points << 0, 0, 0, 3, 0, 0, 0, 4, 0, 3, 4, 0;
+  Triangles triangles(2, 3);
+  triangles << 0, 1, 2, 1, 3, 2;
+  mesh.topology = Topology::make(4, triangles).value();
+  const VertexScalars areas_mm2 = vertex_areas_mm2(mesh);
+  REQUIRE(areas_mm2.size() == 4);
+  CHECK(areas_mm2[0] == doctest::Approx(2));
+  CHECK(areas_mm2[1] == doctest::Approx(4));
+  CHECK(areas_mm2[2] == doctest::Approx(4));
+  CHECK(areas_mm2[3] == doctest::Approx(2));
+  CHECK(areas_mm2.sum() == doctest::Approx(surface_area_mm2(mesh)));
+}
+
 TEST_CASE("orientation changes its sign with every swap of two points near one plane") {
   std::mt19937 engine(3);
   std::uniform_int_distribution<int> grid(0, 3);

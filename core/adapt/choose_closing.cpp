@@ -20,12 +20,6 @@ constexpr double next_to_same = 0.003;
 /// The same where the label's own clefts are no trouble, and others' may be.
 constexpr double next_to_nothing = 0.001;
 
-std::string mm_words(double mm) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f mm", mm);
-  return text;
-}
-
 /// The fit with one radius. Errors: label_boundary's and fit_to_boundary's.
 Result<OtherClosing> fit_closed_by(const Template& the_template, const Volume& mask, int label, int frame,
                                    double closing_mm, const FitOptions& options) {
@@ -154,10 +148,10 @@ MoreClosing try_more_closing(const Template& the_template, const Volume& mask, i
   return more;
 }
 
-std::string why_closing(const std::vector<TriedClosing>& tried, bool widened, bool kept) {
-  if (widened) return "with " + mm_words(tried.front().closing_mm) + " the fit was doubtful, with this it is not";
-  if (!tried.empty()) return "wider radii were tried and are no better";
-  return kept ? "kept with the template" : "usual for the label's size";
+std::string mm_words(double mm) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f mm", mm);
+  return text;
 }
 
 std::string tried_in_vain(const std::vector<TriedClosing>& tried) {

@@ -61,9 +61,9 @@ struct MoreClosing {
 MoreClosing try_more_closing(const Template& the_template, const Volume& mask, int label, int frame,
                              const LabelParts& parts, const FitOptions& options, const OtherClosing& first);
 
-/// The words of the report and of the warning: why this radius, which is a wider one than the first of those that were
-/// tried, or was kept with the template; and what was tried for a fit that stays doubtful.
-std::string why_closing(const std::vector<TriedClosing>& tried, bool widened, bool kept);
+/// A closing radius in words, as "4.00 mm".
+std::string mm_words(double mm);
+/// The words of the warning: what was tried for a fit that stays doubtful.
 std::string tried_in_vain(const std::vector<TriedClosing>& tried);
 
 }  // namespace homolog

@@ -76,7 +76,10 @@ Result<LabelFit> fit_to_label(const Template& the_template, const MapLabel& targ
 
 std::string why_closing(const LabelFit& fitted, const LabelFitOptions& options) {
   if (options.closing_mm) return "as asked for";
-  return why_closing(fitted.tried, fitted.widened, options.kept_closing_mm.has_value());
+  if (fitted.widened)
+    return "with " + mm_words(fitted.tried.front().closing_mm) + " the fit was doubtful, with this it is not";
+  if (!fitted.tried.empty()) return "wider radii were tried and are no better";
+  return options.kept_closing_mm ? "kept with the template" : "usual for the label's size";
 }
 
 }  // namespace homolog

@@ -73,7 +73,7 @@ Result<void> add_landmarks_of(const fs::path& path, MeshFile& file, std::vector<
 }
 
 /// The labels in a template's provenance: a number, or several.
-void name_labels(const MaskRead& mask, Json& provenance) {
+void list_labels(const MaskRead& mask, Json& provenance) {
   if (mask.from.size() > 1) provenance["label"] = mask.from;
 }
 
@@ -107,7 +107,7 @@ Result<MadeTemplate> from_mask(const TemplateJob& options, const MaskRead& mask,
                      {"cavities_ml", made->cavities_ml},
                      {"tunnels", tunnels}};
   Json provenance = provenance_of(options.in.filename().string(), making);
-  name_labels(mask, provenance);
+  list_labels(mask, provenance);
   MeshFile file = template_file(made->mesh, provenance);
   mark_cut(file, made->cut);
   if (options.closing_mm || choice.tried.size() > 1) file.comments.push_back(closing_comment(made->closing_mm));
@@ -168,7 +168,7 @@ Result<MadeTemplate> tube(const TemplateJob& options, const MaskRead& mask) {
     warnings.push_back(options.in.string() + ": " + mask.named(missing) +
                        "; give its --axis, or a --base and an --apex, and make it again");
   Json provenance = provenance_of(options.in.filename().string(), making);
-  name_labels(mask, provenance);
+  list_labels(mask, provenance);
   MeshFile file = template_file(made->mesh, provenance);
   if (!missing.empty()) file.comments.push_back(missing_share_comment(made->missing_share));
   return MadeTemplate{std::move(file),

@@ -57,8 +57,8 @@ std::vector<double> rounded_coordinates(const Points& points) {
 
 /// What the structures that the steps bring are in the label map, and what its repair found. Of locked ones stays what
 /// was known `before`.
-KeptMapFit map_fit_of(const SetFitted& found, const std::vector<EditStep>& steps, int frame, const KeptMapFit* before,
-                      const std::set<std::string>& locked) {
+KeptMapFit fit_to_keep(const SetFitted& found, const std::vector<EditStep>& steps, int frame, const KeptMapFit* before,
+                       const std::set<std::string>& locked) {
   const auto& structures = found.set->set.structures;
   KeptMapFit fit = map_fit_of(found.set->set, found.subject, found.fitted, steps, frame);
   fit.changes = found.changes;
@@ -91,7 +91,7 @@ void take_set_fit(Editing& editing, const SetFitted& found) {
     locked += stays && described != nullptr && described->name ? 1 : 0;
     return stays;
   });
-  const auto fit = std::make_shared<const KeptMapFit>(map_fit_of(
+  const auto fit = std::make_shared<const KeptMapFit>(fit_to_keep(
       found, steps, document.frame, editing.shown.snapshot().kept.map_fit.get(), state.look.structures.locked));
   take_as_read(state.look.structures, *fit);
   bool joined = false;

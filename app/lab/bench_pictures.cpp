@@ -11,6 +11,7 @@
 #include "core/experiment/demo_case.h"
 #include "core/mesh/colours.h"
 #include "core/volume/volume_io.h"
+#include "render/hued_shapes.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"
 
@@ -123,9 +124,7 @@ Json picture_figures() {
   scene.image.window_high = 300;
   MeshLayer layer;
   layer.topology = document->structure()->the_template->topology;
-  std::vector<Rgb> colours;
-  for (const float hue : vertex_hues(*layer.topology)) colours.push_back(hsv_to_rgb(hue, 0.4f, 1));
-  layer.colours = std::make_shared<const std::vector<Rgb>>(std::move(colours));
+  layer.colours = hued_surface(vertex_hues(*layer.topology));
   const Vec3 centre = scene.image.volume->geometry.bounds_mm().center();
   Points points =
       document->view()->shape.points->rowwise() - bounds_of(*document->view()->shape.points).center().transpose();

@@ -13,7 +13,7 @@ namespace homolog {
 namespace {
 
 constexpr double name_pt = 8, small_pt = 7, inset_mm = 1;
-constexpr Rgb dark_ground{0.07f, 0.075f, 0.085f}, light_ink{0.9f, 0.91f, 0.92f};
+constexpr Rgb light_ink{0.9f, 0.91f, 0.92f};
 
 void add_scale_bar(Page& page, double x_mm, double y_mm, double longest_mm, double page_mm_per_mm, bool from_right) {
   const double length = scale_bar_mm(1 / page_mm_per_mm, longest_mm), shown = length * page_mm_per_mm;

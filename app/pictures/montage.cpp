@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <span>
 
 #include "app/pictures/pictures.h"
 #include "core/base/pictures/caption_sizes.h"
 #include "core/base/pictures/cell_grid.h"
 #include "core/mesh/colours.h"
+#include "render/hued_shapes.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"
 
@@ -17,7 +17,7 @@ namespace homolog {
 
 namespace {
 
-constexpr std::array<float, 4> dark{0.07f, 0.075f, 0.085f, 1}, light{1, 1, 1, 1};
+constexpr std::array<float, 4> dark{dark_ground[0], dark_ground[1], dark_ground[2], 1}, light{1, 1, 1, 1};
 constexpr int gap_px = 4;
 constexpr double text_pt = 8;
 
@@ -32,11 +32,7 @@ struct MeshColours {
     const auto first = std::find_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.colours; });
     if (first != cells.end()) *this = MeshColours(first->mesh, spacing_mm);
   }
-  MeshColours(const Mesh& mesh, double spacing_mm) : hues(vertex_hues(*mesh.topology)) {
-    std::vector<Rgb> colours;
-    colours.reserve(hues.size());
-    for (const float hue : hues) colours.push_back(hsv_to_rgb(hue, 0.4f, 1));
-    surface = std::make_shared<const std::vector<Rgb>>(std::move(colours));
+  MeshColours(const Mesh& mesh, double spacing_mm) : hues(vertex_hues(*mesh.topology)), surface(hued_surface(hues)) {
     const double spacing = spacing_mm > 0 ? spacing_mm : bounds_of(mesh.points).diagonal().norm() / 12;
     glyphs = glyph_vertices(mesh, spacing);
     glyph_radius_mm = 0.15 * spacing;
@@ -48,10 +44,7 @@ struct MeshColours {
     layer.points = std::make_shared<const Points>(cell.mesh.points);
     layer.colours = cell.colours ? cell.colours : surface;
     scene.meshes.push_back(std::move(layer));
-    if (cell.colours) return;
-    for (const std::int32_t i : glyphs)
-      scene.glyphs.glyphs.push_back({Vec3(cell.mesh.points.row(i)), hsv_to_rgb(hues[static_cast<std::size_t>(i)], 1, 1),
-                                     static_cast<float>(glyph_radius_mm)});
+    if (!cell.colours) add_hued_glyphs(scene.glyphs, cell.mesh.points, glyphs, hues, glyph_radius_mm);
   }
 };
 
@@ -62,7 +55,7 @@ Camera3D camera_on(const Vec3& target, double radius_mm, const Vec3& from) {
   camera.to_eye = from.normalized();
   camera.up = std::abs(camera.to_eye.z()) > 0.95 ? Vec3(0, -1, 0) : Vec3::UnitZ();
   camera.fov_deg = 0;
-  camera.distance_mm = radius_mm / std::tan(15 * std::numbers::pi / 180);
+  camera.distance_mm = distance_that_shows(radius_mm);
   return camera;
 }
 
@@ -127,7 +120,7 @@ struct Studio {
 double caption_px(const MontageOptions& options, int columns) {
   if (options.width_mm > 0) return text_pt / 72 * 300;
   const auto width = static_cast<float>(options.width_px);
-  return 16 * caption_scale(width, width / static_cast<float>(columns) - gap_px);
+  return letters_px * caption_scale(width, width / static_cast<float>(columns) - gap_px);
 }
 
 /// Cell k of a grid, counted from the upper left, as a rectangle from the lower left; below all is a strip.
@@ -216,8 +209,8 @@ struct MontagePlan {
       columns = columns_of_grid<double>(count, options.width_px, options.height_px);
     rows = rows_of_grid(count, columns);
     text_px = caption_px(options, columns);
-    above_px = options.captions ? static_cast<int>(std::round(1.75 * text_px)) : 0;
-    strip_px = options.captions ? static_cast<int>(std::round(1.5 * text_px)) : 0;
+    above_px = options.captions ? static_cast<int>(std::round(room_of_name * text_px)) : 0;
+    strip_px = options.captions ? static_cast<int>(std::round(room_of_bar * text_px)) : 0;
     if (options.width_mm == 0) return;
     strip_px += static_cast<int>(std::round(options.strip_mm / options.width_mm * options.width_px));
     double aspect = 0;  // of the highest side, at the scale that the widest allows
@@ -310,7 +303,7 @@ Result<MadePicture> case_picture(const Document& document, const MontageOptions&
   if (!shown) return fail("", "has no mesh to show");
   MontageOptions options = asked;
   const double text_px = caption_px(options, 2);
-  const int above_px = options.captions ? static_cast<int>(std::round(1.75 * text_px)) : 0;
+  const int above_px = options.captions ? static_cast<int>(std::round(room_of_name * text_px)) : 0;
   if (options.width_mm > 0) options.height_px = static_cast<int>(0.8 * options.width_px) + 2 * above_px;
   const auto room_of = [&](int k) {
     Target target = cell(k, 2, 2, options, 0);

@@ -13,6 +13,9 @@
 
 namespace homolog {
 
+/// The ground of a picture that is neither light nor transparent.
+inline constexpr Rgb dark_ground{0.07f, 0.075f, 0.085f};
+
 /// How a picture is made without a window.
 struct MontageOptions {
   int width_px = 1280, height_px = 960;

@@ -1,11 +1,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <set>
 
 #include "core/mesh/construction/icosphere.h"
+#include "render/hued_shapes.h"
 #include "render/mesh_pass.h"
 #include "render/outline.h"
 #include "tests/render_help.h"
@@ -41,6 +43,27 @@ Camera3D some_camera(double fov_deg) {
 }
 
 }  // namespace
+
+TEST_CASE("a camera without perspective shows the sphere that its distance is made for") {
+  Camera3D camera = some_camera(0);
+  camera.distance_mm = distance_that_shows(40);
+  CHECK(camera.distance_mm == doctest::Approx(40 / std::tan(std::numbers::pi / 12)));
+  CHECK(shown_radius_mm(camera) == doctest::Approx(40));
+}
+
+TEST_CASE("a vertex has its hue on the surface and as a sphere") {
+  const std::vector<float> hues{0, 1.0f / 3, 2.0f / 3};
+  const auto surface = hued_surface(hues);
+  REQUIRE(surface->size() == 3);
+  CHECK((*surface)[1] == hsv_to_rgb(hues[1], 0.4f, 1));
+  Points points(3, 3);
+  points << 1, 2, 3, 4, 5, 6, 7, 8, 9;
+  GlyphLayer layer;
+  add_hued_glyphs(layer, points, {2, 0}, hues, 1.5);
+  REQUIRE(layer.glyphs.size() == 2);
+  CHECK(layer.glyphs[0] == GlyphLayer::Glyph{Vec3(7, 8, 9), hsv_to_rgb(hues[2], 1, 1), 1.5f});
+  CHECK(layer.glyphs[1] == GlyphLayer::Glyph{Vec3(1, 2, 3), hsv_to_rgb(hues[0], 1, 1), 1.5f});
+}
 
 TEST_CASE("the intersection of a mesh with a plane lies in the plane and on the surface") {
   const Mesh ball = icosphere(3, 30, Vec3(3, 4, 5));

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numbers>
+
+#include "render/hued_shapes.h"
 
 namespace homolog {
 
@@ -44,7 +45,7 @@ Camera3D camera_for(const Points& points) {
   Camera3D camera = turned(camera_from(LookFrom::anterior, box), -40, 25);
   camera.fov_deg = 0;
   camera.target = box.center();
-  camera.distance_mm = 0.5 * box.diagonal().norm() / std::tan(15 * std::numbers::pi / 180);
+  camera.distance_mm = distance_that_shows(0.5 * box.diagonal().norm());
   return camera;
 }
 

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "render/hued_shapes.h"
+
 namespace homolog {
 
 namespace {
 
-constexpr std::array<float, 4> background{0.075f, 0.08f, 0.09f, 1};
 constexpr std::size_t fine_cells_a_frame = 4;
 
 }  // namespace
@@ -46,11 +47,7 @@ GalleryPictures::GalleryKey GalleryPictures::key_of(const ModelsState& state, co
 
 void GalleryPictures::prepare(const ModelsState& state) {
   const StudyModel& model = *state.made.model;
-  if (prepared_for_ != state.made.model) {
-    std::vector<Rgb> colours;
-    for (const float hue : *model.hues) colours.push_back(hsv_to_rgb(hue, 0.4f, 1));
-    colours_ = std::make_shared<const std::vector<Rgb>>(std::move(colours));
-  }
+  if (prepared_for_ != state.made.model) colours_ = hued_surface(*model.hues);
   if (prepared_for_ == state.made.model && prepared_spacing_mm_ == state.gallery.glyph_spacing_mm) return;
   prepared_for_ = state.made.model;
   prepared_spacing_mm_ = state.gallery.glyph_spacing_mm;
@@ -65,13 +62,10 @@ void GalleryPictures::prepare(const ModelsState& state) {
 Scene GalleryPictures::scene_of(const ModelsState& state, std::shared_ptr<const Points> points, bool glyphs) const {
   const StudyModel& model = *state.made.model;
   Scene scene;
-  scene.background = background;
+  scene.background = gallery_ground;
   // Points alone have nothing but their glyphs.
   const double radius_mm = model.topology ? 0.12 * state.gallery.glyph_spacing_mm : 0.012 * model.radius_mm;
-  if (glyphs || !model.topology)
-    for (const std::int32_t i : glyphs_)
-      scene.glyphs.glyphs.push_back({Vec3(points->row(i)), hsv_to_rgb((*model.hues)[static_cast<std::size_t>(i)], 1, 1),
-                                     static_cast<float>(radius_mm)});
+  if (glyphs || !model.topology) add_hued_glyphs(scene.glyphs, *points, glyphs_, *model.hues, radius_mm);
   if (!model.topology) return scene;
   MeshLayer layer;
   layer.topology = model.topology;
@@ -151,7 +145,7 @@ bool GalleryPictures::draw_cells(const ModelsState& state, const GalleryKey& key
                         static_cast<int>(cell.width), static_cast<int>(cell.height), key.scale};
     const auto points = k < page_.size() ? page_[k] : nullptr;
     Scene empty;
-    empty.background = background;
+    empty.background = gallery_ground;
     const auto drawn = renderer.draw(points ? scene_of(state, points, state.gallery.glyphs && !key.moving) : empty,
                                      points ? cell_camera(state, *points) : state.gallery.camera, target);
     if (!drawn) error_ = drawn.error().sentence();

@@ -12,6 +12,9 @@
 
 namespace homolog {
 
+/// Behind the shapes of the Models mode.
+inline constexpr std::array<float, 4> gallery_ground{0.075f, 0.08f, 0.09f, 1};
+
 /// The pictures of the Models mode, the gallery and the model's shape, drawn again only when what they show changed.
 class GalleryPictures {
  public:

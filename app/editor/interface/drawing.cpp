@@ -240,7 +240,7 @@ Result<Picture> Drawing::study_picture(const PictureOptions& options) {
   (*framebuffer)->bind();
   const std::array<float, 4> ground = options.transparent ? std::array{0.0f, 0.0f, 0.0f, 0.0f}
                                       : options.light     ? std::array{1.0f, 1.0f, 1.0f, 1.0f}
-                                                          : std::array{0.075f, 0.08f, 0.09f, 1.0f};
+                                                          : gallery_ground;
   glViewport(0, 0, options.width, options.height);
   glClearColor(ground[0], ground[1], ground[2], ground[3]);
   glClear(GL_COLOR_BUFFER_BIT);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "app/editor/widgets/widgets.h"
 #include "core/base/pictures/caption_sizes.h"
+#include "render/hued_shapes.h"
 
 namespace homolog {
 
@@ -61,11 +61,9 @@ void draw_cell_scale(ImDrawList& draw, const Theme& theme, const RectPx& cell, d
 void draw_study_captions(ImDrawList& draw, const Theme& theme, const ModelsState& state, const StudyCells& cells) {
   for (std::size_t k = 0; k < cells.names.size(); ++k)
     draw_cell_name(draw, theme, cells.grid.cell(k), cells.names[k], cells.names);
-  // The cells are seen without perspective, 30° at the target across their shorter side.
   RectPx cell = cells.grid.cell(0);
   const RectPx shape = caption_room(theme.scale).left_of(cell);
-  const double mm_per_px = 2 * state.gallery.camera.distance_mm * std::tan(15 * std::numbers::pi / 180) /
-                           std::min(shape.width, shape.height);
+  const double mm_per_px = 2 * shown_radius_mm(state.gallery.camera) / std::min(shape.width, shape.height);
   cell.height = cells.grid.area.height - cell.y;  // at the lower left of all
   draw_cell_scale(draw, theme, cell, mm_per_px);
 }

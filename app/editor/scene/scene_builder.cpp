@@ -6,6 +6,7 @@
 #include "app/editor/scene/mesh_colouring.h"
 #include "app/editor/state/label_map_layer.h"
 #include "core/base/numbers/index.h"
+#include "render/hued_shapes.h"
 #include "render/label_colours.h"
 
 namespace homolog {
@@ -137,9 +138,7 @@ GlyphLayer SceneBuilder::glyph_layer(const Input& input) const {
   GlyphLayer layer;
   if (!input.state.preferences.show.glyphs || !points_ || making_ || !active_is_shown(input.state, *input.document))
     return layer;
-  for (const auto vertex : glyphs_)
-    layer.glyphs.push_back({points_->row(vertex), hsv_to_rgb(hues_[static_cast<std::size_t>(vertex)], 1, 1),
-                            static_cast<float>(0.12 * input.state.look.glyph_spacing_mm)});
+  add_hued_glyphs(layer, *points_, glyphs_, hues_, 0.12 * input.state.look.glyph_spacing_mm);
   return layer;
 }
 

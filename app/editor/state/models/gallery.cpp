@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/base/pictures/caption_sizes.h"
 #include "core/base/pictures/cell_grid.h"
+#include "render/hued_shapes.h"
 #include "render/renderer.h"
 
 namespace homolog {
@@ -41,8 +42,7 @@ ModelsLayout models_layout(const Layout& layout) {
 }
 
 CaptionRoom caption_room(float scale) {
-  constexpr float name = 28, bar = 24;
-  return {std::round(name * scale), std::round(bar * scale)};
+  return {std::round(room_of_name * letters_px * scale), std::round(room_of_bar * letters_px * scale)};
 }
 
 CaptionRoom legend_room(const ModelsState& state, float scale) {
@@ -124,8 +124,7 @@ std::optional<GalleryVertex> vertex_at(const ModelsState& state, const GalleryGr
 }
 
 void pan_gallery(ModelsState& state, double right_px, double down_px, double side_px) {
-  // As orthographic cameras see it: 30° across the shorter side.
-  const double mm_per_px = 2 * state.gallery.camera.distance_mm * std::tan(15 * std::numbers::pi / 180) / side_px;
+  const double mm_per_px = 2 * shown_radius_mm(state.gallery.camera) / side_px;
   state.gallery.camera.target +=
       mm_per_px * (down_px * state.gallery.camera.up - right_px * camera_right(state.gallery.camera));
 }

@@ -11,6 +11,7 @@
 #include "core/base/text/text.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/files/model_files.h"
+#include "render/hued_shapes.h"
 
 namespace homolog {
 
@@ -320,7 +321,7 @@ void show_all_shapes(ModelsState& state) {
   state.gallery.camera.fov_deg = 0;
   state.gallery.camera.target = Vec3::Zero();
   const double radius_mm = state.made.model ? state.made.model->radius_mm : 1;
-  state.gallery.camera.distance_mm = room * radius_mm / std::tan(15 * std::numbers::pi / 180);
+  state.gallery.camera.distance_mm = distance_that_shows(room * radius_mm);
 }
 
 void pin_vertex(ModelsState& state, const GalleryVertex& place, bool focus) {
@@ -333,7 +334,7 @@ void pin_vertex(ModelsState& state, const GalleryVertex& place, bool focus) {
   if (shape.topology) look_from_outside(state.gallery.camera, vertex_normals(shape).row(place.vertex));
   constexpr double nearer = 0.5;
   state.gallery.camera.target = Vec3::Zero();
-  state.gallery.camera.distance_mm = nearer * state.made.model->radius_mm / std::tan(15 * std::numbers::pi / 180);
+  state.gallery.camera.distance_mm = distance_that_shows(nearer * state.made.model->radius_mm);
 }
 
 void unpin(ModelsState& state) {

@@ -8,6 +8,7 @@
 
 #include "app/editor/update/results/opening.h"
 #include "app/editor/update/results/results.h"
+#include "app/editor/work/opening/sort_files.h"
 #include "core/base/files/paths.h"
 #include "core/base/processes/guarded.h"
 #include "core/structures/template_set.h"

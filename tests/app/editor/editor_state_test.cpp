@@ -4,6 +4,7 @@
 
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/shown_case.h"
+#include "app/editor/work/opening/sort_files.h"
 #include "tests/ball.h"
 #include "tests/desk.h"
 #include "tests/temporary_folder.h"

@@ -13,6 +13,7 @@
 #include "app/editor/work/models/model_help.h"
 #include "app/editor/work/models/study_optimiser.h"
 #include "app/editor/work/opening/opener.h"
+#include "app/editor/work/opening/sort_files.h"
 #include "app/editor/work/shape_monitor.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/construction/icosphere.h"

@@ -9,6 +9,7 @@
 #include "app/editor/update/editing.h"
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/status.h"
+#include "app/editor/work/opening/sort_files.h"
 #include "core/base/files/files.h"
 #include "core/base/files/paths.h"
 #include "core/base/text/text.h"

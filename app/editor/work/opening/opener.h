@@ -19,11 +19,6 @@
 
 namespace homolog {
 
-/// Sorts paths into a case, a volume, a template, by their names; two volumes are an image and its label map, and which
-/// is which is seen when they are read. Contours are told by what is in the file. Errors: more than one of a kind, a
-/// case with a template or two volumes.
-Result<OpenRequest> sort_files(const std::vector<std::filesystem::path>& paths);
-
 struct Opened {
   OpenRequest request;
   std::optional<CaseRead> opened_case;

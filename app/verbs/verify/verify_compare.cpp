@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "app/verbs/files_named.h"
 #include "app/verbs/record.h"
 #include "core/base/encoding/json.h"
 #include "core/base/files/file_record.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "app/verbs/files_named.h"
 #include "app/verbs/record.h"
 #include "core/base/encoding/sha256.h"
 #include "core/base/files/files.h"

@@ -3,6 +3,7 @@
 #include "app/editor/interface/interface.h"
 #include "app/editor/panels/models/models_panel.h"
 #include "app/editor/state/icons.h"
+#include "app/editor/state/views.h"
 #include "app/editor/update/tools/tool.h"
 #include "app/editor/update/window_title.h"
 #include "app/editor/widgets/key_focus.h"

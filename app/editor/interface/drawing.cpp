@@ -11,6 +11,7 @@
 
 #include "app/editor/interface/marks/view_marks.h"
 #include "app/editor/interface/study_picture.h"
+#include "app/editor/state/views.h"
 #include "app/editor/update/results/opening.h"
 #include "app/editor/update/results/results.h"
 #include "app/editor/widgets/imgui_context.h"

@@ -4,6 +4,7 @@
 #include "app/editor/interface/marks/view_marks.h"
 #include "app/editor/interface/side_buttons.h"
 #include "app/editor/state/icons.h"
+#include "app/editor/state/views.h"
 #include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/key_focus.h"

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "app/editor/state/state.h"
+#include "app/editor/state/views.h"
 #include "core/volume/redrawn_contour.h"
 
 namespace homolog {

@@ -5,6 +5,7 @@
 
 #include "app/editor/scene/mesh_colouring.h"
 #include "app/editor/state/label_map_layer.h"
+#include "app/editor/state/views.h"
 #include "core/base/numbers/index.h"
 #include "render/hued_shapes.h"
 #include "render/label_colours.h"

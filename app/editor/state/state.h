@@ -332,9 +332,6 @@ void begin_on_structure(EditorState& state, const Document& document);
 bool active_is_locked(const EditorState& state, const Document& document);
 /// Whether the structure that is worked on is drawn: its eye is open.
 bool active_is_shown(const EditorState& state, const Document& document);
-/// The cross-hair goes to the middle of the structure that is worked on, where its box does not hold it. Slices that
-/// do not show that place go there too.
-void bring_into_view(EditorState& state, const Document& document);
 /// With several structures each has its own colour, where no other colouring was chosen.
 void follow_structures(EditorState& state, const Document& document);
 /// Opens the eyes of contours that are gone: a new one may get such an id.
@@ -346,42 +343,12 @@ bool paints_regions(const EditorState& state);
 /// brush confirms. After a snap: its confidence, until the user chooses another. The hue for a score that is not known.
 Colouring shown_colouring(const EditorState& state);
 
-/// The plane of a slice view.
-SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry);
-
-/// The next look of the slices in the 3D view; after the last they are off.
-ShownParts with_next_planes(ShownParts parts);
-
-/// The slice planes that the 3D view shows; none where they are switched off.
-std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document& document);
-
 /// Shows a case from the start: cross-hair in the middle of the mesh (or volume), everything in view, σ presets from
 /// the size of the placed reference; window from the volume, or as it was on the same image.
 void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image = false);
 /// Glyphs and the brush get sizes for an organ of another size than they had; for one that is about as large they keep
 /// what a person chose. `diagonal_mm`: of its bounding box.
 void follow_organ(EditorState& state, double diagonal_mm);
-/// Brings the slices to the guide's step, where there is one to do.
-void look_at_step(EditorState& state);
-/// Brings the cross-hair, the middle of every slice view and the 3D view close to a point of the mesh, seen from
-/// outside.
-void look_closely(EditorState& state, const Mesh& mesh, std::int32_t vertex);
-/// Brings the cross-hair and the 3D view to a mesh; the slices show as much as before.
-void look_at_mesh(EditorState& state, const Points& points);
-void show_all(EditorState& state, const Document& document, const Layout& layout);
-/// Slices show as much of the image after their view has grown or shrunk: maximised, or with the window.
-void follow_layout(EditorState& state, const Layout& layout);
-
-/// The cross-hair goes along the view's normal by whole slices, from the slice that is shown to the next acquired one;
-/// what a touchpad gives of a step is kept for later.
-void scroll_slice(EditorState& state, ViewKind kind, const Document& document, double steps);
-/// Brings the cross-hair to the middle of the nearest voxel, so that slices show what was acquired and no mean of two;
-/// in planes oblique to the voxels it stays where it is.
-void settle_crosshair(EditorState& state, const Document& document);
-/// Zooms a slice view; with linked zoom the others too, about the cross-hair.
-void zoom_slice(EditorState& state, ViewKind kind, double mm_per_px);
-/// From now on the slice views zoom together, beginning with the smallest scale of the three, or each by itself.
-void link_zoom(EditorState& state, bool linked);
 /// Changes the chosen preset.
 void set_sigma(EditorState& state, double sigma_mm);
 /// Takes another σ for now; the presets stay.
@@ -406,8 +373,5 @@ void remember_recent(std::vector<std::filesystem::path>& recent, const std::file
 
 /// The case's frame, or the one that is shown while a cine plays.
 int shown_frame(const EditorState& state, const Document& document);
-
-/// The volume's geometry; a box around the meshes where there is no volume.
-VolumeGeometry geometry_of(const Document& document);
 
 }  // namespace homolog

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "app/editor/state/views.h"
 #include "app/editor/update/tools/tool.h"
 
 namespace homolog {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/editor/state/views.h"
 #include "app/editor/update/tools/tool.h"
 
 namespace homolog {

@@ -1,4 +1,5 @@
 #include "app/editor/update/models.h"
+#include "app/editor/state/views.h"
 #include "app/editor/work/models/study_folder.h"
 
 #include <algorithm>

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "app/editor/state/views.h"
 #include "app/editor/update/controls.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/construction/icosphere.h"

@@ -1,5 +1,6 @@
 #include <set>
 
+#include "app/editor/state/views.h"
 #include "app/editor/update/keys.h"
 #include "tests/desk.h"
 

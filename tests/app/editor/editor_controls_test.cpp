@@ -1,3 +1,4 @@
+#include "app/editor/state/views.h"
 #include "tests/changed_shape.h"
 #include "tests/desk.h"
 

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <thread>
 
+#include "app/editor/state/views.h"
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/shown_case.h"
 #include "app/editor/work/opening/sort_files.h"

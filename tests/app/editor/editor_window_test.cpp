@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/editor/state/files/file_browser.h"
+#include "app/editor/state/views.h"
 #include "app/editor/update/file_purposes.h"
 #include "tests/driver.h"
 #include "tests/named_case.h"

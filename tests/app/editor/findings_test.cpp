@@ -1,6 +1,7 @@
 #include "app/editor/state/figures/findings.h"
 
 #include "app/editor/state/figures/quality.h"
+#include "app/editor/state/views.h"
 #include "app/editor/work/opening/demo.h"
 #include "app/editor/work/shape_monitor.h"
 #include "core/measure/compare.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "app/editor/interface/marks/landmark_marks.h"
+#include "app/editor/state/views.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/state/views.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/case/held_landmarks.h"
 

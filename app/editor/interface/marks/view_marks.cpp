@@ -12,6 +12,7 @@
 #include "app/editor/interface/marks/landmark_marks.h"
 #include "app/editor/interface/marks/measurement_marks.h"
 #include "app/editor/state/icons.h"
+#include "app/editor/state/views.h"
 #include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/base/pictures/caption_sizes.h"

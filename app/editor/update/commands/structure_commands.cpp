@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "app/editor/state/views.h"
 #include "app/editor/update/editing.h"
 #include "core/case/actions/fields.h"
 #include "core/case/placing.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "app/editor/state/views.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/solve/shape_solver.h"
 

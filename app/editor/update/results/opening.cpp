@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "app/editor/state/views.h"
 #include "app/editor/update/results/imports.h"
 #include "core/base/files/paths.h"
 #include "core/catalogue/catalogue.h"

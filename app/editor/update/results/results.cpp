@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "app/editor/state/views.h"
 #include "app/editor/update/results/assistance.h"
 #include "app/editor/update/results/measurements.h"
 #include "app/editor/update/results/opening.h"

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/editor/state/models/gallery.h"
+#include "app/editor/state/views.h"
 #include "app/editor/update/commands/looks/setting.h"
 
 namespace homolog {

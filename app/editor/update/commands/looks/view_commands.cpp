@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "app/editor/scene/mesh_colouring.h"
+#include "app/editor/state/views.h"
 #include "app/editor/update/commands/file_commands.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/controls.h"

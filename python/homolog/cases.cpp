@@ -45,8 +45,20 @@ std::shared_ptr<const Template> template_from(const py::object& value) {
   return value_of(load_template(path_from(value, "template", "a Mesh, a file, or a name as built-in:kidney")));
 }
 
+/// The file for a case, from the root. Errors: it is there already, and nobody said that it may be replaced.
+std::filesystem::path file_for_case(const std::filesystem::path& path, bool overwrite) {
+  auto file = absolute_path(path);
+  std::error_code ignored;
+  if (!overwrite && std::filesystem::is_regular_file(file, ignored))
+    refuse(path.string(),
+           "is there already; give overwrite=True to replace it, or go on with a case by homolog.Case.open");
+  return file;
+}
+
 std::shared_ptr<HeldCase> create_held(const py::object& the_template, const py::object& image, const py::object& path,
-                                      const py::object& placement, const py::object& progress) {
+                                      const py::object& placement, bool overwrite, const py::object& progress) {
+  std::filesystem::path file;
+  if (!path.is_none()) file = file_for_case(path.cast<std::filesystem::path>(), overwrite);
   auto reference = template_from(the_template);
   std::optional<Similarity> place;
   if (!placement.is_none()) place = value_of(similarity_from_json(to_json(placement)));
@@ -80,7 +92,6 @@ std::shared_ptr<HeldCase> create_held(const py::object& the_template, const py::
     refuse("template", "is in memory alone, and a case names its file; write it to one and read that");
   if (volume && source.empty())
     refuse("image", "is in memory alone, and a case names its file; write it to one and read that");
-  const auto file = absolute_path(path.cast<std::filesystem::path>());
   return with_image(held(value_of(create_case(new_document(source, volume, reference, place), file)), file, {}));
 }
 
@@ -102,6 +113,18 @@ py::dict apply(HeldCase& self, EditStep step) {
     done.emplace(self.session.apply(std::move(step)));
   }
   return report_of(value_of(std::move(*done)));
+}
+
+void save_as(HeldCase& self, const std::filesystem::path& path, bool overwrite) {
+  const InUse held(self);
+  Journal* const journal = self.session.journal();
+  const bool is_own =
+      journal != nullptr && journal->is_at(absolute_path(path)) && journal->fate() == Journal::Fate::as_left;
+  const auto file = file_for_case(path, overwrite || is_own);
+  value_of(save_case_as(self.session, file));
+  self.source = file.string();
+  self.is_written = true;
+  self.is_closed = false;
 }
 
 void close(HeldCase& self) {
@@ -428,11 +451,13 @@ void add_cases(py::module_& module) {
   type.def_static("open", &open_held, py::arg("path"), py::kw_only(), py::arg("read_only") = false,
                   py::arg("progress") = none, "Opens a case file; further edits are appended to it, unless read_only.")
       .def_static("create", &create_held, py::arg("template"), py::arg("image") = none, py::arg("path") = none,
-                  py::kw_only(), py::arg("placement") = none, py::arg("progress") = none,
+                  py::kw_only(), py::arg("placement") = none, py::arg("overwrite") = false, py::arg("progress") = none,
                   R"(A new case; without `path` it is in memory alone.
 
 template: a Mesh, a Fit, a file or a built-in name. image: a Volume, a file or a phantom's name. placement: {"rotation":
-[w, x, y, z], "scale": s, "translation": [x, y, z]}, LPS mm; without it the middle of the image.)")
+[w, x, y, z], "scale": s, "translation": [x, y, z]}, LPS mm; without it the middle of the image. overwrite: a file that
+is there already is replaced.
+Errors: the file is there already; a template or an image that is in memory alone, where the case has a file.)")
       .def_property_readonly(
           "source", [](const Held& self) { return self.source; }, "Its file, from the root; empty: it has none.")
       .def_property_readonly("_is_in_file",
@@ -472,17 +497,9 @@ template: a Mesh, a Fit, a file or a built-in name. image: a Volume, a file or a
       .def_property_readonly(
           "strokes", [](const Held& self) { return InUse(self), self.session.strokes(); }, "Those left after undo.")
       .def_property_readonly("image", &image_of, "The scan as a Volume, or None; the same one each time.")
-      .def(
-          "save_as",
-          [](Held& self, const std::filesystem::path& path) {
-            const InUse held(self);
-            const auto file = absolute_path(path);
-            value_of(save_case_as(self.session, file));
-            self.source = file.string();
-            self.is_written = true;
-            self.is_closed = false;
-          },
-          py::arg("path"), "Writes the case to another file and goes on there.")
+      .def("save_as", &save_as, py::arg("path"), py::kw_only(), py::arg("overwrite") = false,
+           "Writes the case to another file and goes on there. Refused where the file is there already, unless "
+           "overwrite.")
       .def("close", &close, "Ends the work on its file. Later edits are refused.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](Held& self, const py::args&) { close(self); });

@@ -311,3 +311,26 @@ def test_a_case_is_fitted_to_contours_of_a_file_as_one_edit(tmp_path):
         case.fit_to_contours(file, structure="spleen")
     with pytest.raises(homolog.Error, match="no image"):
         case.fit_to_contours([file], with_image=True)
+
+
+def test_a_case_that_is_there_is_replaced_only_where_one_says_so(tmp_path):
+    file, other = tmp_path / "a.homolog", tmp_path / "b.homolog"
+    with homolog.Case.create("built-in:kidney", path=file) as case:
+        case.note("an hour of work")
+    text = file.read_text()
+    refusal = "a.homolog: is there already; give overwrite=True to replace it, or go on with a case by homolog.Case.open"
+    with pytest.raises(homolog.Error, match=refusal):
+        homolog.Case.create("built-in:kidney", path=file)
+    case = homolog.Case.create("built-in:kidney", path=other)
+    case.note("another")
+    with pytest.raises(homolog.Error, match=refusal):
+        case.save_as(file)
+    assert file.read_text() == text and case.source == str(other)
+    case.save_as(other)  # its own file
+    case.note("and on")
+    assert json.loads(other.read_text().splitlines()[-1]) == {"note": "and on"}
+    case.save_as(file, overwrite=True)
+    assert json.loads(file.read_text().splitlines()[-1]) == {"note": "and on"}
+    case.close()
+    homolog.Case.create("built-in:kidney", path=file, overwrite=True)
+    assert len(file.read_text().splitlines()) == 1

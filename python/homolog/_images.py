@@ -20,8 +20,15 @@ def is_nibabel(value: Any) -> bool:
     return hasattr(value, "dataobj") and hasattr(value, "affine")
 
 
+def _is_freesurfer(header: Any) -> bool:
+    """Whether a header is that of .mgh and .mgz: it always says where the image lies, and times in ms."""
+    return hasattr(header, "keys") and "goodRASFlag" in header.keys()
+
+
 def _units(header: Any) -> Tuple[float, float]:
     """How many mm and seconds a header's units have, as those of a file: what is no unit of time gives 0."""
+    if _is_freesurfer(header):
+        return 1.0, 1e-3
     try:
         code = int(header["xyzt_units"])
     except (KeyError, TypeError, ValueError):  # a header that has none
@@ -34,7 +41,8 @@ def _units(header: Any) -> Tuple[float, float]:
 def _says_no_place(image: Any) -> bool:
     """Whether the affine is one that nibabel made up, since the header has none."""
     header = getattr(image, "header", None)
-    if not hasattr(header, "get_base_affine") or not hasattr(header, "keys"):
+    # Without pixdim it is none of NIfTI, SPM and Analyze, and its affine is its own.
+    if not hasattr(header, "get_base_affine") or not hasattr(header, "keys") or "pixdim" not in header.keys():
         return False
     codes = [int(header[key]) for key in ("sform_code", "qform_code") if key in header.keys()]
     # Analyze has no codes, and nibabel's own reader of SPM's files has a matrix beside them.

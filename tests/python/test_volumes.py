@@ -254,3 +254,26 @@ def test_a_sheared_sform_gives_way_to_a_sound_qform_as_in_a_file(tmp_path):
     image.header.set_qform(sound, code=0)
     with pytest.raises(homolog.Error, match="sheared"):
         homolog.from_nibabel(nibabel.Nifti1Image(ball(), sheared, image.header))
+
+
+def test_an_image_of_freesurfer_lies_where_nibabel_has_it(tmp_path):
+    nibabel = pytest.importorskip("nibabel")
+    affine = numpy.array([[-1, 0, 0, 90], [0, 0, 1.5, -100], [0, -1, 0, 80], [0, 0, 0, 1.0]])
+    nibabel.save(nibabel.MGHImage(ball().astype(numpy.float32), affine), tmp_path / "a.mgz")
+    image = nibabel.load(tmp_path / "a.mgz")
+    ours = homolog.from_nibabel(image)
+    assert numpy.array_equal(ours.array, ball()) and numpy.allclose(ours.affine_ras, affine, atol=1e-4)
+    assert numpy.array_equal(homolog.from_nibabel(image, labels=True).mask(1), ball() == 1)
+    cine = nibabel.MGHImage(numpy.stack([ball()] * 3, axis=3), affine)
+    cine.header["tr"] = 40
+    assert homolog.from_nibabel(cine).frame_seconds == pytest.approx(0.04)
+
+
+def test_an_image_of_analyze_lies_as_one_without_a_place():
+    nibabel = pytest.importorskip("nibabel")
+    image = nibabel.AnalyzeImage(ball().astype(numpy.int16), None)
+    with pytest.raises(homolog.Error, match="image: has no affine"):
+        homolog.from_nibabel(image)
+    placed = nibabel.AnalyzeImage(ball().astype(numpy.int16), image.header.get_best_affine())
+    with pytest.warns(homolog.HomologWarning, match="does not give the patient's orientation"):
+        assert numpy.array_equal(homolog.from_nibabel(placed).affine, numpy.eye(4))

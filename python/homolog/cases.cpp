@@ -1,3 +1,4 @@
+#include "app/verbs/fit/fit_case.h"
 #include "app/verbs/fit/fit_contours.h"
 #include "app/verbs/fit/snap_arguments.h"
 #include "app/verbs/read_image.h"
@@ -95,9 +96,22 @@ std::shared_ptr<HeldCase> create_held(const py::object& the_template, const py::
   return with_image(held(value_of(create_case(new_document(source, volume, reference, place), file)), file, {}));
 }
 
-py::dict report_of(const EditReport& report) {
+/// How far the vertices went on average, of the structure that went farthest, in the frame that is shown now.
+double mean_way_mm(const Document& before, const Document& after) {
+  double farthest_mm = 0;
+  for (const auto& one : after.structures) {
+    const Structure* const earlier = before.structure(one->id);
+    const Shape* const then = earlier == nullptr ? nullptr : earlier->shape(after.frame);
+    const Shape* const now = one->shape(after.frame);
+    if (then == nullptr || now == nullptr || then->points->rows() != now->points->rows()) continue;
+    farthest_mm = std::max(farthest_mm, (*now->points - *then->points).rowwise().norm().mean());
+  }
+  return farthest_mm;
+}
+
+py::dict report_of(const EditReport& report, double moved_mm) {
   py::dict row;
-  row["moved_mm"] = report.moved_mm;
+  row["moved_mm"] = moved_mm;
   row["stopped_by_guard"] = report.stopped_by_guard;
   row["on"] = report.on ? py::object(py::make_tuple(report.on->x(), report.on->y(), report.on->z())) : py::none();
   row["message"] = report.message;
@@ -108,11 +122,33 @@ py::dict apply(HeldCase& self, EditStep step) {
   const InUse held(self);
   check_takes_edits(self);
   std::optional<Result<EditReport>> done;
+  const bool is_stroke = std::holds_alternative<Stroke>(step.action);
+  double moved_mm = 0;
   {
     const py::gil_scoped_release unlocked;
+    const auto before = self.session.shared_document();
     done.emplace(self.session.apply(std::move(step)));
+    if (*done) moved_mm = is_stroke ? (*done)->moved_mm : mean_way_mm(*before, self.session.document());
   }
-  return report_of(value_of(std::move(*done)));
+  return report_of(value_of(std::move(*done)), moved_mm);
+}
+
+/// An automatic step as an edit: what the edit says, and what the verb reports of the step.
+py::dict apply_with_report(HeldCase& self, EditStep step, const Json& report) {
+  py::dict row = apply(self, std::move(step));
+  for (const auto& [key, value] : report.items()) row[py::str(key)] = to_python(value);
+  return row;
+}
+
+/// The first sentence alone; none where there is none.
+std::vector<std::string> first_of(const std::vector<std::string>& sentences) {
+  if (sentences.empty()) return {};
+  return {sentences.front()};
+}
+
+/// Says in a report why its mesh has to be looked at.
+void say_doubt(const std::vector<std::string>& warnings, Json& report) {
+  report["doubt"] = report["doubtful"] == true ? reason_of_doubt(warnings) : std::string();
 }
 
 void save_as(HeldCase& self, const std::filesystem::path& path, bool overwrite) {
@@ -254,6 +290,12 @@ bool lies_in(const MapLabel& target, const VolumeGeometry& grid) {
   return voxels == 0;  // said by the fit
 }
 
+/// A step that was computed, and what the verb reports of it.
+struct ReportedFit {
+  SetPoints edit;
+  Report report;
+};
+
 py::dict fit_into(HeldCase& self, const py::object& given, const py::object& asked, const std::string& of,
                   const std::optional<double>& closing_mm, const std::optional<int>& frame, bool as_placed,
                   const py::object& progress) {
@@ -269,10 +311,12 @@ py::dict fit_into(HeldCase& self, const py::object& given, const py::object& ask
             check_scan(name, labels->read->volume.frame_of_reference, labels->read->referenced, image_name, *image)))
       warn({*other});
   }
-  const auto fitted = computed<LabelFit>(self, progress, [&](Progress& own) -> Result<LabelFit> {
+  const auto fitted = computed<ReportedFit>(self, progress, [&](Progress& own) -> Result<ReportedFit> {
+    FitTarget read;
     auto mask = chosen_mask(*labels->read, name, label, {frame, {}, {}});
     if (!mask) return fail(mask.error());
-    const MapLabel target{mask->volume, mask->label, mask->frame, mask->segmentation};
+    read.mask = std::move(*mask);
+    const MapLabel target = read.label();
     if (image != nullptr && !lies_in(target, image->geometry))
       return fail(name, "lies outside of " + image_name + "; give the scan that it was drawn on");
     const Template& the_template = view.the_template();
@@ -280,18 +324,24 @@ py::dict fit_into(HeldCase& self, const py::object& given, const py::object& ask
     options.progress = &own;
     options.landmarks = view.shape.landmarks;
     if (as_placed) options.placement = view.shape.placement;
-    auto found =
-        fit_to_label(the_template, target,
-                     {.closing_mm = closing_mm, .kept_closing_mm = closing_kept_with(the_template.source)}, options);
-    if (!found) return fail(name, mask->named(found.error().what));
-    auto& said = found->judgement.warnings;
-    said = mask->named(std::move(said));
+    const LabelFitOptions how{.closing_mm = closing_mm, .kept_closing_mm = closing_kept_with(the_template.source)};
+    auto found = fit_to_label(the_template, target, how, options);
+    if (!found) return fail(name, read.mask->named(found.error().what));
+    ReportedFit done{edit_of_fit(view, found->fit, false), {}};
+    const double seconds = std::chrono::duration<double>(FitClock::now() - read.started).count();
+    read.boundary = found->boundary;
+    done.report = report_of_fit(read, the_template, found->fit, found->judgement, false, seconds);
+    done.report.values.update(described_closing(*found, how));
+    auto& said = done.report.warnings;
+    said = read.mask->named(found->judgement.warnings);
+    say_doubt(said, done.report.values);
     // What reading the map said was said then.
-    said.insert(said.begin(), mask->warnings.begin() + std::ssize(labels->read->warnings), mask->warnings.end());
-    return found;
+    const auto& of_map = read.mask->warnings;
+    said.insert(said.begin(), of_map.begin() + std::ssize(labels->read->warnings), of_map.end());
+    return done;
   });
-  warn(fitted.judgement.warnings);
-  return apply(self, {edit_of_fit(view, fitted.fit, false), of});
+  warn(fitted.report.warnings);
+  return apply_with_report(self, {fitted.edit, of}, fitted.report.values);
 }
 
 /// One file, or several.
@@ -329,15 +379,27 @@ py::dict fit_to_contours(HeldCase& self, const py::object& files, const std::str
   try {
     const auto now = document_of(self);
     const ShapeView there = shown(*now, of);
-    auto edit = computed<FitEdit>(self, progress, [&](Progress& own) -> Result<FitEdit> {
+    auto fitted = computed<ReportedFit>(self, progress, [&](Progress& own) -> Result<ReportedFit> {
+      const auto started = FitClock::now();
       BetweenContours between;
       if (with_image) between.image = now->scan.image;
       FitOptions options;
       options.progress = &own;
-      return fit_shape_to_contours(there, between, false, options);
+      auto found = fit_shape_to_contours(there, between, false, options);
+      if (!found) return fail(found.error());
+      ReportedFit done{std::move(found->action), {}};
+      const double seconds = std::chrono::duration<double>(FitClock::now() - started).count();
+      // All that the case holds was fitted to; what reading the files said was said then.
+      const DrawnOrgan all{drawn_contours(there), organ.structures, {}};
+      describe_contour_fit(all, there.the_template(), found->result, seconds, job.contours.front(), !with_image,
+                           done.report);
+      // What makes it doubtful is said first.
+      const bool doubtful = done.report.values["doubtful"] == true;
+      done.report.values["doubt"] = doubtful ? done.report.warnings.front() + "." : std::string();
+      return done;
     });
-    warn(edit.result.warnings);
-    return apply(self, {std::move(edit.action), of, true});
+    warn(fitted.report.warnings);
+    return apply_with_report(self, {std::move(fitted.edit), of, true}, fitted.report.values);
   } catch (...) {
     apply(self, {Undo{}});  // the contours go with the fit
     throw;
@@ -356,14 +418,20 @@ py::dict snap_into(HeldCase& self, const py::object& at, double sigma_mm, double
   arguments.reach_mm = reach_mm;
   arguments.strength = strength;
   arguments.polarity = polarity;
-  auto edit = computed<SnapEdit>(self, progress, [&](Progress& own) -> Result<SnapEdit> {
+  auto snapped = computed<ReportedFit>(self, progress, [&](Progress& own) -> Result<ReportedFit> {
     auto options = snap_options(arguments, view.shape.points->rows(), own);
     if (!options) return fail(options.error());
     options->progress = &own;
-    return snap_shape(scan, view, area, *options);
+    auto edit = snap_shape(scan, view, area, *options);
+    if (!edit) return fail(edit.error());
+    const Mesh mesh{view.the_template().topology, *edit->action.points};
+    Report report = snap_report(edit->result, mesh, *view.shape.placed, scan.source);
+    report.warnings = edit->result.warnings;
+    say_doubt(first_of(report.warnings), report.values);
+    return ReportedFit{std::move(edit->action), std::move(report)};
   });
-  warn(edit.result.warnings);
-  return apply(self, {std::move(edit.action), of});
+  warn(snapped.report.warnings);
+  return apply_with_report(self, {std::move(snapped.edit), of}, snapped.report.values);
 }
 
 py::dict refine_into(HeldCase& self, const std::string& of, const py::object& progress) {
@@ -415,16 +483,19 @@ void add_automatic(py::class_<HeldCase, std::shared_ptr<HeldCase>>& type) {
            py::arg("closing_mm") = none, py::arg("frame") = none, py::arg("as_placed") = false,
            py::arg("progress") = none,
            "Fits the structure's template to a label, as one edit. label: its number or name, or a list of them for "
-           "their union. as_placed: from where it lies.")
+           "their union. as_placed: from where it lies. Gives what do() gives, what `homolog fit --json` reports "
+           "(doubtful, dice, …), and as doubt the reason.")
       .def("fit_to_contours", &fit_to_contours, py::arg("contours"), py::kw_only(), py::arg("structure") = "",
            py::arg("off_mm") = 0.0, py::arg("outside") = false, py::arg("with_image") = false, py::arg("of") = "",
            py::arg("progress") = none,
            "Takes contours of files (RTSTRUCT, .mrk.json, .vtp) into the case and fits the structure's template to all "
-           "that it holds, as one edit. structure: which of theirs. with_image: between them the image counts.")
+           "that it holds, as one edit. structure: which of theirs. with_image: between them the image counts. Gives "
+           "what do() gives, what `homolog fit --json` reports (doubtful, contours_mm, …), and as doubt the reason.")
       .def("snap", &snap_into, py::arg("at") = none, py::kw_only(), py::arg("sigma_mm") = 10.0,
            py::arg("reach_mm") = 10.0, py::arg("strength") = 1.0, py::arg("polarity") = "automatic", py::arg("of") = "",
            py::arg("progress") = none,
-           "Draws the mesh, or its part around `at` (LPS mm), to the boundary in the image, as one edit.")
+           "Draws the mesh, or its part around `at` (LPS mm), to the boundary in the image, as one edit. Gives what "
+           "do() gives, what `homolog snap --json` reports (doubtful, confidence, …), and as doubt the reason.")
       .def("refine", &refine_into, py::kw_only(), py::arg("of") = "", py::arg("progress") = none,
            "Moves vertices along the surface to where the template has them, as one edit.")
       .def("propagate", &propagate_into, py::kw_only(), py::arg("reach_mm") = 6.0, py::arg("of") = "",
@@ -468,7 +539,8 @@ Errors: the file is there already; a template or an image that is in memory alon
       .def(
           "do", &do_action, py::arg("action"), py::arg("of") = "",
           R"(Does one action, a dict as a line of the case file (docs/case-file.md): {"tool": "pull", "at": [x, y, z], "to":
-[x, y, z], "sigma_mm": 10}. of: the structure's id. Gives moved_mm, stopped_by_guard, on, message.)")
+[x, y, z], "sigma_mm": 10}. of: the structure's id. Gives moved_mm, stopped_by_guard, on, message. moved_mm: how far a
+stroke moved the point that it holds; of all else how far vertices went on average.)")
       .def(
           "undo", [](Held& self) { return apply(self, {Undo{}}); }, "Takes the last step back.")
       .def(

@@ -60,6 +60,40 @@ def test_a_fit_says_what_the_command_line_says_of_it(kidney):
         case.fit(cut)
 
 
+def test_a_fit_and_a_snap_give_what_the_verb_reports(kidney):
+    case = homolog.Case.create("built-in:kidney", kidney["image"])
+    before = case.points()
+    done = case.fit(kidney["labels"])
+    assert done["doubtful"] is False and done["doubt"] == "" and done["dice"] > 0.98 and done["closing_why"]
+    way = numpy.linalg.norm(case.points() - before, axis=1).mean()
+    assert done["moved_mm"] == pytest.approx(way) and way > 1
+    told = homolog.fit("built-in:kidney", kidney["labels"]).report
+    assert set(told) <= set(done)
+    assert done["dice"] == pytest.approx(told["dice"], abs=1e-3)
+    assert done["doubt_mm"]["mean"] == pytest.approx(told["doubt_mm"]["mean"], rel=0.05)
+    snapped = case.snap(reach_mm=4)
+    assert 0 < snapped["confidence"] <= 1 and snapped["moved_mm"] > 0 and snapped["doubtful"] in (True, False)
+
+
+def test_a_doubtful_fit_says_so(kidney):
+    case = homolog.Case.create("built-in:kidney")
+    voxels = numpy.zeros((40, 40, 40), numpy.uint8)
+    voxels[18:22, 18:22, 2:38] = 1  # a rod is no kidney
+    with pytest.warns(homolog.HomologWarning):
+        done = case.fit(homolog.LabelMap(voxels, spacing_mm=(2, 2, 2)))
+    assert done["doubtful"] is True and done["doubt"].endswith(".")
+
+
+def test_what_is_no_stroke_says_how_far_vertices_went():
+    case = homolog.Case.create("built-in:kidney")
+    points = case.points()
+    assert case.set_points(points + [0, 3, 4])["moved_mm"] == pytest.approx(5, abs=1e-3)
+    assert case.undo()["moved_mm"] == pytest.approx(5, abs=1e-3)
+    assert case.note("nothing moves")["moved_mm"] == 0
+    case.placement(rotation=[1, 0, 0, 0], scale=1, translation=[0, 0, 0])
+    assert case.placement(rotation=[1, 0, 0, 0], scale=1, translation=[6, 0, 8])["moved_mm"] == pytest.approx(10, abs=1e-3)
+
+
 def test_a_label_map_is_taken_as_a_file_too(folder):
     case = homolog.Case.create("built-in:kidney", "phantom:kidney:1")
     case.fit(folder / "kidney-1-labels.nii.gz")
@@ -302,8 +336,10 @@ def test_a_case_is_fitted_to_contours_of_a_file_as_one_edit(tmp_path):
     file.write_text(json.dumps({"markups": markups}))
     case = homolog.Case.create("built-in:kidney")
     before = case.points()
-    case.fit_to_contours(file)
+    done = case.fit_to_contours(file)
     after = case.points()
+    assert done["contours"] == 5 and done["contours_mm"]["mean"] < 1 and done["moved_mm"] > 0
+    assert done["doubtful"] in (True, False) and (done["doubt"] == "") == (not done["doubtful"])
     assert numpy.abs(after.min(axis=0) + [20, 26, 30]).max() < 4 and numpy.abs(after.max(axis=0) - [20, 26, 30]).max() < 4
     case.undo()
     assert numpy.array_equal(case.points(), before)

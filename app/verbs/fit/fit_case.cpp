@@ -71,17 +71,6 @@ LabelFitOptions how_to_fit(const FitJob& options, const FitShared& shared) {
   return how;
 }
 
-using FitClock = std::chrono::steady_clock;
-
-/// One case's target: a boundary, which is made of the mask where there is one.
-struct FitTarget {
-  FitClock::time_point started = FitClock::now();  ///< once the file was read
-  Boundary boundary;
-  std::optional<MaskRead> mask;
-
-  MapLabel label() const { return {mask->volume, mask->label, mask->frame, mask->segmentation}; }
-};
-
 /// Reads a surface, or a label map, of which the boundary is still to be made.
 Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared, const fs::path& path,
                                   Progress& progress) {
@@ -114,6 +103,8 @@ Json described_allowed(const Points& allowed, const Mesh& mesh, const Mesh& boun
   return {{"assd_mm", mean_surface_distance_mm({mesh.topology, allowed}, boundary)},
           {"beyond_mm", {{"mean", beyond_mm.mean()}, {"max", beyond_mm.maxCoeff()}}}};
 }
+
+}  // namespace
 
 Report report_of_fit(const FitTarget& target, const Template& the_template, const FitResult& fit,
                      const FitJudgement& judgement, bool partial, double seconds) {
@@ -154,6 +145,8 @@ Report report_of_fit(const FitTarget& target, const Template& the_template, cons
   return report;
 }
 
+namespace {
+
 /// What a case of a study keeps of a fit.
 FittedCase case_of(const FitJob& options, const FitShared& shared, const fs::path& path, const FitTarget& target,
                    const FitResult& fit, const FitJudgement& judgement) {
@@ -171,7 +164,8 @@ FittedCase case_of(const FitJob& options, const FitShared& shared, const fs::pat
   return fitted;
 }
 
-/// The closing radius for the report.
+}  // namespace
+
 Json described_closing(const LabelFit& fitted, const LabelFitOptions& how) {
   Json closing{{"closing_mm", fitted.closing_mm},
                {"closing_chosen", !how.closing_mm.has_value()},
@@ -183,6 +177,8 @@ Json described_closing(const LabelFit& fitted, const LabelFitOptions& how) {
   closing["closing_tried"] = tried;
   return closing;
 }
+
+namespace {
 
 /// Fits to what was read of a case, and judges that.
 Result<FittedTarget> fitted_to(const FitJob& options, const FitShared& shared, const FitOptions& fitting,

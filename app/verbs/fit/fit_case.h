@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -8,9 +9,11 @@
 
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/fit/snap_arguments.h"
+#include "app/verbs/read_image.h"
 #include "app/verbs/record.h"
 #include "app/verbs/verb.h"
 #include "core/adapt/judge_fit.h"
+#include "core/adapt/label_fit.h"
 #include "core/model/shapes/study.h"
 #include "core/volume/volume_io.h"
 
@@ -64,6 +67,24 @@ struct FitShared {
 
 /// Reads the template, the placement and the model. Errors: theirs.
 Result<FitShared> shared_of_fits(const FitJob& options);
+
+using FitClock = std::chrono::steady_clock;
+
+/// One case's target: a boundary, which is made of the mask where there is one.
+struct FitTarget {
+  FitClock::time_point started = FitClock::now();  ///< once the file was read
+  Boundary boundary;
+  std::optional<MaskRead> mask;
+
+  MapLabel label() const { return {mask->volume, mask->label, mask->frame, mask->segmentation}; }
+};
+
+/// What the verb reports of a fit, without the closing radius and without warnings.
+Report report_of_fit(const FitTarget& target, const Template& the_template, const FitResult& fit,
+                     const FitJudgement& judgement, bool partial, double seconds);
+
+/// The closing radius for the report.
+Json described_closing(const LabelFit& fitted, const LabelFitOptions& how);
 
 /// The target that was fitted to a case.
 struct FittedTarget {

@@ -96,10 +96,10 @@ bool in_one_plane(const std::vector<DrawnContour>& contours) {
   return cut.planes.size() == 1 && std::ranges::none_of(cut.samples, [](const auto& one) { return one.plane < 0; });
 }
 
-/// Says what the fit came to.
-/// `alone`: there was no label map and no image beside the contours.
-void describe_fit(const DrawnOrgan& organ, const Template& the_template, const FitResult& fit, double seconds,
-                  const fs::path& path, bool alone, Report& report) {
+}  // namespace
+
+void describe_contour_fit(const DrawnOrgan& organ, const Template& the_template, const FitResult& fit, double seconds,
+                          const fs::path& path, bool alone, Report& report) {
   constexpr double off_share = 0.01, doubt_share = 0.06;
   const ContourDistance off = contour_distance(organ.contours, fit.mesh);
   const double diagonal_mm = bounds_of(fit.mesh.points).diagonal().norm();
@@ -133,8 +133,6 @@ void describe_fit(const DrawnOrgan& organ, const Template& the_template, const F
            {"seconds", seconds}});
   report.values["doubt_mm"] = described_doubt(the_template, fit);
 }
-
-}  // namespace
 
 Result<DrawnOrgan> read_organ(const FitJob& options, const fs::path& scan_path, const Volume* scan) {
   DrawnOrgan organ;
@@ -217,7 +215,7 @@ Result<Report> fit_contours(const FitJob& options, const FitShared& shared, Prog
   if (!record) return fail(record.error());
   file.record = std::move(*record);
   if (auto written = write_mesh_file(file, options.out); !written) return fail(written.error());
-  describe_fit(*organ, *shared.the_template, *fit, seconds, options.contours.front(), !mask && !image, report);
+  describe_contour_fit(*organ, *shared.the_template, *fit, seconds, options.contours.front(), !mask && !image, report);
   report.warnings.insert(report.warnings.begin(), landmarks->warnings.begin(), landmarks->warnings.end());
   if (image) report_image(options, *image, report);
   return report;

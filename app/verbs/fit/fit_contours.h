@@ -19,6 +19,11 @@ struct DrawnOrgan {
 /// contours; contours of two scans, of another one than the image, or beside it.
 Result<DrawnOrgan> read_organ(const FitJob& options, const std::filesystem::path& scan_path, const Volume* scan);
 
+/// Says in a report what a fit to contours came to. `path`: what its warnings are about. `alone`: there was no label
+/// map and no image beside the contours.
+void describe_contour_fit(const DrawnOrgan& organ, const Template& the_template, const FitResult& fit, double seconds,
+                          const std::filesystem::path& path, bool alone, Report& report);
+
 /// Fits to contours that somebody drew, alone, or together with a label map or an image: these say where the boundary
 /// lies between the contours. Writes the mesh and reports `contours_mm`. Errors: the readers'; several structures and
 /// none named; a structure without contours; contours of another scan than the image; the fit's, the writer's.

@@ -25,6 +25,7 @@ class Call:
         self.verb = verb  # none: whoever calls writes the words of the command line
         self.arguments: List[str] = list(verb)
         self.lent: List[Any] = []
+        self.called: Dict[str, str] = {}  # what sentences call files of this call
         self._folder: Optional[tempfile.TemporaryDirectory] = None
         self._files = 0
 
@@ -90,9 +91,18 @@ class Call:
         raise _core.Error(f"{type(value).__name__}: is nothing that can be given here; give a file or an object of homolog")
 
     def add_shapes(self, shapes: Any, lend: Any = False) -> "Call":
-        """One shape, several, or {name: shape}, by which names a report calls them."""
+        """One shape, several, or {name: shape}, by which names a report calls them.
+
+        A mesh that is in memory alone is called by its position, counted from 1.
+        """
         if not isinstance(shapes, dict):
-            return self.add(*several(shapes), lend=lend)
+            for position, shape in enumerate(several(shapes), 1):
+                mesh = shape.mesh if isinstance(shape, Fit) else shape
+                if isinstance(mesh, _core.Mesh) and not mesh._file:
+                    self._add_shape(mesh, str(position), f"shape {position}")
+                else:
+                    self.add(shape, lend=lend)
+            return self
         for name, shape in shapes.items():
             mesh = shape.mesh if isinstance(shape, Fit) else shape
             if not isinstance(mesh, _core.Mesh):
@@ -100,10 +110,16 @@ class Call:
             name = str(name)
             if not name or name.startswith(".") or "/" in name or "\0" in name:
                 raise _core.Error(f"{name!r}: cannot name a shape; give a name without / that does not begin with a dot")
-            file = os.path.join(self.folder(), f"{name}.ply")
-            mesh.write(file)
-            self.arguments.append(file)
+            self._add_shape(mesh, name, name)
         return self
+
+    def _add_shape(self, mesh: _core.Mesh, name: str, called: str) -> None:
+        folder = os.path.join(self.folder(), "shapes")  # apart from other files, whose names are numbers too
+        os.makedirs(folder, exist_ok=True)
+        file = os.path.join(folder, f"{name}.ply")
+        mesh.write(file)
+        self.arguments.append(file)
+        self.called[file] = called
 
     def add_files(self, *values: Any, lend: Any = False) -> "Call":
         """What a study will name. Errors: a value that has no file."""
@@ -214,7 +230,7 @@ class Call:
 
     def run(self, progress: Progress = None, jobs: Optional[int] = None) -> Dict[str, Any]:
         try:
-            return _core.run(self.arguments, self.lent, progress, jobs)
+            return _core.run(self.arguments, self.lent, progress, jobs, self.called)
         except _core.Error as error:
             if self.verb:
                 error.args = (in_python(str(error), self.verb),)

@@ -9,6 +9,8 @@ namespace homolog::python {
 
 namespace {
 
+/// What sentences call files that stand for objects in memory.
+using Called = std::map<std::string, std::string>;
 using Lent = std::vector<std::pair<std::string, std::shared_ptr<HeldVolume>>>;
 
 /// What calls of all threads lend now by the names of files, and as what these were read. The interpreter's lock keeps
@@ -43,19 +45,29 @@ class Lending {
   std::vector<std::string> files_;
 };
 
+/// A sentence that names objects in memory as the caller knows them.
+std::string in_callers_words(std::string sentence, const Called& called) {
+  for (const auto& [file, word] : called)
+    for (std::size_t at = sentence.find(file); at != std::string::npos; at = sentence.find(file, at + word.size()))
+      sentence.replace(at, file.size(), word);
+  return sentence;
+}
+
 py::object run(const std::vector<std::string>& arguments, const Lent& lent, const py::object& progress,
-               const std::optional<int>& jobs) {
+               const std::optional<int>& jobs, const Called& called) {
   const Lending lending(lent);
   bool wrong = false;
   std::optional<Result<Report>> done;
   do_watched({progress, jobs}, [&](Progress& own) { done.emplace(run_verb_here(arguments, own, wrong)); });
   const Result<Report>& report = *done;
-  if (!report) throw Refusal(report.error().sentence(), wrong);
-  warn(report->warnings);
+  if (!report) throw Refusal(in_callers_words(report.error().sentence(), called), wrong);
+  std::vector<std::string> warnings = report->warnings;
+  for (std::string& warning : warnings) warning = in_callers_words(std::move(warning), called);
+  warn(warnings);
   const py::object values = to_python(report->values);
   if (!report->refusal) return values;
   const py::object error = py::module_::import("homolog._core").attr("Error");
-  const py::object raised = error(report->refusal->sentence());
+  const py::object raised = error(in_callers_words(report->refusal->sentence(), called));
   raised.attr("report") = values;
   PyErr_SetObject(error.ptr(), raised.ptr());
   throw py::error_already_set();
@@ -66,7 +78,9 @@ py::object run(const std::vector<std::string>& arguments, const Lent& lent, cons
 void add_verbs(py::module_& module) {
   module.def(
       "run", &run, py::arg("arguments"), py::arg("lent"), py::arg("progress"), py::arg("jobs"),
-      "Does a verb of the command line and gives its report. lent: [(name, volume)] that it reads by these names.");
+      py::arg("called") = Called(),
+      "Does a verb of the command line and gives its report. lent: [(name, volume)] that it reads by these names. "
+      "called: {file: word}: what sentences call a file that stands for an object.");
 }
 
 }  // namespace homolog::python

@@ -180,3 +180,19 @@ def test_covariates_are_rows_or_columns():
                          (5, "covariates: is no table"), ([], "covariates: is no table")):
         with pytest.raises(homolog.Error, match=words):
             homolog.test(shapes, "shape ~ age", covariates=table)
+
+
+def test_shapes_in_memory_are_called_by_their_position(folder):
+    files = [homolog.read_mesh(folder / f"fit-{k}.ply") for k in (1, 2, 3)]
+    meshes = [homolog.Mesh(one.points, one.triangles) for one in files]
+    assert homolog.model(meshes).names == ["1", "2", "3"]
+    assert homolog.model([meshes[0], files[1], homolog.Fit(meshes[2], {})]).names == ["1", "fit-2", "3"]
+    assert [one["case"] for one in homolog.measure(meshes)["cases"]] == ["1", "2", "3"]
+    other = homolog.Mesh(meshes[0].points[:3], [[0, 1, 2]])
+    for wrong in ([*meshes[:2], other], {"anna": meshes[0], "ben": other}):
+        with pytest.raises(homolog.Error) as raised:
+            homolog.model(wrong)
+        words = ("shape 3: has ", " where shape 1 has ") if isinstance(wrong, list) else ("ben: has ", " where anna has ")
+        assert all(one in str(raised.value) for one in words) and "/" not in str(raised.value)
+    with pytest.warns(homolog.HomologWarning, match="^shape 1: is itself a shape of the model"):
+        homolog.score(meshes, homolog.model(meshes))

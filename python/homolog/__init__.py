@@ -24,9 +24,10 @@ from ._results import Fit, Study
 from ._verbs import (compare, convert, evaluate, fit, fit_all, fit_set, info, make_set, make_study, make_template,
                      measure, mirror, model, propagate, read_set, read_study, repair, repair_mesh, report, run, score,
                      snap, test, verify)
-from . import _actions, _words
+from . import _actions, _pickles, _words
 
 _actions.add_to(Case)
+_pickles.add_to_classes()
 _words.speak_python(Case, "fit", "fit_to_contours", "snap")
 
 

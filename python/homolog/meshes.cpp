@@ -1,3 +1,5 @@
+#include <map>
+
 #include "app/verbs/describe.h"
 #include "core/base/files/file_record.h"
 #include "core/catalogue/catalogue.h"
@@ -117,6 +119,23 @@ std::shared_ptr<HeldMesh> with_points(const HeldMesh& self, const py::object& po
   file.doubt_mm.reset();  // of places that the vertices have left
   file.outlier.reset();
   return held(std::move(file));
+}
+
+/// The same mesh with values of vertices as they were, which a file keeps with fewer digits or not at all.
+std::shared_ptr<HeldMesh> with_values(const HeldMesh& self, const std::map<std::string, py::object>& values) {
+  MeshFile file = *self.file;
+  for (const auto& [name, given] : values) {
+    const py::array_t<double, py::array::c_style | py::array::forcecast> numbers = array_from(given, name);
+    if (numbers.size() != file.points.rows()) refuse(name, "does not hold one number for each vertex");
+    const VertexScalars scalars = Eigen::Map<const VertexScalars>(numbers.data(), numbers.size());
+    if (name == "stiffness")
+      file.stiffness = std::make_shared<const VertexScalars>(scalars);
+    else if (name == "doubt_mm")
+      file.doubt_mm = scalars;
+    else
+      file.arrays[name] = scalars;
+  }
+  return held(std::move(file), {}, self.record);
 }
 
 std::shared_ptr<HeldLabels> label_map_of(const HeldMesh& self, const HeldVolume& like, int value) {
@@ -260,6 +279,7 @@ Errors: shape, dtype, numbers that are not finite, numbers of no vertex.)")
           "The figures that `homolog info --json` prints of a mesh, as a dict. Errors: faces that are no manifold "
           "surface.")
       .def("with_points", &with_points, py::arg("points"), "The same mesh with other points (n×3, LPS mm).")
+      .def("_with_values", &with_values, py::arg("values"))
       .def(
           "label_map", &label_map_of, py::arg("like"), py::arg("value") = 1,
           "The voxels of a volume's grid whose centre lies inside, as a LabelMap. Warns where there are none, or where "

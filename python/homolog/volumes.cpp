@@ -134,8 +134,8 @@ Segmentation names_from(const py::object& names) {
   return known;
 }
 
-std::shared_ptr<const VolumeRead> volume_from(const py::object& voxels, const Grid& grid, const py::object& names,
-                                              double frame_seconds, const std::string& modality, bool labels) {
+VolumeRead volume_from(const py::object& voxels, const Grid& grid, const py::object& names, double frame_seconds,
+                       const std::string& modality, bool labels) {
   const py::array array = array_from(voxels, "voxels");
   if (array.ndim() != 3 && array.ndim() != 4)
     refuse("voxels", "have the shape " + std::string(py::str(array.attr("shape"))) +
@@ -154,7 +154,20 @@ std::shared_ptr<const VolumeRead> volume_from(const py::object& voxels, const Gr
   read.volume.modality = modality;
   value_of(keep_voxels(std::move(stored), {}, "voxels", read.volume, read.warnings));
   read.segmentation = names_from(names);
-  return std::make_shared<const VolumeRead>(std::move(read));
+  return read;
+}
+
+/// A volume as another was, its place to the last bit.
+std::shared_ptr<HeldVolume> volume_as_it_was(const py::object& voxels, const py::object& spacing_mm,
+                                             const py::object& origin_mm, const py::object& direction,
+                                             double frame_seconds, const std::string& modality,
+                                             const std::string& frame_of_reference) {
+  const Grid grid = grid_from(py::none(), spacing_mm, origin_mm, direction);
+  VolumeRead read = volume_from(voxels, grid, py::none(), frame_seconds, modality, false);
+  read.volume.geometry.spacing_mm = vector_from(spacing_mm, "spacing_mm");
+  read.volume.geometry.direction = points_from(direction, "direction");
+  read.volume.frame_of_reference = frame_of_reference;
+  return std::make_shared<HeldVolume>(HeldVolume{std::make_shared<const VolumeRead>(std::move(read))});
 }
 
 // --- And out.
@@ -416,8 +429,9 @@ void add_volumes(py::module_& module) {
   volume.def(py::init([](const py::object& voxels, const py::object& affine, const py::object& spacing,
                          const py::object& origin, const py::object& direction, double frame_seconds,
                          const std::string& modality) {
-               return std::make_shared<HeldVolume>(HeldVolume{volume_from(
-                   voxels, grid_from(affine, spacing, origin, direction), py::none(), frame_seconds, modality, false)});
+               auto read = volume_from(voxels, grid_from(affine, spacing, origin, direction), py::none(), frame_seconds,
+                                       modality, false);
+               return std::make_shared<HeldVolume>(HeldVolume{std::make_shared<const VolumeRead>(std::move(read))});
              }),
              py::arg("voxels"), py::kw_only(), py::arg("affine") = none, py::arg("spacing_mm") = none,
              py::arg("origin_mm") = none, py::arg("direction") = none, py::arg("frame_seconds") = 0.0,
@@ -437,7 +451,8 @@ void add_volumes(py::module_& module) {
   map.def(py::init([](const py::object& voxels, const py::object& affine, const py::object& spacing,
                       const py::object& origin, const py::object& direction, const py::object& names) {
             auto held = std::make_shared<HeldLabels>();
-            held->read = volume_from(voxels, grid_from(affine, spacing, origin, direction), names, 0, {}, true);
+            held->read = std::make_shared<const VolumeRead>(
+                volume_from(voxels, grid_from(affine, spacing, origin, direction), names, 0, {}, true));
             return held;
           }),
           py::arg("voxels"), py::kw_only(), py::arg("affine") = none, py::arg("spacing_mm") = none,
@@ -496,6 +511,18 @@ void add_volumes(py::module_& module) {
       },
       py::arg("path"), py::kw_only(), py::arg("progress") = none,
       "Reads a label map with its names: NIfTI, NRRD, 3D Slicer's .seg.nrrd, MetaImage, DICOM SEG, a folder of masks.");
+  module.def(
+      "loaded_label_map",
+      [](const std::filesystem::path& path) {
+        const auto read = read_held<HeldLabels>(path, "", py::none(), py::none(), true);
+        read->source.clear();
+        read->stamp = {};
+        return read;
+      },
+      py::arg("path"), "read_label_map of a file that is removed afterwards.");
+  module.def("volume_as_it_was", &volume_as_it_was, py::arg("voxels"), py::kw_only(), py::arg("spacing_mm"),
+             py::arg("origin_mm"), py::arg("direction"), py::arg("frame_seconds"), py::arg("modality"),
+             py::arg("frame_of_reference"), "A volume as another was, its place to the last bit.");
 }
 
 }  // namespace homolog::python

@@ -120,10 +120,18 @@ def mask_of(image: Any) -> _core.Volume:
     return _made_of(image, voxels if labels is None else labels, labels is not None, None)
 
 
+def _of_volume(voxels: numpy.ndarray) -> numpy.ndarray:
+    """With three axes at least, and without further ones of length 1 behind the frames, as read_volume has the file."""
+    while voxels.ndim > 4 and voxels.shape[-1] == 1:
+        voxels = voxels[..., 0]
+    return voxels.reshape(voxels.shape + (1,) * (3 - voxels.ndim)) if 0 < voxels.ndim < 3 else voxels
+
+
 def _made_of(image: Any, voxels: numpy.ndarray, labels: bool, names: Optional[dict]):
     header = getattr(image, "header", None)
     mm_per_unit, seconds_per_unit = _units(header)
     affine = _affine_of(image, mm_per_unit)
+    voxels = _of_volume(voxels)
     if labels:
         return _core.LabelMap(voxels, affine=affine, names=names)
     zooms = header.get_zooms() if hasattr(header, "get_zooms") else ()

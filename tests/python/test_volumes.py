@@ -277,3 +277,15 @@ def test_an_image_of_analyze_lies_as_one_without_a_place():
     placed = nibabel.AnalyzeImage(ball().astype(numpy.int16), image.header.get_best_affine())
     with pytest.warns(homolog.HomologWarning, match="does not give the patient's orientation"):
         assert numpy.array_equal(homolog.from_nibabel(placed).affine, numpy.eye(4))
+
+
+@pytest.mark.parametrize("shape", [(2, 3), (2, 3, 4, 1, 1), (2, 3, 4, 5, 1)])
+def test_axes_of_length_one_are_those_of_the_file(tmp_path, shape):
+    nibabel = pytest.importorskip("nibabel")
+    image = nibabel.Nifti1Image(numpy.arange(numpy.prod(shape), dtype=numpy.int16).reshape(shape), numpy.diag([1, 2, 3, 1.0]))
+    nibabel.save(image, tmp_path / "a.nii")
+    ours, theirs = homolog.from_nibabel(image), homolog.read_volume(tmp_path / "a.nii")
+    assert ours.shape == theirs.shape and numpy.array_equal(ours.array, theirs.array)
+    assert homolog.from_nibabel(image, labels=True).shape == theirs.shape
+    with pytest.raises(homolog.Error, match="voxels: have the shape"):
+        homolog.from_nibabel(nibabel.Nifti1Image(numpy.zeros((2, 3, 4, 1, 3), numpy.int16), numpy.eye(4)))

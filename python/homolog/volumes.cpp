@@ -128,7 +128,11 @@ Segmentation names_from(const py::object& names) {
       refuse("names", "calls the label " + std::to_string(number) + " by a " +
                           std::string(py::str(py::type::of(name).attr("__name__"))) + "; give text");
     segment.value = static_cast<int>(number);
-    segment.name = segment_name(name.cast<std::string>());
+    const auto given = name.cast<std::string>();
+    segment.name = segment_name(given);
+    if (segment.name != given)
+      warn({"names: the name of label " + std::to_string(number) + " becomes \"" + segment.name +
+            "\", since names are printable text in one line"});
     known.add(std::move(segment));
   }
   return known;

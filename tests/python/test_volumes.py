@@ -231,6 +231,12 @@ def test_what_would_be_taken_for_something_else_is_refused(make, sentence):
         make()
 
 
+def test_a_name_that_cannot_stay_as_it_is_is_said():
+    with pytest.warns(homolog.HomologWarning, match="names: the name of label 1 becomes \"left.kidney\", since"):
+        labels = homolog.LabelMap(ball(), names={1: "left\nkidney"})
+    assert labels.names != {1: "left\nkidney"}
+
+
 def test_lists_are_arrays_too():
     assert numpy.array_equal(homolog.Volume([[[1, 2], [3, 4]]]).array, [[[1, 2], [3, 4]]])
     assert homolog.LabelMap([[[0, 2]]]).labels[0]["value"] == 2

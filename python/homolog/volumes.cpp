@@ -157,6 +157,7 @@ VolumeRead volume_from(const py::object& voxels, const Grid& grid, const py::obj
   read.volume.frame_seconds = frame_seconds;
   read.volume.modality = modality;
   value_of(keep_voxels(std::move(stored), {}, "voxels", read.volume, read.warnings));
+  warn(read.warnings);
   read.segmentation = names_from(names);
   return read;
 }

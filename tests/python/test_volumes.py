@@ -237,6 +237,12 @@ def test_a_name_that_cannot_stay_as_it_is_is_said():
     assert labels.names != {1: "left\nkidney"}
 
 
+def test_integers_that_are_rounded_are_said():
+    with pytest.warns(homolog.HomologWarning, match="voxels: has integers above 16,777,216; they are rounded to 32-bit"):
+        volume = homolog.Volume(ball().astype(numpy.int32) * 16777217)
+    assert volume.array.max() == 16777216 and len(volume.warnings) == 1
+
+
 def test_lists_are_arrays_too():
     assert numpy.array_equal(homolog.Volume([[[1, 2], [3, 4]]]).array, [[[1, 2], [3, 4]]])
     assert homolog.LabelMap([[[0, 2]]]).labels[0]["value"] == 2

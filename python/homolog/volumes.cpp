@@ -101,8 +101,12 @@ Grid grid_from(const py::object& affine, const py::object& spacing_mm, const py:
   if (spacing.minCoeff() <= 0) refuse("spacing_mm", "is not above 0; give the size of a voxel in mm");
   if (!origin_mm.is_none()) grid.origin_mm = vector_from(origin_mm, "origin_mm");
   if (!direction.is_none()) {
-    const Points rows = points_from(direction, "direction");
-    if (rows.rows() != 3) refuse("direction", "is no 3×3 matrix; its columns are the directions of i, j and k");
+    const py::array given = numbers_from(direction, "direction");
+    if (given.ndim() != 2 || given.shape(0) != 3 || given.shape(1) != 3)
+      refuse("direction", "has the shape " + std::string(py::str(given.attr("shape"))) +
+                              "; give a 3×3 matrix, whose columns are the directions of i, j and k" +
+                              (given.ndim() == 1 && given.size() == 9 ? " (SimpleITK's nine: reshape(3, 3))" : ""));
+    const Points rows = points_from(given, "direction");
     if (((rows.colwise().norm().array() - 1).abs() > 1e-3).any())
       refuse("direction", "has columns that are no unit vectors; give the spacing as spacing_mm");
     grid.steps_mm = rows;

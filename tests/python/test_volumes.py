@@ -76,6 +76,9 @@ def test_names_of_labels_are_kept(tmp_path):
     (lambda: homolog.Volume(ball(), affine=numpy.eye(3)), "affine: is no 4×4 matrix"),
     (lambda: homolog.Volume(ball(), affine=[[1, 0.2, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]), "sheared axes"),
     (lambda: homolog.Volume(ball(), affine=numpy.eye(4), spacing_mm=(1, 1, 1)), "affine: says the grid already"),
+    (lambda: homolog.Volume(ball(), direction=[1, 0, 0, 0, 1, 0, 0, 0, 1]),
+     r"direction: has the shape \(9,\); give a 3×3 matrix, whose columns .* \(SimpleITK's nine: reshape"),
+    (lambda: homolog.Volume(ball(), direction=numpy.eye(4)), r"direction: has the shape \(4, 4\); give a 3×3 matrix"),
     (lambda: homolog.Volume(ball(), frame_seconds=float("nan")), "frame_seconds: is nan"),
     (lambda: homolog.Volume(ball(), frame_seconds=-1), "frame_seconds: is -1.0"),
 ])

@@ -193,8 +193,11 @@ Json line_from(const py::dict& action) {
   return line;
 }
 
-py::dict do_action(HeldCase& self, const py::dict& action, const std::string& of) {
-  auto step = parse_action(dumped(line_from(action)));
+py::dict do_action(HeldCase& self, const py::object& action, const std::string& of) {
+  if (!py::isinstance<py::dict>(action))
+    refuse("action", "is a " + std::string(py::str(py::type::of(action).attr("__name__"))) +
+                         "; give a dict, as {\"tool\": \"pull\", …}");
+  auto step = parse_action(dumped(line_from(action.cast<py::dict>())));
   if (!step) refuse("action", step.error().what);
   if (!of.empty()) step->of = of;
   const bool adds = std::holds_alternative<SetStructure>(step->action);  // the structure itself

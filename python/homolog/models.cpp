@@ -52,6 +52,17 @@ Eigen::Index checked_mode(const HeldModel& self, Eigen::Index mode) {
   return mode;
 }
 
+/// Errors: no whole number from 0 that 64 bits hold.
+std::uint64_t seed_from(const py::object& value) {
+  if (!py::isinstance<py::bool_>(value) && PyIndex_Check(value.ptr()) != 0) {
+    const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+    const unsigned long long seed = whole ? PyLong_AsUnsignedLongLong(whole.ptr()) : 0;
+    if (PyErr_Occurred() == nullptr) return seed;
+    PyErr_Clear();
+  }
+  refuse("seed", "is no whole number from 0 to 18446744073709551615; give one, as 1");
+}
+
 /// The mesh that a shape is: an object, or a file that is read. None: an array of points.
 std::shared_ptr<HeldMesh> mesh_given(const py::object& shape) {
   const bool is_file = py::isinstance<py::str>(shape) || py::hasattr(shape, "__fspath__");
@@ -193,7 +204,9 @@ void add_models(py::module_& module) {
           py::arg("mode"), py::arg("deviations"), "The mean with one mode (from 0) at so many standard deviations.")
       .def(
           "sample",
-          [](const Held& self, std::uint64_t seed) { return mesh_of(self, sampled_shape(*self.model, seed), "modes"); },
+          [](const Held& self, const py::object& seed) {
+            return mesh_of(self, sampled_shape(*self.model, seed_from(seed)), "modes");
+          },
           py::arg("seed"), "A random shape. The same seed gives the same shape on every machine.")
       .def(
           "coefficients",

@@ -130,6 +130,12 @@ def test_a_wrong_action_is_refused_and_changes_nothing(action, sentence):
     assert numpy.array_equal(case.points(), before) and not case.can_undo
 
 
+@pytest.mark.parametrize("action, kind", [([1], "list"), ("undo", "str"), (None, "NoneType")])
+def test_what_is_no_action_is_refused_with_a_sentence(action, kind):
+    with pytest.raises(homolog.Error, match=f"action: is a {kind}; give a dict, as "):
+        homolog.Case.create("built-in:kidney").do(action)
+
+
 def test_a_case_at_work_is_not_touched_by_other_calls(kidney):
     case = homolog.Case.create("built-in:kidney", kidney["image"])
     calls = [case.points, case.mesh, case.close, case.undo_names, case.undo, lambda: case.structures,

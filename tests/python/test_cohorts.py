@@ -166,6 +166,15 @@ def test_coefficients_are_finite_numbers_in_reach(folder, numbers, sentence):
             model.mode(0, deviations)
 
 
+def test_a_seed_is_a_whole_number(folder):
+    model = homolog.model([folder / f"fit-{k}.ply" for k in (1, 2, 3)])
+    assert numpy.array_equal(model.sample(numpy.int16(7)).points, model.sample(seed=7).points)
+    model.sample(2**64 - 1)
+    for seed in (-1, 2**64, 1.5, "1", None, True):
+        with pytest.raises(homolog.Error, match="seed: is no whole number from 0 to 18446744073709551615; give one"):
+            model.sample(seed)
+
+
 def test_covariates_are_rows_or_columns():
     base = homolog.phantom("kidney", 0)["truth"][0]
     rng = numpy.random.default_rng(1)

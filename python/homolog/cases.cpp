@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "app/verbs/fit/fit_case.h"
 #include "app/verbs/fit/fit_contours.h"
 #include "app/verbs/fit/snap_arguments.h"
@@ -62,7 +64,12 @@ std::shared_ptr<HeldCase> create_held(const py::object& the_template, const py::
   if (!path.is_none()) file = file_for_case(path.cast<std::filesystem::path>(), overwrite);
   auto reference = template_from(the_template);
   std::optional<Similarity> place;
-  if (!placement.is_none()) place = value_of(similarity_from_json(to_json(placement)));
+  if (!placement.is_none()) {
+    const Json given = to_json(placement);
+    auto read = similarity_from_json(given);
+    if (!read) refuse("placement", read.error().what);
+    place = *read;
+  }
   std::string source;
   std::shared_ptr<const VolumeRead> read;
   if (py::isinstance<HeldVolume>(image)) {
@@ -193,11 +200,28 @@ Json line_from(const py::dict& action) {
   return line;
 }
 
+/// The key under which a number lies that is not finite; empty where there is none. `key`: of the value itself.
+std::string key_of_no_number(const Json& value, const std::string& key) {
+  if (value.is_number_float() && !std::isfinite(value.get<double>())) return key;
+  if (!value.is_structured()) return {};
+  for (const auto& [own, one] : value.items())
+    if (auto found = key_of_no_number(one, value.is_object() ? own : key); !found.empty()) return found;
+  return {};
+}
+
+/// Errors: a number that is not finite, which no line of a case can hold.
+void check_finite(const Json& value, const std::string& subject) {
+  if (const std::string key = key_of_no_number(value, subject); !key.empty())
+    refuse(subject, "\"" + key + "\" holds a number that is not finite; take it out or replace it");
+}
+
 py::dict do_action(HeldCase& self, const py::object& action, const std::string& of) {
   if (!py::isinstance<py::dict>(action))
     refuse("action", "is a " + std::string(py::str(py::type::of(action).attr("__name__"))) +
                          "; give a dict, as {\"tool\": \"pull\", …}");
-  auto step = parse_action(dumped(line_from(action.cast<py::dict>())));
+  const Json line = line_from(action.cast<py::dict>());
+  check_finite(line, "action");
+  auto step = parse_action(dumped(line));
   if (!step) refuse("action", step.error().what);
   if (!of.empty()) step->of = of;
   const bool adds = std::holds_alternative<SetStructure>(step->action);  // the structure itself

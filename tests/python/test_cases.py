@@ -120,7 +120,14 @@ def test_regions_stiffness_and_landmarks_are_set():
 @pytest.mark.parametrize("action, sentence", [
     ({"tool": "push"}, "action: \"push\" is not one of pull"), ({"no_such": 1}, "action: is of no known kind"),
     ({}, "action: is of no known kind"),
-    ({"frame": 3}, "frame"), ({"stiffness_base": float("nan")}, ""),
+    ({"frame": 3}, "frame"),
+    ({"stiffness_base": float("nan")}, "action: \"stiffness_base\" holds a number that is not finite"),
+    ({"tool": "pull", "at": [0, float("inf"), 0], "to": [0, 0, 1], "sigma_mm": 5}, "action: \"at\" holds a number that is not"),
+    ({"tool": "pull", "at": [0, 0, 0], "sigma_mm": 5}, "action: lacks the key \"to\", which its kind of line needs"),
+    ({"placement": {"rotation": [1, 0, 0, 0], "scale": 1}}, "action: lacks the key \"translation\""),
+    ({"placement": {"rotation": [1, 0, 0, 0], "scale": "1", "translation": [0, 0, 0]}},
+     "action: \"scale\" holds a value of the wrong kind"),
+    ({"placement": 5}, "action: lacks the key \"rotation\""),
 ])
 def test_a_wrong_action_is_refused_and_changes_nothing(action, sentence):
     case = homolog.Case.create("built-in:kidney")
@@ -134,6 +141,11 @@ def test_a_wrong_action_is_refused_and_changes_nothing(action, sentence):
 def test_what_is_no_action_is_refused_with_a_sentence(action, kind):
     with pytest.raises(homolog.Error, match=f"action: is a {kind}; give a dict, as "):
         homolog.Case.create("built-in:kidney").do(action)
+
+
+def test_a_placement_that_lacks_a_key_is_told_which():
+    with pytest.raises(homolog.Error, match="placement: lacks the key \"scale\""):
+        homolog.Case.create("built-in:kidney", placement={"rotation": [1, 0, 0, 0], "translation": [0, 0, 0]})
 
 
 def test_a_case_at_work_is_not_touched_by_other_calls(kidney):

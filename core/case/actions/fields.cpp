@@ -22,6 +22,12 @@ Number whole_number(const Fields::Json& from) {
 
 }  // namespace
 
+const Fields::Json& Fields::needed(const char* key) const {
+  if (!from_->contains(key))
+    throw Unreadable{std::string("lacks the key \"") + key + "\", which its kind of line needs"};
+  return from_->at(key);
+}
+
 void Fields::count(const char* key, int& value) {
   constexpr int most = 1'000'000;
   member(key, value);
@@ -31,12 +37,12 @@ void Fields::count(const char* key, int& value) {
 void Fields::constant(const char* key, const Json& value, const char* fault) {
   if (!reads())
     (*to_)[key] = value;
-  else if (from_->at(key) != value)
+  else if (needed(key) != value)
     throw Unreadable{fault};
 }
 
 Fields Fields::object(const char* key) {
-  if (reads()) return reader(from_->at(key));
+  if (reads()) return reader(needed(key));
   return writer((*to_)[key] = Json::object());
 }
 

@@ -62,10 +62,16 @@ class Fields {
   /// A member that every line has. A place, and a number whose key ends in "_mm", is at most farthest_mm.
   template <class Value>
   void member(const char* key, Value& value) {
-    if (reads())
-      read(from_->at(key), key, value);
-    else
+    if (!reads()) {
       (*to_)[key] = written(value);
+      return;
+    }
+    const Json& from = needed(key);
+    try {
+      read(from, key, value);
+    } catch (const Json::type_error&) {
+      throw Unreadable{std::string("\"") + key + "\" holds a value of the wrong kind"};
+    }
   }
   /// The same for an enumeration.
   template <class Value, std::size_t count>
@@ -106,6 +112,9 @@ class Fields {
 
  private:
   Fields(const Json* from, Json* to) : from_(from), to_(to) {}
+
+  /// The value of a key that the line must have.
+  const Json& needed(const char* key) const;
 
   static void read(const Json& from, const char* key, bool& to);
   static void read(const Json& from, const char* key, int& to);

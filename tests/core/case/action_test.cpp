@@ -195,6 +195,20 @@ TEST_CASE("what finds points has a word in a case and a word that is not known s
   CHECK(hand != PointsFinder("another hand"));
 }
 
+TEST_CASE("a line that cannot be read names the key") {
+  const auto fault = [](const std::string& line) {
+    const auto read = parse_action(line);
+    return read ? std::string() : read.error().what;
+  };
+  CHECK(fault(R"({"tool":"pull","at":[0,0,0],"sigma_mm":5})") == R"(lacks the key "to", which its kind of line needs)");
+  CHECK(fault(R"({"placement":{"rotation":[1,0,0,0],"translation":[0,0,0]}})") ==
+        R"(lacks the key "scale", which its kind of line needs)");
+  CHECK(fault(R"({"placement":5})") == R"(lacks the key "rotation", which its kind of line needs)");
+  CHECK(fault(R"({"stiffness_base":null})") == R"("stiffness_base" holds a value of the wrong kind)");
+  CHECK(fault(R"({"tool":"pull","at":["a",0,0],"to":[0,0,0],"sigma_mm":5})") ==
+        R"("at" holds a value of the wrong kind)");
+}
+
 TEST_CASE("every action reads its example of the docs and writes it again") {
   for_each_action_kind([](const auto& kind) {
     const auto read = parse_action(kind.example);

@@ -44,13 +44,13 @@ void note_range(Volume& volume) {
 }
 
 Volume ct_image(const VolumeGeometry& grid, const std::function<double(const Vec3& p_mm)>& hounsfield, double noise_hu,
-                std::uint64_t seed) {
+                std::uint64_t seed, const Progress* progress) {
   Volume image;
   image.geometry = grid;
   image.modality = "CT";
   std::vector<std::int16_t> voxels(grid.voxels());
   auto voxel = voxels.begin();
-  for (int k = 0; k < grid.dims[2]; ++k) {
+  for (int k = 0; k < grid.dims[2] && !is_cancelled(progress); ++k) {
     const auto grain = slice_grain(grid.dims[0], grid.dims[1], seed, static_cast<std::uint64_t>(k));
     auto grain_here = grain.begin();
     for (int j = 0; j < grid.dims[1]; ++j)

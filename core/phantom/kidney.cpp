@@ -234,7 +234,7 @@ std::vector<MeshFile> kidney_truth(int number) {
   return {deformed(mean_kidney().mesh, kidney_deformation(number))};
 }
 
-PhantomSubject kidney_subject(int number, double spacing_mm) {
+PhantomSubject kidney_subject(int number, double spacing_mm, const Progress* progress) {
   const SolidTemplate& mean = mean_kidney();
   const Deformation deformation = kidney_deformation(number);
   const VolumeGeometry grid = grid_over(Box(Vec3(-93, -112, -96), Vec3(99, 80, 96)), spacing_mm, 1.5);
@@ -243,7 +243,7 @@ PhantomSubject kidney_subject(int number, double spacing_mm) {
     return abdomen.hounsfield(deformation.to_mean(p_mm) + mean.centre_mm);
   };
   const std::uint64_t noise_seed = mix_bits(kidney_seed + static_cast<std::uint64_t>(number));
-  return solid_subject(mean, deformation, ct_image(grid, hounsfield, 13, noise_seed));
+  return solid_subject(mean, deformation, ct_image(grid, hounsfield, 13, noise_seed, progress));
 }
 
 }  // namespace homolog::phantom

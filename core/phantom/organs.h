@@ -16,8 +16,8 @@ std::vector<MeshFile> kidney_truth(int number);
 std::vector<MeshFile> vertebra_truth(int number);
 std::vector<MeshFile> ventricle_truth(int number);
 
-PhantomSubject kidney_subject(int number, double spacing_mm);
-PhantomSubject vertebra_subject(int number, double spacing_mm);
-PhantomSubject ventricle_subject(int number, double spacing_mm);
+PhantomSubject kidney_subject(int number, double spacing_mm, const Progress* progress);
+PhantomSubject vertebra_subject(int number, double spacing_mm, const Progress* progress);
+PhantomSubject ventricle_subject(int number, double spacing_mm, const Progress* progress);
 
 }  // namespace homolog::phantom

@@ -6,14 +6,14 @@
 
 namespace homolog {
 
-PhantomSubject make_phantom(Organ organ, int number, double spacing_mm) {
+PhantomSubject make_phantom(Organ organ, int number, double spacing_mm, const Progress* progress) {
   switch (organ) {
     case Organ::kidney:
-      return phantom::kidney_subject(number, spacing_mm);
+      return phantom::kidney_subject(number, spacing_mm, progress);
     case Organ::vertebra:
-      return phantom::vertebra_subject(number, spacing_mm);
+      return phantom::vertebra_subject(number, spacing_mm, progress);
     case Organ::ventricle:
-      return phantom::ventricle_subject(number, spacing_mm);
+      return phantom::ventricle_subject(number, spacing_mm, progress);
   }
   assert(false);
   return {};

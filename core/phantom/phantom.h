@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/processes/progress.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume.h"
 
@@ -20,8 +21,9 @@ struct PhantomSubject {
 };
 
 /// Subject `number` (0 is the mean shape) of an organ; the same number gives the same voxels on every machine.
-/// `spacing_mm` ≤ 0 takes the organ's own voxel size (the ventricle's slices stay 8 mm thick).
-PhantomSubject make_phantom(Organ organ, int number, double spacing_mm = 0);
+/// `spacing_mm` ≤ 0 takes the organ's own voxel size (the ventricle's slices stay 8 mm thick). `progress` can cancel
+/// it: what is given then is not whole.
+PhantomSubject make_phantom(Organ organ, int number, double spacing_mm = 0, const Progress* progress = nullptr);
 
 /// The `truth` of make_phantom alone, without the cost of the images.
 std::vector<MeshFile> phantom_truth(Organ organ, int number);

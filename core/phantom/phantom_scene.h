@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/processes/progress.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/labels/segmentation.h"
 #include "core/volume/volume.h"
@@ -27,8 +28,8 @@ struct PhantomScene {
 
 /// A lumbar spine: the last thoracic vertebra, the lumbar ones, the discs between them, the sacrum. Most subjects have
 /// five lumbar vertebrae, some four or six; the number fixes it. Subject 0 is the mean. The same number gives the same
-/// voxels on every machine. `spacing_mm` ≤ 0 takes 1 mm.
-PhantomScene make_spine_phantom(int subject, double spacing_mm = 0);
+/// voxels on every machine. `spacing_mm` ≤ 0 takes 1 mm. `progress` can cancel it: what is given then is not whole.
+PhantomScene make_spine_phantom(int subject, double spacing_mm = 0, const Progress* progress = nullptr);
 
 /// The structures of make_spine_phantom alone, without the cost of the images.
 std::vector<SceneStructure> spine_phantom_truth(int subject);

@@ -132,21 +132,25 @@ class Back {
 
 }  // namespace
 
-Volume spine_image(const SpineMeshes& spine, int subject, const VolumeGeometry& grid) {
+Volume spine_image(const SpineMeshes& spine, int subject, const VolumeGeometry& grid, const Progress* progress) {
   const double blur_mm = 1.3 * grid.spacing_mm[0], reach_mm = std::max(cortex_mm + blur_mm, 3.5);
   std::vector<Mesh> bones, discs;
   for (std::size_t k = 0; k < spine.structures.size(); ++k)
     (k % 2 == 0 ? bones : discs).push_back(spine_surface(spine.structures[k].truth));
   const std::vector<float> sacrum = distance_field({bones.back()}, grid, reach_mm);
+  if (is_cancelled(progress)) return {};
   for (std::size_t k = 0; k < spine.beyond.size(); ++k)
     (k % 2 == 0 ? bones : discs).push_back(spine_surface(spine.beyond[k]));
-  const std::vector<float> bone = distance_field(bones, grid, reach_mm), disc = distance_field(discs, grid, reach_mm);
+  const std::vector<float> bone = distance_field(bones, grid, reach_mm);
+  if (is_cancelled(progress)) return {};
+  const std::vector<float> disc = distance_field(discs, grid, reach_mm);
 
   const Back back(spine, subject, blur_mm);
   const std::uint64_t noise_seed = mix_bits(spine_seed + static_cast<std::uint64_t>(subject));
   const auto slice_voxels = static_cast<std::size_t>(grid.dims[0]) * static_cast<std::size_t>(grid.dims[1]);
   std::vector<std::int16_t> voxels(grid.voxels());
   for_each_in_parallel(static_cast<std::size_t>(grid.dims[2]), [&](std::size_t k) {
+    if (is_cancelled(progress)) return;
     const auto grain = slice_grain(grid.dims[0], grid.dims[1], noise_seed, k);
     const Slice slice = back.slice(grid.to_mm({0, 0, static_cast<double>(k)}).z());
     std::size_t n = k * slice_voxels;

@@ -41,11 +41,13 @@ std::vector<SceneStructure> spine_phantom_truth(int subject) {
   return phantom::spine_meshes(subject).structures;
 }
 
-PhantomScene make_spine_phantom(int subject, double spacing_mm) {
+PhantomScene make_spine_phantom(int subject, double spacing_mm, const Progress* progress) {
   phantom::SpineMeshes spine = phantom::spine_meshes(subject);
+  if (phantom::is_cancelled(progress)) return {};
   const VolumeGeometry grid = phantom::grid_over(field_of_view(spine.structures), spacing_mm, 1);
   PhantomScene scene;
-  scene.image = phantom::spine_image(spine, subject, grid);
+  scene.image = phantom::spine_image(spine, subject, grid, progress);
+  if (phantom::is_cancelled(progress)) return {};
   scene.label_map = label_map_of(spine.structures, grid);
   for (const SceneStructure& one : spine.structures)
     scene.segmentation.add({one.name, one.value, 0, colour_by_name(one.name)});

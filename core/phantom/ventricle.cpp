@@ -163,13 +163,13 @@ std::vector<Sample> samples_of_slice(const VolumeGeometry& grid, int k, const To
 }
 
 std::vector<std::int16_t> cine(const VolumeGeometry& grid, const std::vector<Heart>& hearts, const ToMean& to_mean,
-                               std::uint64_t seed) {
+                               std::uint64_t seed, const Progress* progress) {
   const double noise = 9;
   const std::size_t slice_voxels = grid.voxels() / slices;
   std::vector<std::int16_t> voxels(grid.voxels() * frames);
-  for (int k = 0; k < slices; ++k) {
+  for (int k = 0; k < slices && !is_cancelled(progress); ++k) {
     const std::vector<Sample> samples = samples_of_slice(grid, k, to_mean, seed);
-    for (int frame = 0; frame < frames; ++frame) {
+    for (int frame = 0; frame < frames && !is_cancelled(progress); ++frame) {
       const auto slice = static_cast<std::size_t>(frame * slices + k);
       const auto grain = slice_grain(grid.dims[0], grid.dims[1], seed, slice);
       const Heart& heart = hearts[static_cast<std::size_t>(frame)];
@@ -223,7 +223,7 @@ std::vector<MeshFile> ventricle_truth(int number) {
   return truth;
 }
 
-PhantomSubject ventricle_subject(int number, double spacing_mm) {
+PhantomSubject ventricle_subject(int number, double spacing_mm, const Progress* progress) {
   const auto dimensions = dimensions_of(number);
   const Deformation deformation = deformation_of(number);
   const ToMean to_mean = [&](const Vec3& p_mm) { return deformation.to_mean(p_mm); };
@@ -235,6 +235,7 @@ PhantomSubject ventricle_subject(int number, double spacing_mm) {
   std::vector<Heart> hearts;
   std::vector<std::uint8_t> labels;
   for (int frame = 0; frame < frames; ++frame) {
+    if (is_cancelled(progress)) return {};
     hearts.emplace_back(dimensions, time_of(frame));
     const auto here = labels_of_frame(grid, subject.truth[static_cast<std::size_t>(frame)], hearts.back(), centres);
     labels.insert(labels.end(), here.begin(), here.end());
@@ -244,7 +245,8 @@ PhantomSubject ventricle_subject(int number, double spacing_mm) {
   subject.image.frames = subject.label_map.frames = frames;
   subject.image.frame_seconds = subject.label_map.frame_seconds = heartbeat_s / frames;
   subject.image.modality = "MR";
-  subject.image.data = cine(grid, hearts, to_mean, mix_bits(ventricle_seed + static_cast<std::uint64_t>(number)));
+  subject.image.data =
+      cine(grid, hearts, to_mean, mix_bits(ventricle_seed + static_cast<std::uint64_t>(number)), progress);
   subject.label_map.data = std::move(labels);
   note_range(subject.image);
   note_range(subject.label_map);

@@ -87,7 +87,7 @@ std::vector<MeshFile> vertebra_truth(int number) {
   return {deformed(mean_vertebra().mesh, vertebra_deformation(number))};
 }
 
-PhantomSubject vertebra_subject(int number, double spacing_mm) {
+PhantomSubject vertebra_subject(int number, double spacing_mm, const Progress* progress) {
   const SolidTemplate& mean = mean_vertebra();
   const Deformation deformation = vertebra_deformation(number);
   const VolumeGeometry grid = grid_over(Box(Vec3(-60, -66, -50), Vec3(60, 60, 50)), spacing_mm, 1);
@@ -96,7 +96,7 @@ PhantomSubject vertebra_subject(int number, double spacing_mm) {
     return spine.hounsfield(deformation.to_mean(p_mm) + mean.centre_mm);
   };
   const std::uint64_t noise_seed = mix_bits(vertebra_seed + static_cast<std::uint64_t>(number));
-  return solid_subject(mean, deformation, ct_image(grid, hounsfield, 22, noise_seed));
+  return solid_subject(mean, deformation, ct_image(grid, hounsfield, 22, noise_seed, progress));
 }
 
 }  // namespace homolog::phantom

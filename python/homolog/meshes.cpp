@@ -177,7 +177,7 @@ py::dict phantom_parts(std::shared_ptr<HeldVolume> image, VolumeRead map, const 
 
 py::dict spine_phantom_of(int subject) {
   std::optional<PhantomScene> made;
-  do_watched({py::none(), {}}, [&](Progress&) { made.emplace(make_spine_phantom(subject)); });
+  do_watched({py::none(), {}}, [&](Progress& own) { made.emplace(make_spine_phantom(subject, 0, &own)); });
   auto image = std::make_shared<HeldVolume>();
   image->read = std::make_shared<VolumeRead>(VolumeRead{std::move(made->image), {}, {}, {}});
   py::dict truth;
@@ -190,7 +190,7 @@ py::dict phantom_of(const std::string& organ, int subject) {
   if (organ == "spine") return spine_phantom_of(subject);
   const Organ which = value_of(organ_from_name(organ));
   std::optional<PhantomSubject> made;
-  do_watched({py::none(), {}}, [&](Progress&) { made.emplace(make_phantom(which, subject)); });
+  do_watched({py::none(), {}}, [&](Progress& own) { made.emplace(make_phantom(which, subject, 0, &own)); });
   auto image = std::make_shared<HeldVolume>();
   image->source = phantom_source(which, subject);
   image->read = std::make_shared<VolumeRead>(VolumeRead{std::move(made->image), {}, {}, {}});

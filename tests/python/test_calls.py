@@ -44,6 +44,18 @@ def test_ctrl_c_stops_a_call_and_the_next_one_works(kidney):
     assert not homolog.fit("built-in:kidney", kidney["labels"]).doubtful
 
 
+def test_ctrl_c_stops_a_phantom():
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    homolog.phantom("ventricle", 1)  # what is made once for all subjects
+    timer = threading.Timer(0.2, _thread.interrupt_main)
+    timer.start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        for k in range(2, 100):
+            homolog.phantom("ventricle", k)
+    assert time.monotonic() - start < 10
+
+
 def test_what_progress_raises_stops_the_call(kidney):
     class Enough(Exception):
         pass

@@ -9,6 +9,7 @@
 #include "core/mesh/voxels/voxelise.h"
 #include "core/phantom/deformation.h"
 #include "core/phantom/noise.h"
+#include "core/phantom/phantom_scene.h"
 #include "tests/shapes.h"
 
 using namespace homolog;
@@ -231,4 +232,16 @@ TEST_CASE("the image changes at the true surface of the kidney from tissue to fa
   }
   CHECK((inside - outside) / static_cast<double>(truth.points.rows()) > 100);
   for (const double hu : {subject.image.range_min, subject.image.range_max}) CHECK(std::abs(hu) < 1500);
+}
+
+TEST_CASE("a phantom that is cancelled is not made") {
+  Progress progress;
+  CHECK(hash_of(make_phantom(Organ::kidney, 3, coarse_mm, &progress)) == 0x2b5e1b5fd0c2c64aU);
+  progress.cancel();
+  for (const Organ organ : {Organ::kidney, Organ::vertebra}) {
+    const PhantomSubject subject = make_phantom(organ, 3, coarse_mm, &progress);
+    CHECK(subject.image.range_min == subject.image.range_max);
+  }
+  CHECK(make_phantom(Organ::ventricle, 3, coarse_mm, &progress).truth.empty());
+  CHECK(make_spine_phantom(3, 3, &progress).structures.empty());
 }

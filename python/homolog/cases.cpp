@@ -210,7 +210,7 @@ std::string key_of_no_number(const Json& value, const std::string& key) {
 }
 
 /// Errors: a number that is not finite, which no line of a case can hold.
-void check_finite(const Json& value, const std::string& subject) {
+void check_all_finite(const Json& value, const std::string& subject) {
   if (const std::string key = key_of_no_number(value, subject); !key.empty())
     refuse(subject, "\"" + key + "\" holds a number that is not finite; take it out or replace it");
 }
@@ -220,7 +220,7 @@ py::dict do_action(HeldCase& self, const py::object& action, const std::string& 
     refuse("action", "is a " + std::string(py::str(py::type::of(action).attr("__name__"))) +
                          "; give a dict, as {\"tool\": \"pull\", …}");
   const Json line = line_from(action.cast<py::dict>());
-  check_finite(line, "action");
+  check_all_finite(line, "action");
   auto step = parse_action(dumped(line));
   if (!step) refuse("action", step.error().what);
   if (!of.empty()) step->of = of;

@@ -41,8 +41,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using FitClock = std::chrono::steady_clock;
-
 Result<Report> fit_image(const FitJob& options, const FitShared& shared, Progress& progress) {
   const auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, options.image);
   if (!landmarks) return fail(landmarks.error());

@@ -150,7 +150,8 @@ TEST_CASE("shapes of one name are told apart by their folders") {
     const Ran ran = run(folder, "test " + shapes + " --covariates visits.csv --formula 'size ~ score' --csv out");
     REQUIRE_MESSAGE(ran.status == 0, ran.errors);
     std::map<std::string, std::string> size_of;
-    for (const auto& row : read_text_table(folder.path / "out/cases.csv").value().rows) size_of[row[0]] = row[1];
+    const TextTable cases = read_text_table(folder.path / "out/cases.csv").value();
+    for (const auto& row : cases.rows) size_of[row[0]] = row[1];
     return size_of;
   };
   const auto both = sizes("pre post");

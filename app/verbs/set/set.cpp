@@ -49,12 +49,9 @@ Result<Report> set_info(const std::string& source) {
 }
 
 void add_set_make(CLI::App& set, CommandLine& asked) {
-  constexpr int most_maps = 100000;
   auto job = std::make_shared<SetJob>();
   CLI::App* verb = add_verb(set, "make", "A template of each structure of a label map, or of several maps");
-  verb->add_option("MAP", job->maps, "Label maps of several structures; templates are made from the first")
-      ->required()
-      ->expected(1, most_maps);
+  verb->add_option("MAP", job->maps, "Label maps of several structures; templates are made from the first")->required();
   add_structure_options(*verb, *job);
   auto* like = verb->add_option("--like", job->like, "The map that templates are made from, else the first");
   verb->add_flag("--consensus", job->consensus, "Templates of the mean shapes, which no one subject decides")

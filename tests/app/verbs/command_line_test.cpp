@@ -51,6 +51,7 @@ TEST_CASE("help and version answer on stdout with status 0") {
     const Ran ran = run(folder, verb + " --help");
     CHECK_MESSAGE(ran.status == 0, verb);
     CHECK_MESSAGE(lines(ran.out) > 3, verb);
+    CHECK_MESSAGE(ran.out.find("(1x)") == std::string::npos, verb << " takes several, and says one");
     CHECK_MESSAGE(page.find("| `" + verb) != std::string::npos, verb << " has no row in docs/commands.md");
   }
 }

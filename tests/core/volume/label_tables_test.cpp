@@ -145,6 +145,8 @@ TEST_CASE("names stand in a file beside a label map and not beside an image") {
   CHECK(names_in(with_file_beside("a_seg.json", R"({"1": "spleen"})").segmentation) == "1=spleen");
   CHECK(names_in(with_file_beside("a_seg.csv", "1,spleen\n").segmentation) == "1=spleen");
   CHECK(names_in(with_file_beside("a_seg.label", "1 255 0 0 1 1 1 \"s\"\n").segmentation) == "1=s#ff0000");
+  for (const char* file : {"a_seg.ctbl", "a_seg.ctab", "labels.ctab"})
+    CHECK(names_in(with_file_beside(file, "1 s 255 0 0 0\n").segmentation) == "1=s#ff0000");
   CHECK(names_in(with_file_beside("dataset.json", R"({"labels": {"spleen": 1}})").segmentation) == "1=spleen");
   CHECK(with_file_beside("b_seg.json", R"({"1": "spleen"})").segmentation.segments.empty());
   const VolumeRead bad = with_file_beside("a_seg.json", R"({"spleen": 1, "liver": 1})");

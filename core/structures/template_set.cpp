@@ -13,6 +13,7 @@
 #include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/geometry/surface_search.h"
+#include "core/structures/naming/level_names.h"
 
 namespace homolog {
 

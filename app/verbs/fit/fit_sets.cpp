@@ -105,10 +105,9 @@ std::vector<std::string> words_of(const SetOfTemplates& set, const SetInMap& sub
 
 /// Writes what was fitted: a mesh each, and a label map of all; how many voxels two meshes hold.
 Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set, const SetInMap& subject,
-                               const SubjectMap& map, const fs::path& of_map, FittedSet& fitted,
+                               const SubjectMap& map, const NamedMap& of, FittedSet& fitted,
                                const std::string& record) {
-  const std::string name = case_name_of(of_map);
-  const auto folder = ResultFolder::make(options.out / name);
+  const auto folder = ResultFolder::make(options.out / of.name);
   if (!folder) return fail(folder.error());
   std::vector<MeshOfSegment> meshes;
   std::vector<std::size_t> place(fitted.structures.size());  // among the meshes
@@ -119,16 +118,17 @@ Result<std::size_t> write_fits(const FitJob& options, const SetOfTemplates& set,
     MeshFile file = fitted_file(*set.templates[k], *one.fit, false);
     if (map.read.volume.frames > 1) note_frame(file, map.frame);
     if (one.judgement.doubtful) file.comments.push_back(doubt_comment(reason_of_doubt(one.judgement.warnings)));
-    const std::string output = name + "/" + file_name_of_structure(set.set.structures[k].name) + ".ply";
-    file.record = record_of_output(record, output);
-    if (auto written = write_mesh_file(file, options.out / output); !written) return fail(written.error());
+    const std::string output = "/" + file_name_of_structure(set.set.structures[k].name) + ".ply";
+    file.record = record_of_output(record, of.alone + output);
+    if (auto written = write_mesh_file(file, options.out / (of.name + output)); !written) return fail(written.error());
     meshes.push_back({subject.structures[k].segment, one.fit->mesh});
   }
   std::vector<MeshPair> apart;
   for (const KeptApart& pair : fitted.apart) apart.push_back({place[pair.a], place[pair.b]});
   const auto labels = map_of_meshes(meshes, grid_of_all(map.read), apart);
-  const std::string output = name + ".seg.nrrd";
-  auto written = write_segmentation(labels.map, options.out / output, nullptr, record_of_output(record, output));
+  const std::string output = ".seg.nrrd";
+  auto written = write_segmentation(labels.map, options.out / (of.name + output), nullptr,
+                                    record_of_output(record, of.alone + output));
   if (!written) return fail(written.error());
   return labels.contested_voxels;
 }
@@ -141,9 +141,10 @@ struct CasesOfSet {
 };
 
 /// Fits the set to one map, writes what came of it, and adds its case to `made`.
-Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, const fs::path& path, CasesOfSet& made,
+Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, const NamedMap& of, CasesOfSet& made,
                            Progress& progress) {
   using Clock = std::chrono::steady_clock;
+  const fs::path& path = of.path;
   const auto map = read_subject(path, options.frame, progress);
   if (!map) return fail(map.error());
   const auto started = Clock::now();
@@ -154,10 +155,10 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   doubt_names(set, map->read, map->frame, subject, *fitted);
   const auto record = record_of(options.command.with("--mask", {path}), progress);
   if (!record) return fail(record.error());
-  const auto contested = write_fits(options, set, subject, *map, path, *fitted, *record);
+  const auto contested = write_fits(options, set, subject, *map, of, *fitted, *record);
   if (!contested) return fail(contested.error());
   Report report;
-  auto one = write_case_of_set(set, path, *map, subject, *fitted, options.out, *record, report.warnings);
+  auto one = write_case_of_set(set, of, *map, subject, *fitted, options.out, *record, report.warnings);
   if (!one) return fail(one.error());
   made.cases.push_back(std::move(*one));
   made.stays.push_back(report.warnings.empty() ? 0 : 1);
@@ -168,7 +169,7 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   Json rows = Json::array();
   for (std::size_t k = 0; k < fitted->structures.size(); ++k)
     rows.push_back(row_of_fit(set.set.structures[k], subject.structures[k], fitted->structures[k]));
-  report.values = {{"name", case_name_of(path)},
+  report.values = {{"name", of.name},
                    {"case", path.string()},
                    {"overlap_voxels", *contested},
                    {"overlap_mm", fitted->depth_mm},
@@ -211,22 +212,25 @@ Result<Report> fit_sets(const FitJob& options, Progress& progress) {
   const auto set = load_set_of_templates(options.template_source);
   if (!set) return fail(set.error());
   CasesOfSet made;
-  const auto maps = maps_of(options.masks, set->set);
+  const auto paths = maps_of(options.masks, set->set);
+  const auto maps = named_maps(paths);
+  if (!maps) return fail(maps.error());
   std::vector<fs::path> to_write;
-  for (const fs::path& map : maps) to_write.push_back(options.out / (case_name_of(map) + ".seg.nrrd"));
-  if (auto safe = check_not_read(to_write, maps); !safe) return fail(safe.error());
+  for (const NamedMap& map : *maps) to_write.push_back(options.out / (map.name + ".seg.nrrd"));
+  if (auto safe = check_not_read(to_write, paths); !safe) return fail(safe.error());
   const fs::path study = study_in(options.out);
   const auto suits = check_template_of_study(study, set->templates, "the templates of " + options.template_source,
                                              "give the set that it was made with, or another folder");
   if (!suits) return fail(suits.error());
   auto report = run_set_cases(
-      *set, maps, options.out, "fitted",
-      [&](const fs::path& path, Progress& own) { return fit_subject(options, *set, path, made, own); }, progress);
+      *set, *maps, options.out, "fitted",
+      [&](const NamedMap& map, Progress& own) { return fit_subject(options, *set, map, made, own); }, progress);
   if (!report) return report;
   const auto record = record_of(options.command, progress);
   if (!record) return fail(record.error());
-  const auto written =
-      write_study_of(study, *set, std::move(made), record_of_made(*record, options.out, study), report->warnings);
+  // Done again elsewhere, the command would name the cases otherwise.
+  const std::string of_study = are_named_by_files(*maps) ? record_of_made(*record, options.out, study) : std::string();
+  const auto written = write_study_of(study, *set, std::move(made), of_study, report->warnings);
   if (!written) return fail(written.error());
   report->values["study"] = study.string();
   return report;

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <memory>
 
-#include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_of_fit.h"
 #include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
@@ -69,26 +68,28 @@ Json row_of_repair(const TemplateOfSet& structure, const RepairedStructure& foun
 }
 
 /// Writes a mended map as it was read: under its name, in its format, or .seg.nrrd where that format is not written.
-Result<fs::path> write_mended(const MapRepairJob& job, const VolumeRead& map, const fs::path& from,
+Result<fs::path> write_mended(const MapRepairJob& job, const VolumeRead& map, const NamedMap& of,
                               const std::string& record, std::vector<std::string>& warnings) {
   std::error_code error;
-  const fs::path& folder = job.out;
+  const fs::path &folder = job.out, &from = of.path;
   if (fs::equivalent(folder, from.parent_path().empty() ? fs::path(".") : from.parent_path(), error))
     return fail(folder.string(), "holds the map that is mended, which would be written over; give another folder");
-  const fs::path name = absolute_path(from / "x").parent_path().filename();
+  const std::string name = absolute_path(from / "x").parent_path().filename().string();
+  // What stands before the name of the case stands before that of the file too.
+  const std::string before = of.name.substr(0, of.name.size() - of.alone.size());
   if (fs::is_directory(from, error)) {
-    const fs::path masks = folder / name;
+    const fs::path masks = folder / (before + name);
     const auto made = ResultFolder::make(masks);
     if (!made) return fail(made.error());
     if (auto written = write_single_masks(map, masks, from); !written) return fail(written.error());
     return masks;
   }
-  fs::path file = folder / from.filename();
+  fs::path file = folder / (before + name);
   if (!has_ending(file, volume_format_endings(&VolumeFormat::written))) {
     file = folder / (file_stem(file) + ".seg.nrrd");
     warnings.push_back(from.string() + ": its format is not written, so the mended map is " + file.string());
   }
-  const std::string of_file = record_of_output(record, file.filename().string());
+  const std::string of_file = record_of_output(record, file.filename().string().substr(before.size()));
   if (auto written = write_segmentation(map, file, nullptr, of_file); !written) return fail(written.error());
   return file;
 }
@@ -115,7 +116,7 @@ bool is_put_in(const RepairedMap& repaired, std::size_t k) {
 }
 
 /// The structures that a person has to look at, the least sure one first, as cases of a study.
-Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const SetOfTemplates& set, const fs::path& path,
+Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const SetOfTemplates& set, const NamedMap& of,
                                               const SubjectMap& map, const RepairedMap& repaired,
                                               const fs::path& mended, const std::string& record,
                                               std::vector<std::string>& warnings) {
@@ -130,15 +131,15 @@ Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const Set
   std::ranges::sort(order);
   std::vector<StudyCase> cases;
   if (order.empty()) return cases;
-  const std::string name = case_name_of(path);
-  const fs::path folder = job.out / (name + "-cases");
+  const fs::path folder = job.out / (of.name + "-cases");
   const auto made = ResultFolder::make(folder);
   if (!made) return fail(made.error());
   for (const auto& [confidence, k] : order) {
     const FittedStructure& fit = repaired.fitted.structures[k];
     FittedCase fitted;
-    fitted.name = name + "-" + file_name_of_structure(set.set.structures[k].name);
-    fitted.image = job.image.empty() ? path : job.image;
+    const std::string structure = "-" + file_name_of_structure(set.set.structures[k].name);
+    fitted.name = of.name + structure;
+    fitted.image = job.image.empty() ? of.path : job.image;
     fitted.labels = mended;
     fitted.grid = grid_of(map.read.volume);
     fitted.template_of_file = set.templates[repaired.structures[k].structure];
@@ -152,7 +153,7 @@ Result<std::vector<StudyCase>> write_worklist(const MapRepairJob& job, const Set
     }
     fitted.doubt = sentence_of_repaired(repaired.structures[k]);
     if (map.read.volume.frames > 1) fitted.frame = map.frame;
-    fitted.record = record_of_output(record, folder.filename().string() + "/" + fitted.name + case_extension);
+    fitted.record = record_of_output(record, of.alone + "-cases/" + of.alone + structure + case_extension);
     auto one = write_case_of_fit(fitted, folder, warnings);
     if (!one) return fail(one.error());
     cases.push_back(std::move(*one));
@@ -178,8 +179,9 @@ Result<void> check_meeting(const MapRepairJob& job, const fs::path& path, const 
   return fail(path.string(), text + job.image.string() + "; give the scan that it is of");
 }
 
-Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, const SetModel* model,
-                          const fs::path& path, std::vector<StudyCase>& worklist, Progress& progress) {
+Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, const SetModel* model, const NamedMap& of,
+                          std::vector<StudyCase>& worklist, Progress& progress) {
+  const fs::path& path = of.path;
   auto map = read_subject(path, job.frame, progress);
   if (!map) return fail(map.error());
   MapRepairOptions options;
@@ -227,16 +229,16 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
                               ", for which the set has no template; left as they are");
   const auto record = record_of(job.command.with("MAP", {path}), progress);
   if (!record) return fail(record.error());
-  const auto file = write_mended(job, map->read, path, *record, report.warnings);
+  const auto file = write_mended(job, map->read, of, *record, report.warnings);
   if (!file) return fail(file.error());
-  auto cases = write_worklist(job, set, path, *map, *repaired, *file, *record, report.warnings);
+  auto cases = write_worklist(job, set, of, *map, *repaired, *file, *record, report.warnings);
   if (!cases) return fail(cases.error());
   worklist.insert(worklist.end(), cases->begin(), cases->end());
   Json rows = Json::array();
   for (std::size_t k = 0; k < repaired->structures.size(); ++k)
     rows.push_back(row_of_repair(set.set.structures[k], repaired->structures[k], repaired->signs[k],
                                  repaired->fitted.structures[k]));
-  report.values = {{"name", case_name_of(path)},
+  report.values = {{"name", of.name},
                    {"case", path.string()},
                    {"file", file->string()},
                    {"found", found_in_words(set.set, *repaired)},
@@ -261,19 +263,23 @@ Result<Report> repair_maps(const MapRepairJob& job, Progress& progress) {
   if (!set) return fail(set.error());
   const auto model = model_of(job, *set);
   if (!model) return fail(model.error());
+  const auto maps = named_maps(maps_of(job.maps, set->set));
+  if (!maps) return fail(maps.error());
   std::vector<StudyCase> worklist;
   auto report = run_set_cases(
-      *set, maps_of(job.maps, set->set), job.out, "repaired",
-      [&](const fs::path& path, Progress& own) {
-        return repair_one(job, *set, *model ? &**model : nullptr, path, worklist, own);
+      *set, *maps, job.out, "repaired",
+      [&](const NamedMap& map, Progress& own) {
+        return repair_one(job, *set, *model ? &**model : nullptr, map, worklist, own);
       },
       progress);
   if (!report || worklist.empty()) return report;
   const fs::path study = job.out / "worklist.study.json";
   const auto record = record_of(job.command, progress);
   if (!record) return fail(record.error());
-  const auto written =
-      write_cases_into(study, {}, std::move(worklist), record_of_output(*record, study.filename().string()));
+  // Done again elsewhere, the command would name the cases otherwise.
+  const std::string of_study =
+      are_named_by_files(*maps) ? record_of_output(*record, study.filename().string()) : std::string();
+  const auto written = write_cases_into(study, {}, std::move(worklist), of_study);
   if (!written) return fail(written.error());
   report->values["study"] = study.string();
   return report;

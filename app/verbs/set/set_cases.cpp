@@ -1,6 +1,7 @@
 #include "app/verbs/set/set_cases.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "app/verbs/case_landmarks.h"
@@ -70,6 +71,40 @@ std::vector<fs::path> maps_of(const std::vector<fs::path>& paths, const Template
   return maps;
 }
 
+Result<std::vector<NamedMap>> named_maps(const std::vector<fs::path>& paths) {
+  std::vector<NamedMap> maps;
+  std::vector<fs::path> above;  // the folder that a name could get before it
+  std::set<fs::path> met;
+  for (const fs::path& path : paths) {
+    const fs::path whole = absolute_path(path / "x").parent_path();
+    if (!met.insert(whole).second)
+      return fail(path.string(), "is given twice, and both would be written to one place; name each map once");
+    maps.push_back({path, case_name_of(whole), case_name_of(whole)});
+    above.push_back(whole.parent_path());
+  }
+  while (true) {
+    std::map<std::string, std::vector<std::size_t>> called;
+    for (std::size_t k = 0; k < maps.size(); ++k) called[maps[k].name].push_back(k);
+    bool all_differ = true;
+    for (const auto& [name, alike] : called) {
+      if (alike.size() < 2) continue;
+      all_differ = false;
+      for (const std::size_t k : alike) {
+        if (!above[k].has_filename())
+          return fail(maps[k].path.string(),
+                      "has the name of another case, so that both would be written to one place; rename one");
+        maps[k].name = above[k].filename().string() + "-" + maps[k].name;
+        above[k] = above[k].parent_path();
+      }
+    }
+    if (all_differ) return maps;
+  }
+}
+
+bool are_named_by_files(const std::vector<NamedMap>& maps) {
+  return std::ranges::all_of(maps, [](const NamedMap& map) { return map.name == map.alone; });
+}
+
 namespace {
 
 /// Why somebody has to look at the fits of a subject, as a sentence; empty where nobody has to.
@@ -89,7 +124,7 @@ Result<EditSession> case_of_set(const SetOfTemplates& set, std::size_t first, co
   const std::shared_ptr<const Volume> grid = grid_of(map.read.volume);
   Document document = new_document(absolute_path(image).string(), grid, set.templates[first]);
   document.hold_landmarks();
-  auto session = create_case(std::move(document), file, {}, record_of_output(record, file.filename().string()));
+  auto session = create_case(std::move(document), file, {}, record);
   if (session && map.frame > 0)
     if (auto shown = session->apply(SetFrame{map.frame}); !shown) return fail(shown.error());
   return session;
@@ -97,11 +132,12 @@ Result<EditSession> case_of_set(const SetOfTemplates& set, std::size_t first, co
 
 }  // namespace
 
-Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const fs::path& path, const SubjectMap& map,
+Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const NamedMap& of, const SubjectMap& map,
                                     const SetInMap& subject, const FittedSet& fitted, const fs::path& folder,
                                     const std::string& record, std::vector<std::string>& warnings) {
   StudyCase one;
-  one.name = case_name_of(path);
+  const fs::path& path = of.path;
+  one.name = of.name;
   one.file = absolute_path(folder / (one.name + case_extension));
   one.from_scan = true;
   one.state = CaseState::in_work;
@@ -116,8 +152,8 @@ Result<StudyCase> write_case_of_set(const SetOfTemplates& set, const fs::path& p
   const auto first = std::ranges::find_if(fitted.structures,
                                           [](const FittedStructure& structure) { return structure.fit.has_value(); });
   if (first == fitted.structures.end()) return fail(path.string(), "has no structure that could be fitted");
-  auto session =
-      case_of_set(set, static_cast<std::size_t>(first - fitted.structures.begin()), path, map, one.file, record);
+  auto session = case_of_set(set, static_cast<std::size_t>(first - fitted.structures.begin()), path, map, one.file,
+                             record_of_output(record, of.alone + case_extension));
   if (!session) return fail(session.error());
   std::vector<EditStep> steps = steps_of_fitted_set(session->document(), set, subject, fitted);
   const auto fit =
@@ -135,25 +171,19 @@ fs::path study_in(const fs::path& folder) {
   return folder / (whole.filename().string() + ".study.json");
 }
 
-Result<Report> run_set_cases(const SetOfTemplates& set, const std::vector<fs::path>& paths, const fs::path& out,
-                             const char* done, const std::function<Result<Report>(const fs::path&, Progress&)>& work,
+Result<Report> run_set_cases(const SetOfTemplates& set, const std::vector<NamedMap>& maps, const fs::path& out,
+                             const char* done, const std::function<Result<Report>(const NamedMap&, Progress&)>& work,
                              Progress& progress) {
-  std::set<std::string> names;
-  for (const fs::path& path : paths)
-    if (!names.insert(case_name_of(path)).second)
-      return fail(path.string(),
-                  "has the name of another case, so that both would be written to one place; rename one");
   const auto folder = ResultFolder::make(out);
   if (!folder) return fail(folder.error());
   Report report;
   report.warnings = set.warnings;
   Json cases = Json::array();
   std::vector<std::string> failed;
-  for (const fs::path& path : paths) {
-    const std::string name = case_name_of(path);
-    set_case_in_work(name);
-    Progress own(progress, 1 / static_cast<double>(paths.size()));
-    auto one = work(path, own);
+  for (const NamedMap& map : maps) {
+    set_case_in_work(map.name);
+    Progress own(progress, 1 / static_cast<double>(maps.size()));
+    auto one = work(map, own);
     own.part(0, 1);
     own.report(1);
     if (progress.cancelled())
@@ -162,14 +192,14 @@ Result<Report> run_set_cases(const SetOfTemplates& set, const std::vector<fs::pa
     if (!one) {
       failed.push_back(one.error().sentence());
       report.warnings.push_back(failed.back());
-      cases.push_back({{"name", name}, {"case", path.string()}, {"error", failed.back()}});
+      cases.push_back({{"name", map.name}, {"case", map.path.string()}, {"error", failed.back()}});
       continue;
     }
     report.warnings.insert(report.warnings.end(), one->warnings.begin(), one->warnings.end());
     cases.push_back(std::move(one->values));
   }
-  if (failed.size() == paths.size()) return fail(out.string(), "no case came to an end; the first: " + failed.front());
-  report.values = {{done, paths.size() - failed.size()}, {"failed", failed.size()}, {"cases", std::move(cases)}};
+  if (failed.size() == maps.size()) return fail(out.string(), "no case came to an end; the first: " + failed.front());
+  report.values = {{done, maps.size() - failed.size()}, {"failed", failed.size()}, {"cases", std::move(cases)}};
   return report;
 }
 

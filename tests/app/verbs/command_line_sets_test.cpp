@@ -461,6 +461,39 @@ TEST_CASE("a fit of a set refuses a folder whose study is of another set") {
   CHECK(run(folder, "fit body.set.json --mask body.seg.nrrd -o fits").status == 0);
 }
 
+TEST_CASE("maps of one name in several folders are cases with the names of their folders") {
+  const BodyFolder folder;
+  make_set_of_kidneys(folder);
+  for (const char* name : {"p1", "p2"}) {
+    fs::create_directory(folder.path / name);
+    fs::copy(folder.path / "body.seg.nrrd", folder.path / name / "seg.seg.nrrd");
+  }
+  const Ran fitted = run(folder, "fit body.set.json --mask p1/seg.seg.nrrd p2/seg.seg.nrrd body.seg.nrrd -o g --json");
+  REQUIRE_MESSAGE(fitted.status == 0, fitted.errors);
+  const Json cases = fitted.json()["cases"];
+  CHECK(cases[0]["name"] == "p1-seg");
+  CHECK(cases[1]["name"] == "p2-seg");
+  CHECK(cases[2]["name"] == "body");  // nobody has its name
+  for (const char* file : {"p1-seg/kidney_left.ply", "p2-seg.seg.nrrd", "p2-seg.homolog"}) {
+    CAPTURE(file);
+    CHECK(fs::exists(folder.path / "g" / file));
+    const Ran again = run(folder, std::string("verify g/") + file + " --inputs .");
+    CHECK_MESSAGE(again.status == 0, again.errors);
+  }
+  CHECK(test::must(read_study(folder.path / "g" / "g.study.json")).study.cases[1].name == "p2-seg");
+
+  const Ran mended = run(folder, "repair p1/seg.seg.nrrd p2/seg.seg.nrrd --templates body.set.json -o out --json");
+  REQUIRE_MESSAGE(mended.status == 0, mended.errors);
+  CHECK(mended.json()["cases"][1]["name"] == "p2-seg");
+  CHECK(fs::exists(folder.path / "out" / "p1-seg.seg.nrrd"));
+  CHECK(fs::exists(folder.path / "out" / "p2-seg.seg.nrrd"));
+
+  const Ran twice = run(folder, "fit body.set.json --mask body.seg.nrrd ./body.seg.nrrd -o h");
+  check_refused(twice, "is given twice");
+  fs::copy(folder.path / "body.nrrd", folder.path / "p1" / "seg.nrrd");
+  check_refused(run(folder, "fit body.set.json --mask p1/seg.seg.nrrd p1/seg.nrrd -o h"), "rename one");
+}
+
 TEST_CASE("a joint model takes a case that was worked on after the fit in place of its meshes") {
   const BodyFolder folder;
   REQUIRE(run(folder, "set make body.seg.nrrd --labels kidney_left,kidney_right --vertices 300 -o k.set.json").status ==

@@ -149,7 +149,7 @@ Result<Report> fit_subject(const FitJob& options, const SetOfTemplates& set, con
   if (!map) return fail(map.error());
   const auto started = Clock::now();
   const SetInMap subject = find_in_map(set.set, map->read, map->frame);
-  if (auto known = check_structures(subject, path); !known) return fail(known.error());
+  if (auto known = check_structures(subject, set.set, path); !known) return fail(known.error());
   auto fitted = fit_set(set, subject, {options.gap_mm, &progress});
   if (!fitted) return fail(path.string(), fitted.error().what);
   doubt_names(set, map->read, map->frame, subject, *fitted);

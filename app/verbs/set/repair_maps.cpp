@@ -196,7 +196,7 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
     options.image_frame = map->frame;
   }
   const SetInMap subject = find_in_map(set.set, map->read, map->frame);
-  if (auto known = check_structures(subject, path); !known) return fail(known.error());
+  if (auto known = check_structures(subject, set.set, path); !known) return fail(known.error());
   if (auto met = check_meeting(job, path, subject, options.image); !met) return fail(met.error());
   std::optional<std::string> made_on_others;
   if (image) {

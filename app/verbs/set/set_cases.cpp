@@ -17,6 +17,7 @@
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
 #include "core/structures/fitting/set_in_case.h"
+#include "core/structures/naming/level_names.h"
 #include "core/volume/labels/read_labels.h"
 
 namespace homolog {
@@ -38,13 +39,14 @@ Result<SubjectMap> read_subject(const fs::path& path, const std::optional<int>& 
   return SubjectMap{std::move(*read), frame.value_or(0)};
 }
 
-Result<void> check_structures(const SetInMap& subject, const fs::path& path) {
+Result<void> check_structures(const SetInMap& subject, const TemplateSet& set, const fs::path& path) {
   const auto is_known = [](const StructureInMap& one) { return one.is_there() || !one.why_left_out.empty(); };
   if (std::ranges::any_of(subject.structures, is_known)) return {};
   if (subject.without_template.empty())
     return fail(path.string(), "holds no label; give a label map in which there is one");
   return fail(path.string(), "holds no structure of the set; its labels: " + some_of(subject.without_template) +
-                                 "; give the map names, or the set other values");
+                                 "; those of the set: " + names_in_set(set) +
+                                 "; give the map these names, or the set other values");
 }
 
 Json json_of_variants(const std::vector<Variant>& variants, const TemplateSet& set) {
@@ -56,13 +58,24 @@ Json json_of_variants(const std::vector<Variant>& variants, const TemplateSet& s
   return rows;
 }
 
+namespace {
+
+/// Whether a file is called as a structure of the set.
+bool is_named_in(const TemplateSet& set, const fs::path& file) {
+  const std::string name = file_stem(file);
+  return set.find(name) != nullptr || std::ranges::any_of(set.structures, [&](const TemplateOfSet& one) {
+           return is_same_vertebra(name, one.name);
+         });
+}
+
+}  // namespace
+
 std::vector<fs::path> maps_of(const std::vector<fs::path>& paths, const TemplateSet& set) {
   std::vector<fs::path> maps;
   for (const fs::path& path : paths) {
     std::error_code error;
     const auto files = fs::is_directory(path, error) ? volumes_in(path) : std::vector<fs::path>();
-    const bool is_one =
-        std::ranges::any_of(files, [&](const fs::path& file) { return set.find(file_stem(file)) != nullptr; });
+    const bool is_one = std::ranges::any_of(files, [&](const fs::path& file) { return is_named_in(set, file); });
     if (files.empty() || is_one)
       maps.push_back(path);
     else

@@ -25,7 +25,7 @@ struct SubjectMap {
 Result<SubjectMap> read_subject(const std::filesystem::path& path, const std::optional<int>& frame, Progress& progress);
 
 /// Errors: a map that holds no label, or none of the set's structures.
-Result<void> check_structures(const SetInMap& subject, const std::filesystem::path& path);
+Result<void> check_structures(const SetInMap& subject, const TemplateSet& set, const std::filesystem::path& path);
 
 /// Folders opened: one that has a file of a structure's name is one map of single masks, else it holds maps.
 std::vector<std::filesystem::path> maps_of(const std::vector<std::filesystem::path>& paths, const TemplateSet& set);

@@ -8,6 +8,7 @@
 #include "core/base/text/listed.h"
 #include "core/catalogue/catalogue.h"
 #include "core/structures/built_in_set.h"
+#include "core/structures/naming/level_names.h"
 #include "core/structures/repair/voxel_body.h"
 #include "core/volume/labels/label_boxes.h"
 
@@ -23,6 +24,19 @@ NameLikeness likest_name(const std::vector<Segment>& segments, const std::string
   NameLikeness most = NameLikeness::none;
   for (const Segment& segment : segments) most = std::max(most, name_likeness(segment.name, name));
   return most;
+}
+
+bool is_likely(const std::string& a, const std::string& b) {
+  return name_likeness(a, b) != NameLikeness::none;
+}
+
+/// Whether a label is a structure of the set by its level alone: no label has the structure's name, and no structure
+/// the label's.
+bool is_by_level(const Segment& segment, const std::string& structure, const std::vector<Segment>& segments,
+                 const TemplateSet& set) {
+  return is_same_vertebra(segment.name, structure) && likest_name(segments, structure) == NameLikeness::none &&
+         std::ranges::none_of(set.structures,
+                              [&](const TemplateOfSet& one) { return is_likely(segment.name, one.name); });
 }
 
 int first_free_value(const std::set<int>& used) {
@@ -162,7 +176,7 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
     const NameLikeness enough = std::min(likest_name(segments, one.name), NameLikeness::any_case);
     const auto has_name = [&](const Segment& s) {
       const NameLikeness likeness = name_likeness(s.name, one.name);
-      return likeness != NameLikeness::none && likeness >= enough;
+      return (likeness != NameLikeness::none && likeness >= enough) || is_by_level(s, one.name, segments, set);
     };
     std::vector<const Segment*> named;  // that have voxels
     for (const Segment& s : segments)
@@ -201,7 +215,8 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
     if (one.is_there()) continue;
     const int value = one.segment.value;
     const bool is_taken = std::ranges::any_of(segments, [&](const Segment& other) {
-      return other.value == value && name_likeness(other.name, one.segment.name) == NameLikeness::none;
+      return other.value == value && !is_likely(other.name, one.segment.name) &&
+             !is_by_level(other, one.segment.name, segments, set);
     });
     if (!is_taken) continue;
     one.segment.value = first_free_value(used);

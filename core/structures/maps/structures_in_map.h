@@ -64,7 +64,8 @@ std::pair<const Volume*, int> layer_of(const VolumeRead& map, std::size_t layer,
 std::string value_and_layer(const Segment& segment, bool has_layers);
 
 /// Finds the structures of a set in a frame of a label map: each by its name where the map gives names, else by its
-/// value. If two labels that have voxels have one name, in any case, both are left out.
+/// value. A vertebra whose name no label has goes by its level: "L3" is "vertebrae_L3". If two labels that have voxels
+/// have one name, in any case, both are left out.
 SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame = 0);
 
 /// The sentence that says which structures were found by their values alone; empty: none. Those whose name is no more

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/base/text/text.h"
@@ -67,6 +69,18 @@ std::vector<LevelWord> level_words(const std::string& name) {
   return words.empty() ? rib_level(name) : words;
 }
 
+/// The vertebra that a name calls, as its letter and its level. None where the name is of a part of it or of more.
+std::optional<std::pair<int, int>> vertebra_in(const std::string& name) {
+  static constexpr std::array<std::string_view, 5> vertebra{"", "vert", "vertebra", "vertebrae", "wirbel"};
+  const auto words = lettered_levels(name);
+  if (words.size() != 1) return std::nullopt;
+  const LevelWord& word = words.front();
+  std::string rest = lower_case(name.substr(0, word.at) + name.substr(word.at + word.length));
+  std::erase_if(rest, [](char c) { return std::string_view(" _-.,()/").find(c) != std::string_view::npos; });
+  if (std::ranges::find(vertebra, rest) == vertebra.end()) return std::nullopt;
+  return std::pair(std::toupper(static_cast<unsigned char>(word.letter)), word.level);
+}
+
 std::string word_at(const LevelWord& word, int level) {
   if (word.letter == 0) return std::to_string(level - thoracic.first + 1);
   const bool small = std::islower(static_cast<unsigned char>(word.letter)) != 0;
@@ -92,6 +106,11 @@ std::optional<LevelName> level_in_name(const std::string& name) {
 std::optional<int> level_of_name(const std::string& name) {
   const auto found = level_in_name(name);
   return found ? std::optional(found->level) : std::nullopt;
+}
+
+bool is_same_vertebra(const std::string& a, const std::string& b) {
+  const auto one = vertebra_in(a);
+  return one && one == vertebra_in(b);
 }
 
 std::string name_at_level(const std::string& name, int level) {

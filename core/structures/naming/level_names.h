@@ -17,6 +17,8 @@ struct LevelName {
 std::optional<LevelName> level_in_name(const std::string& name);
 /// The level alone.
 std::optional<int> level_of_name(const std::string& name);
+/// Whether two names call one vertebra: "L3" and "vertebrae_L3". A level alone is its vertebra, not a disc or a rib.
+bool is_same_vertebra(const std::string& a, const std::string& b);
 /// A name with another level: "vertebrae_L4" of "vertebrae_L3", "disc_L3_L4" of "disc_L2_L3".
 std::string name_at_level(const std::string& name, int level);
 

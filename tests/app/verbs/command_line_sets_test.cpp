@@ -714,6 +714,8 @@ TEST_CASE("repair names a map that is empty, has nothing of the set or misses th
         "empty.seg.nrrd: holds no label; give a label map in which there is one");
   CHECK(cases[1]["error"].get<std::string>().find(
             "others.seg.nrrd: holds no structure of the set; its labels: other 3") == 0);
+  CHECK(cases[1]["error"].get<std::string>().find("; those of the set: kidney_left, kidney_right; give the map") !=
+        std::string::npos);
   CHECK_FALSE(cases[2].contains("error"));
   CHECK_FALSE(fs::exists(folder.path / "out" / "empty.seg.nrrd"));
   Volume scan = map.volume;

@@ -12,6 +12,7 @@
 #include "core/base/files/paths.h"
 #include "core/base/text/listed.h"
 #include "core/base/text/text.h"
+#include "core/catalogue/catalogue.h"
 #include "core/structures/fitting/fit_set.h"
 #include "core/structures/fitting/neighbours_say.h"
 #include "core/volume/labels/read_labels.h"
@@ -195,6 +196,61 @@ fs::path free_file(const TemplateSet& set, const fs::path& file) {
   return free;
 }
 
+fs::path file_of_template(const SetJob& job, const std::string& structure) {
+  return absolute_path(job.folder() / (file_name_of_structure(structure) + ".ply"));
+}
+
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  std::error_code not_there;
+  return a == b || fs::equivalent(a, b, not_there);
+}
+
+/// The templates that the set has which is there already under the name that is to be written.
+std::vector<fs::path> templates_of_old_set(const SetJob& job) {
+  std::vector<fs::path> files;
+  if (const auto old = read_template_set(job.out))
+    for (const TemplateOfSet& one : old->structures)
+      if (names_file(one.file.string())) files.push_back(absolute_path(one.file));
+  return files;
+}
+
+/// Errors: a file that is to be written is there, and is no template of the old set.
+Result<void> check_own(const SetJob& job, const std::vector<fs::path>& to_write) {
+  const auto own = templates_of_old_set(job);
+  for (const fs::path& file : to_write) {
+    std::error_code ignored;
+    if (!fs::exists(fs::symlink_status(file, ignored))) continue;
+    if (std::ranges::none_of(own, [&](const fs::path& one) { return is_same_file(one, file); }))
+      return fail(file.string(), "is there, is no template of " + job.out.string() +
+                                     ", and would be written over; move it away, or give the set another name");
+  }
+  return {};
+}
+
+/// Files of one run that were not there before: gone again, unless the run keeps them in the end.
+struct FilesOfRun {
+  std::vector<fs::path> files;
+
+  FilesOfRun() = default;
+  FilesOfRun(const FilesOfRun&) = delete;
+  FilesOfRun& operator=(const FilesOfRun&) = delete;
+  ~FilesOfRun() {
+    std::error_code ignored;
+    for (const fs::path& file : files) fs::remove(file, ignored);
+  }
+};
+
+/// Takes the templates out of the set's folder that the old set had and the new one has not.
+void remove_left_over(const SetJob& job, const std::vector<fs::path>& old_files, const TemplateSet& set) {
+  const fs::path folder = absolute_path(job.folder() / "x").parent_path();
+  for (const fs::path& file : old_files) {
+    const bool is_used = std::ranges::any_of(
+        set.structures, [&](const TemplateOfSet& one) { return is_same_file(absolute_path(one.file), file); });
+    std::error_code ignored;
+    if (!is_used && file.parent_path() == folder) fs::remove(file, ignored);
+  }
+}
+
 }  // namespace
 
 fs::path SetJob::folder() const {
@@ -245,7 +301,7 @@ void take_template(Result<MeshFile> file, const SetJob& job, MadeStructure& made
   made.file = std::move(*file);
   made.row["vertices"] = made.file.points.rows();
   made.row["genus"] = (*topology)->genus();
-  made.structure.file = absolute_path(job.folder() / (file_name_of_structure(made.structure.name) + ".ply"));
+  made.structure.file = file_of_template(job, made.structure.name);
   if (const Json& warning = made.row["warning"]; warning.is_string()) made.structure.other["warning"] = warning;
 }
 
@@ -299,6 +355,16 @@ Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, Se
   return asked;
 }
 
+Result<void> check_templates_free(const SetJob& job, const std::vector<std::vector<Segment>>& asked,
+                                  const TemplateSet& known) {
+  std::vector<fs::path> to_write;
+  for (const auto& segments : asked)
+    for (const Segment& segment : segments)
+      if (const std::string name = name_in_set(segment); known.find(name) == nullptr)
+        to_write.push_back(file_of_template(job, name));
+  return check_own(job, to_write);
+}
+
 Result<void> add_map(const SetJob& job, const fs::path& map, const std::vector<Segment>& asked, SetInMaking& making,
                      Progress& progress) {
   if (making.made.templates.empty()) {
@@ -339,12 +405,20 @@ Result<Report> write_set(const SetJob& job, SetInMaking& making, Progress& progr
   // Of what is there now: the set itself may be changed.
   const auto record = record_of(job.command, progress);
   if (!record) return fail(record.error());
+  const auto old_files = templates_of_old_set(job);
+  std::vector<fs::path> to_write;
+  for (std::size_t k = 0; k < made.templates.size(); ++k)
+    if (making.files[k].triangles.rows() > 0) to_write.push_back(made.set.structures[k].file);
+  if (auto own = check_own(job, to_write); !own) return fail(own.error());
   std::vector<Mesh> meshes;
+  FilesOfRun new_files;
   for (std::size_t k = 0; k < made.templates.size(); ++k) {
     const Template& one = *made.templates[k];
     meshes.push_back({one.topology, one.points});
     if (making.files[k].triangles.rows() > 0) {
       making.files[k].record = record_of_made(*record, job.out, made.set.structures[k].file);
+      if (std::error_code ignored; !fs::exists(made.set.structures[k].file, ignored))
+        new_files.files.push_back(made.set.structures[k].file);
       if (auto written = write_mesh_file(making.files[k], made.set.structures[k].file); !written)
         return fail(written.error());
     }
@@ -355,6 +429,8 @@ Result<Report> write_set(const SetJob& job, SetInMaking& making, Progress& progr
   find_neighbours(made.set, meshes, near_mm);
   if (auto written = write_template_set(made.set, job.out, job.in_place ? "" : *record); !written)
     return fail(written.error());
+  new_files.files.clear();
+  remove_left_over(job, old_files, made.set);
   for (Json& row : making.rows)
     if (const TemplateOfSet* one = made.set.find(row["name"].get<std::string>()); one != nullptr && one->pose)
       row["pose"] = json_of_pose(*one->pose);
@@ -368,6 +444,7 @@ Result<Report> make_set(const SetJob& job, Progress& progress) {
   SetInMaking making;
   const auto asked = structures_asked(job, making, progress);
   if (!asked) return fail(asked.error());
+  if (auto is_free = check_templates_free(job, *asked, {}); !is_free) return fail(is_free.error());
   const auto folder = ResultFolder::make(job.folder());
   if (!folder) return fail(folder.error());
   if (job.consensus) {

@@ -47,6 +47,11 @@ struct SetInMaking {
 /// no map has; two structures of one name that were asked for.
 Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, SetInMaking& making, Progress& progress);
 
+/// Errors: a file is there under the name of a template that is to be made, and the set that is written over has it
+/// not. `known`: what has its template already.
+Result<void> check_templates_free(const SetJob& job, const std::vector<std::vector<Segment>>& asked,
+                                  const TemplateSet& known);
+
 /// The name of a segment in the set.
 std::string name_in_set(const Segment& segment);
 
@@ -75,8 +80,9 @@ Result<void> add_map(const SetJob& job, const std::filesystem::path& map, const 
 Result<void> add_consensus(const SetJob& job, const std::vector<std::vector<Segment>>& asked, SetInMaking& making,
                            Progress& progress);
 
-/// Writes the templates that are new, and then the set, with partners and neighbours. Errors: the disk; no template at
-/// all.
+/// Writes the templates that are new, and then the set, with partners and neighbours. Then it removes from the set's
+/// folder the templates that only the old set of this name had. Errors: the disk; no template at all; a template would
+/// be written over a file that is none of the old set.
 Result<Report> write_set(const SetJob& job, SetInMaking& making, Progress& progress);
 
 /// `set make`.

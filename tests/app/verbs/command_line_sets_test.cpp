@@ -379,6 +379,35 @@ TEST_CASE("a set is the same whatever the threads and holds only what was asked 
   CHECK(run(folder, "set info body.nrrd").status == 1);
 }
 
+TEST_CASE("a set writes over no file of others and takes away what only its old one had") {
+  const BodyFolder folder;
+  const fs::path own = folder.path / "own" / "b";
+  fs::create_directories(own);
+  REQUIRE(write_whole_file(own / "kidney_left.ply", "precious"));
+  const std::string make = "set make body.seg.nrrd --vertices 300 -o own/b.set.json --labels ";
+  check_refused(run(folder, make + "kidney_left,kidney_right"), "kidney_left.ply");
+  CHECK(read_whole_file(own / "kidney_left.ply").value() == "precious");
+  CHECK_FALSE(fs::exists(own / "kidney_right.ply"));
+  CHECK_FALSE(fs::exists(folder.path / "own" / "b.set.json"));
+  fs::rename(own / "kidney_left.ply", own / "mine.ply");
+
+  // What the old set names is its own.
+  REQUIRE(run(folder, make + "kidney_left,kidney_right").status == 0);
+  const Ran again = run(folder, make + "kidney_left,kidney_right");
+  REQUIRE_MESSAGE(again.status == 0, again.errors);
+  const Ran fewer = run(folder, make + "kidney_right");
+  REQUIRE_MESSAGE(fewer.status == 0, fewer.errors);
+  CHECK_FALSE(fs::exists(own / "kidney_left.ply"));
+  CHECK(fs::exists(own / "kidney_right.ply"));
+  CHECK(read_whole_file(own / "mine.ply").value() == "precious");
+  REQUIRE(write_whole_file(own / "kidney_left.ply", "precious"));
+  check_refused(run(folder, "set add own/b.set.json body.seg.nrrd --labels kidney_left"), "kidney_left.ply");
+  // A set that cannot be written leaves no templates behind, which would be in the way of the next try.
+  fs::create_directories(folder.path / "own" / "c.set.json" / "full");
+  CHECK(run(folder, "set make body.seg.nrrd --labels kidney_left --vertices 300 -o own/c.set.json").status == 1);
+  CHECK_FALSE(fs::exists(folder.path / "own" / "c" / "kidney_left.ply"));
+}
+
 TEST_CASE("fit takes a set: a mesh for each structure and one label map") {
   const BodyFolder folder;
   make_set_of_kidneys(folder);

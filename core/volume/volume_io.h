@@ -58,6 +58,8 @@ struct VolumeReadOptions {
   Progress* progress = nullptr;          ///< reported to and asked for cancellation when given
   /// NIfTI, NRRD and MetaImage: grid and frames are enough, as their headers say them; `data` stays empty.
   bool without_voxels = false;
+  /// Whoever reads takes all layers of a segmentation: nothing is said of which one others take.
+  bool all_layers = false;
   /// DICOM: slices that are shifted sideways (a tilted gantry) or unevenly spaced are resampled to a rectangular grid
   /// [resample_slices.h] and not refused.
   bool resample = false;
@@ -74,7 +76,8 @@ struct VolumeRead {
   /// The layers behind `volume`, which is the first, of a segmentation whose segments overlap or share labels (3D
   /// Slicer). Each lies on the same grid, except those of a folder of masks. read_labels.h chooses among them.
   std::vector<Volume> other_layers;
-  ReferencedImages referenced{};               ///< of a DICOM segmentation
+  std::string about_layers{};     ///< while a format reads: that there are layers, for who takes one; then a warning
+  ReferencedImages referenced{};  ///< of a DICOM segmentation
   std::optional<ResampledSlices> resampled{};  ///< where `VolumeReadOptions::resample` had something to do
 };
 

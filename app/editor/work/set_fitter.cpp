@@ -53,6 +53,7 @@ Result<SetFitted> SetFitter::fit(std::shared_ptr<const SetOfTemplates> set, cons
   progress.part(0, reading_share);
   VolumeReadOptions reading;
   reading.progress = &progress;
+  reading.all_layers = true;
   auto read = read_labels(map.file, reading);
   if (!read) return fail(read.error());
   progress.part(reading_share, 1);

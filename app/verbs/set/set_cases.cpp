@@ -27,6 +27,7 @@ namespace fs = std::filesystem;
 Result<SubjectMap> read_subject(const fs::path& path, const std::optional<int>& frame, Progress& progress) {
   VolumeReadOptions reading;
   reading.progress = &progress;
+  reading.all_layers = true;
   auto read = read_labels(path, reading);
   if (!read) return fail(read.error());
   const int frames = read->volume.frames;

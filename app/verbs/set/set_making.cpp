@@ -15,7 +15,6 @@
 #include "core/catalogue/catalogue.h"
 #include "core/structures/fitting/fit_set.h"
 #include "core/structures/fitting/neighbours_say.h"
-#include "core/volume/labels/read_labels.h"
 
 // The making of template sets, of one map or of several.
 
@@ -336,14 +335,14 @@ Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, Se
     std::error_code ignored;
     if (!met.insert(fs::weakly_canonical(map, ignored)).second)
       return fail(map.string(), "is given twice, and would count as two subjects; name each map once");
-    VolumeReadOptions options;
-    options.progress = &progress;
-    const auto read = read_labels(map, options);
-    if (!read) return fail(read.error());
-    for (const Segment& segment : all_of(*read)) making.highest_value = std::max(making.highest_value, segment.value);
-    asked.push_back(job.all ? all_of(*read) : named_in(*read, job.labels, map, labels));
+    const auto subject = read_subject(map, std::nullopt, progress);
+    if (!subject) return fail(subject.error());
+    const VolumeRead& read = subject->read;
+    making.warnings.insert(making.warnings.end(), read.warnings.begin(), read.warnings.end());
+    for (const Segment& segment : all_of(read)) making.highest_value = std::max(making.highest_value, segment.value);
+    asked.push_back(job.all ? all_of(read) : named_in(read, job.labels, map, labels));
     if (job.all && asked.back().empty()) return fail(map.string(), "holds no label; give a label map");
-    for (const std::string& what : take_doubled(asked.back(), !read->other_layers.empty())) {
+    for (const std::string& what : take_doubled(asked.back(), !read.other_layers.empty())) {
       if (!job.all) return fail(map.string(), what + "; name them apart");
       making.warnings.push_back(map.string() + ": " + what + "; they are left out; give one of them another name");
     }

@@ -94,8 +94,7 @@ Result<MadeTemplate> from_mask(const TemplateJob& options, const MaskRead& mask,
   const auto made = options.parts == "all" ? make_parts_template(mask.volume, making, &progress)
                                            : make_mask_template(mask.volume, making, &progress);
   if (!made) return fail(options.in.string(), mask.named(made.error().what));
-  std::vector<std::string> warnings = mask.warnings;
-  for (std::string& warning : about(options.in, mask.named(made->warnings))) warnings.push_back(std::move(warning));
+  std::vector<std::string> warnings = about(options.in, mask.named(made->warnings));
   making.closing_mm = made->closing_mm;
   making.opening_mm = made->opening_mm;
 
@@ -136,9 +135,7 @@ Result<MadeTemplate> from_faced_part(const TemplateJob& options, const MaskRead&
                                     options.closing_mm.value_or(usual_closing_mm(mask.volume, mask.label, mask.frame))};
   auto made = make_faced_template(mask.volume, *faced, making, &progress);
   if (!made) return fail(options.in.string(), mask.named(made.error().what));
-  std::vector<std::string> warnings = mask.warnings;
-  for (std::string& warning : about(options.in, mask.named(std::move(made->warnings))))
-    warnings.push_back(std::move(warning));
+  std::vector<std::string> warnings = about(options.in, mask.named(std::move(made->warnings)));
   MeshFile file = faced_template_file(made->mesh, options.in.filename().string(), *options.faced, making, mask.from);
   mark_cut(file, made->cut);
   if (options.closing_mm) file.comments.push_back(closing_comment(*options.closing_mm));
@@ -161,8 +158,7 @@ Result<MadeTemplate> tube(const TemplateJob& options, const MaskRead& mask) {
   if (!options.base.empty()) making.base_and_apex = {Vec3(options.base.data()), Vec3(options.apex.data())};
   const auto made = make_tube_template(mask.volume, making);
   if (!made) return fail(options.in.string(), mask.named(made.error().what));
-  std::vector<std::string> warnings = mask.warnings;
-  for (std::string& warning : about(options.in, mask.named(made->warnings))) warnings.push_back(std::move(warning));
+  std::vector<std::string> warnings = about(options.in, mask.named(made->warnings));
   const std::string missing = missing_from(*made, mask.label);
   if (!missing.empty())
     warnings.push_back(options.in.string() + ": " + mask.named(missing) +
@@ -229,7 +225,9 @@ Result<MadeTemplate> make_template_of_one(const TemplateJob& options, bool choos
   auto made = options.tube    ? tube(options, *mask)
               : options.faced ? from_faced_part(options, *mask, progress)
                               : from_mask(options, *mask, choose_closing, progress);
-  if (made) mask->report(made->values);
+  if (!made) return made;
+  mask->report(made->values);
+  made->of_reading = mask->warnings;
   return made;
 }
 
@@ -257,7 +255,8 @@ Result<Report> make_template_file(const TemplateJob& options, Progress& progress
   if (!report) return report;
   for (std::string& fault : faults_of(file, out)) made->warnings.push_back(std::move(fault));
   report->values.update(made->values);
-  report->warnings = std::move(made->warnings);
+  report->warnings = std::move(made->of_reading);
+  report->warnings.insert(report->warnings.end(), made->warnings.begin(), made->warnings.end());
   auto record = record_of(with_subjects_opened(options), progress);
   if (!record) return fail(record.error());
   file.record = std::move(*record);

@@ -37,6 +37,7 @@ struct MadeTemplate {
   MeshFile file;
   Json values = Json::object();  ///< what the report says beside its mesh
   std::vector<std::string> warnings;
+  std::vector<std::string> of_reading{};  ///< warnings of the file that it is made of, whatever label is taken
 };
 
 /// Makes a template of one subject, `options.in`. `choose_closing`: the closing radius of a label is tried where none

@@ -90,7 +90,9 @@ Result<MadeTemplate> template_of(const TemplateJob& options, const CohortRead& s
     one.label.clear(), one.frame.reset(), one.level.reset(), one.closing_mm.reset(), one.faced.reset();
   else
     one.closing_mm = subjects.cohort.closing_mm;
-  return make_template_of_one(one, false, progress);
+  auto made = make_template_of_one(one, false, progress);
+  if (made) made->warnings.insert(made->warnings.begin(), made->of_reading.begin(), made->of_reading.end());
+  return made;
 }
 
 bool is_flipped(const CohortRead& subjects, std::size_t subject) {

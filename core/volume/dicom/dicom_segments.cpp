@@ -309,9 +309,9 @@ Result<VolumeRead> place_voxels(const SegmentationFile& file, VolumeRead result)
   if (!file.on_series && !keeps_empty_slices(file, *layers))
     for (Volume& layer : *layers) layer.empty_beyond_slices = true;
   if (layers->size() > 1)
-    result.warnings.push_back(file.name() + ": its segments " +
-                              (file.frames.kind == Kind::fractional ? "are fractional" : "overlap") +
-                              ", so they are kept in " + std::to_string(layers->size()) + " layers; --label names one");
+    result.about_layers = file.name() + ": its segments " +
+                          (file.frames.kind == Kind::fractional ? "are fractional" : "overlap") +
+                          ", so they are kept in " + std::to_string(layers->size()) + " layers; --label names one";
   result.volume = std::move(layers->front());
   layers->erase(layers->begin());
   result.other_layers = std::move(*layers);

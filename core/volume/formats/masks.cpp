@@ -143,9 +143,8 @@ Result<VolumeRead> read_masks(const fs::path& folder, const VolumeReadOptions& o
   }
   if (layers.empty()) return fail(folder.string(), "holds no masks any more; read it again");
   if (layers.size() > 1)
-    result.warnings.push_back(folder.string() +
-                              ": its masks overlap or lie on grids of their own, so they are kept in " +
-                              std::to_string(layers.size()) + " layers; --label names one");
+    result.about_layers = folder.string() + ": its masks overlap or lie on grids of their own, so they are kept in " +
+                          std::to_string(layers.size()) + " layers; --label names one";
   result.volume = std::move(layers.front());
   layers.erase(layers.begin());
   result.other_layers = std::move(layers);

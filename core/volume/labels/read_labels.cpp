@@ -150,13 +150,13 @@ void take_layers(const fs::path& path, VolumeRead& read) {
   if (apart) {
     read.volume = std::move(united);
     read.other_layers.clear();
-    read.warnings.push_back(path.string() + ": holds its segments in " + count +
-                            " layers that nowhere overlap; they are read as one label map");
+    read.about_layers = path.string() + ": holds its segments in " + count +
+                        " layers that nowhere overlap; they are read as one label map";
     return;
   }
-  read.warnings.push_back(
+  read.about_layers =
       path.string() + ": holds its segments in " + count + " layers, not frames: " + layer_words(read.segmentation) +
-      "; what takes one layer takes the first, unless you choose another (--label; in the window: Case, Layer)");
+      "; what takes one layer takes the first, unless you choose another (--label; in the window: Case, Layer)";
 }
 
 Result<std::vector<Segment>> choose_segments(const fs::path& path, const std::string& asked, VolumeRead& read) {

@@ -20,7 +20,7 @@ void warn_of_soft_labels(const std::filesystem::path& path, const Volume& labels
 
 /// Makes a label map of a segmentation whose "frames" are layers of segments, and adds to `read.segmentation` what its
 /// header does not describe. Segments that nowhere overlap and have labels of their own become one label map; else
-/// every layer stays one. `read.warnings` says which.
+/// every layer stays one. `read.about_layers` says which.
 void take_layers(const std::filesystem::path& path, VolumeRead& read);
 
 /// The segments that `asked` names [asked_segments]. If a map has layers, `read.volume` becomes the label map in

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/mesh/mesh_io.h"
 #include "core/model/joint_models/structure_files.h"
 #include "core/model/shapes/study.h"
@@ -377,6 +379,50 @@ TEST_CASE("a set is the same whatever the threads and holds only what was asked 
   CHECK(run(folder, "set make body.seg.nrrd -o c.set.json").status == 2);
   CHECK(run(folder, "set make body.seg.nrrd --all -o c.json").status == 2);
   CHECK(run(folder, "set info body.nrrd").status == 1);
+}
+
+TEST_CASE("what reading says of a map is said once and is no structure's warning") {
+  const TemporaryFolder folder;
+  VolumeGeometry grid;
+  grid.spacing_mm.setConstant(2);
+  grid.dims = {80, 40, 40};
+  grid.origin_mm = Vec3(-40, -40, -40);
+  VolumeRead map = map_of_meshes({{{.name = "a", .value = 1}, SubjectsFolder::egg(0, Vec3::Zero(), 1)},
+                                  {{.name = "b", .value = 2}, SubjectsFolder::egg(1, Vec3::Zero(), 1)},
+                                  {{.name = "lesion", .value = 1, .layer = 1}, icosphere(3, 6)}},
+                                 grid)
+                       .map;
+  REQUIRE(write_segmentation(map, folder.path / "layers.seg.nrrd"));
+  const auto is_said = [](const Json& structures, const std::string& what) {
+    return std::ranges::any_of(structures, [&](const Json& one) {
+      return one["warning"].is_string() && one["warning"].get<std::string>().find(what) != std::string::npos;
+    });
+  };
+  const Ran layered = run(folder, "set make layers.seg.nrrd --all --vertices 150 -o layers.set.json --json");
+  REQUIRE_MESSAGE(layered.status == 0, layered.errors);
+  CHECK(layered.json()["structures"].size() == 3);
+  CHECK(layered.errors.find("layers, not frames") == std::string::npos);  // all are taken
+  CHECK_FALSE(is_said(layered.json()["structures"], "layers"));
+  const Ran fitted = run(folder, "fit layers.set.json --mask layers.seg.nrrd -o fits");
+  CHECK(fitted.errors.find("layers, not frames") == std::string::npos);
+
+  // Values that are no whole numbers are said of the map.
+  std::vector<float> values;
+  std::visit([&](const auto& voxels) { values.assign(voxels.begin(), voxels.end()); }, map.volume.data);
+  values[0] = 1.3F;
+  map.volume.data = std::move(values);
+  map.other_layers.clear();
+  std::erase_if(map.segmentation.segments, [](const Segment& segment) { return segment.layer == 1; });
+  REQUIRE(write_segmentation(map, folder.path / "real.nii.gz"));
+  const Ran made = run(folder, "set make real.nii.gz --all --vertices 150 -o real.set.json --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  const auto first = made.errors.find("no whole numbers");
+  REQUIRE(first != std::string::npos);
+  CHECK(made.errors.find("no whole numbers", first + 1) == std::string::npos);
+  CHECK_FALSE(is_said(made.json()["structures"], "whole numbers"));
+  // `template` says it as before.
+  const Ran alone = run(folder, "template real.nii.gz --label a --vertices 150 -o a.ply");
+  CHECK(alone.errors.find("no whole numbers") != std::string::npos);
 }
 
 TEST_CASE("a set writes over no file of others and takes away what only its old one had") {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tests/must.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"
 
@@ -70,6 +71,12 @@ TEST_CASE("layers of a segmentation are no frames and a label is found in any of
     VolumeRead none = *read;
     CHECK(says(choose_segments(name, "", none), "label 2 in layer 1"));
   }
+  // Who takes all layers is not told which one others take.
+  const TemporaryFolder all;
+  write_bytes(all.path / "a.seg.nrrd", slicer_bytes(2, overlapping_layers));
+  VolumeReadOptions options;
+  options.all_layers = true;
+  CHECK(test::must(read_labels(all.path / "a.seg.nrrd", options)).warnings.empty());
   // A sequence of 3D Slicer looks alike but for its keys.
   const auto sequence =
       read_labels_as("a.seq.nrrd", slicer_bytes(2, overlapping_layers, "axis 0 index type:=numeric\n"));

@@ -10,6 +10,7 @@
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/dicom/dicom_set.h"
+#include "core/volume/labels/label_boxes.h"
 #include "core/volume/labels/read_labels.h"
 #include "core/volume/labels/soft_mask.h"
 
@@ -221,6 +222,31 @@ Result<std::optional<double>> soft_level(const std::filesystem::path& path, Volu
   return level;
 }
 
+/// Of a folder of masks the soft one that is meant. None where it is not soft, or all labels of the map are wanted.
+/// Errors: another level than that by which the folder became a label map.
+Result<std::optional<MaskRead>> shares_of(const std::filesystem::path& path, VolumeRead& read,
+                                          const std::vector<Segment>& wanted, const MaskAsked& asked) {
+  if (read.soft.empty() || asked.voxels_alone || asked.among_others) return std::nullopt;
+  const auto boxes = label_boxes(read.volume);
+  if (wanted.empty() && boxes.size() != 1) return std::nullopt;  // said where the label is looked for
+  const int value = wanted.empty() ? boxes.begin()->first : wanted.front().value;
+  const std::size_t layer = wanted.empty() ? 0 : wanted.front().layer;
+  const auto box = boxes.find(value);
+  if (box == boxes.end()) return std::nullopt;
+  const SoftSegment* soft = soft_of_label(read.soft, read.volume, box->second, value, layer);
+  if (soft == nullptr) return std::nullopt;
+  if (asked.level && *asked.level != usual_level)
+    return fail(path.string(),
+                "is a folder, whose soft masks have their surfaces at 0.5; name one file of it where "
+                "--level is to be another");
+  const Segment* known = read.segmentation.find(value);
+  Segment own{.name = known != nullptr ? known->name : std::string(), .value = 1};
+  read.volume = soft_on_grid(*soft, read.volume);
+  read.soft.clear();
+  read.segmentation.segments = {std::move(own)};
+  return MaskRead{std::move(read), 1, 0, {1}, usual_level};
+}
+
 }  // namespace
 
 Result<MaskRead> read_mask(const std::filesystem::path& path, const std::string& label, const MaskAsked& asked,
@@ -243,6 +269,11 @@ Result<MaskRead> chosen_mask(VolumeRead read, const std::filesystem::path& path,
     return fail(path.string(), "has " + std::to_string(frames) +
                                    " frames, counted from 0, and the mesh belongs to frame " + std::to_string(frame) +
                                    "; choose --frame among them");
+  if (labels.size() < 2) {
+    auto shares = shares_of(path, read, *segments, asked);
+    if (!shares) return fail(shares.error());
+    if (*shares) return std::move(**shares);
+  }
   const auto level = soft_level(path, read, frame, asked);
   if (!level) return fail(level.error());
   if (auto held = check_frame(read.volume, labels, frame); !held) return fail(path.string(), held.error().what);

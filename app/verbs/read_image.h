@@ -62,6 +62,7 @@ struct MaskAsked {
   std::optional<int> of_mesh;     ///< the frame that the mesh belongs to which meets it [noted_frame]
   std::optional<double> level{};  ///< by --level
   bool voxels_alone = false;      ///< soft masks are rounded to voxels
+  bool among_others = false;      ///< other labels count too, so that one of several soft masks is rounded
 };
 /// Adds `--frame K`; without it `frame` stays empty.
 CLI::Option* add_mask_frame_option(CLI::App& verb, std::optional<int>& frame);

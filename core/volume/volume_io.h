@@ -7,6 +7,7 @@
 #include "core/base/processes/progress.h"
 #include "core/base/result.h"
 #include "core/volume/labels/segmentation.h"
+#include "core/volume/labels/soft_mask.h"
 #include "core/volume/volume.h"
 
 namespace homolog {
@@ -76,8 +77,9 @@ struct VolumeRead {
   /// The layers behind `volume`, which is the first, of a segmentation whose segments overlap or share labels (3D
   /// Slicer). Each lies on the same grid, except those of a folder of masks. read_labels.h chooses among them.
   std::vector<Volume> other_layers;
-  std::string about_layers{};     ///< while a format reads: that there are layers, for who takes one; then a warning
-  ReferencedImages referenced{};  ///< of a DICOM segmentation
+  std::vector<SoftSegment> soft{};  ///< of a folder of masks: those that are soft; their labels are rounded
+  std::string about_layers{};       ///< while a format reads: that there are layers, for who takes one; then a warning
+  ReferencedImages referenced{};    ///< of a DICOM segmentation
   std::optional<ResampledSlices> resampled{};  ///< where `VolumeReadOptions::resample` had something to do
 };
 

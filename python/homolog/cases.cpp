@@ -340,7 +340,8 @@ py::dict fit_into(HeldCase& self, const py::object& given, const py::object& ask
   }
   const auto fitted = computed<ReportedFit>(self, progress, [&](Progress& own) -> Result<ReportedFit> {
     FitTarget read;
-    auto mask = chosen_mask(*labels->read, name, label, {frame, {}, {}});
+    const bool among_others = view.the_template().faced.has_value();
+    auto mask = chosen_mask(*labels->read, name, label, {frame, {}, {}, false, among_others});
     if (!mask) return fail(mask.error());
     read.mask = std::move(*mask);
     const MapLabel target = read.label();

@@ -75,7 +75,8 @@ LabelFitOptions how_to_fit(const FitJob& options, const FitShared& shared) {
 Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared, const fs::path& path,
                                   Progress& progress) {
   if (!options.to_meshes()) {
-    auto mask = read_mask(path, options.label, {options.frame, {}, options.level}, progress);
+    const bool among_others = shared.the_template->faced.has_value();
+    auto mask = read_mask(path, options.label, {options.frame, {}, options.level, false, among_others}, progress);
     if (!mask) return fail(mask.error());
     return FitTarget{FitClock::now(), {}, std::move(*mask)};
   }

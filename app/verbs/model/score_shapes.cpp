@@ -40,7 +40,7 @@ struct MapScoring {
 Result<NewShape> shape_of_map(const NewShapes& asked, const MapScoring& with, const fs::path& path,
                               std::vector<std::string>& warnings, Progress& progress) {
   const std::shared_ptr<const Template>& mean = with.mean;
-  auto mask = read_mask(path, asked.label, {asked.frame, {}, {}}, progress);
+  auto mask = read_mask(path, asked.label, {asked.frame, {}, {}, false, mean->faced.has_value()}, progress);
   if (!mask) {
     const auto read = read_volume(path);
     if (read && !holds_labels(read->volume) && asked.label.empty())

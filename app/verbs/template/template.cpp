@@ -220,7 +220,8 @@ Result<MadeTemplate> make_template_of_one(const TemplateJob& options, bool choos
       return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
     return from_mesh(options, progress);
   }
-  const auto mask = read_mask(options.in, options.label, {options.frame, {}, options.level, options.tube}, progress);
+  const auto mask = read_mask(options.in, options.label,
+                              {options.frame, {}, options.level, options.tube, options.faced.has_value()}, progress);
   if (!mask) return fail(mask.error());
   auto made = options.tube    ? tube(options, *mask)
               : options.faced ? from_faced_part(options, *mask, progress)

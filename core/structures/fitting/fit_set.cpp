@@ -26,6 +26,10 @@ constexpr double much_off_place = 0.25;  ///< of the size: then its neighbours h
 Result<LabelFit> try_fit(const Template& the_template, const SetInMap& subject, std::size_t structure,
                          const FitOptions& options, const std::optional<double>& chosen_mm = std::nullopt) {
   const StructureInMap& there = subject.structures[structure];
+  // What a part of a label faces are the other labels.
+  if (there.soft && !the_template.faced)
+    return fit_to_label(the_template, {.map = *there.soft, .label = 1}, {.closing_mm = chosen_mm, .largest_part = true},
+                        options);
   const MapLabel label{.map = *there.mask, .label = there.segment.value, .known = subject.known[there.segment.layer]};
   return fit_to_label(the_template, label, {.closing_mm = chosen_mm, .largest_part = true}, options);
 }

@@ -201,6 +201,8 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
       else if (const auto box = boxes[it->layer].find(it->value); box != boxes[it->layer].end()) {
         const auto [volume, of_layer] = layer_of(map, it->layer, frame);
         there.mask = cropped(*volume, box->second, margin_voxels, of_layer);
+        if (const SoftSegment* soft = soft_of_label(map.soft, *volume, box->second, it->value, it->layer))
+          there.soft = soft_on_grid(*soft, *there.mask);
       }
     }
     there.segment.name = one.name;

@@ -29,8 +29,9 @@ struct StructureInMap {
   Segment segment;  ///< by its name, else by its value; of one that the map lacks a value that no other label has
   std::optional<Volume> mask;  ///< the part of the map around it; none: the map has no voxel of it
 
-  bool by_value = false;     ///< the map gives no names, and its label is that of the structure's value in the set
-  std::string why_left_out;  ///< why nobody knows which label it is; empty: the map has it, or lacks it
+  std::optional<Volume> soft;  ///< of a soft mask: the shares of the same voxels, label 1; none: they are labels alone
+  bool by_value = false;       ///< the map gives no names, and its label is that of the structure's value in the set
+  std::string why_left_out;    ///< why nobody knows which label it is; empty: the map has it, or lacks it
 
   bool is_there() const { return mask.has_value(); }
 };

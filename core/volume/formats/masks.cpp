@@ -10,6 +10,7 @@
 #include "core/volume/formats/formats.h"
 #include "core/volume/labels/label_boxes.h"
 #include "core/volume/labels/read_labels.h"
+#include "core/volume/labels/soft_mask.h"
 #include "core/volume/readers.h"
 
 // A folder of single masks, as TotalSegmentator writes it: a file for each structure, which has the structure's name.
@@ -22,10 +23,15 @@ bool is_mask_file(const fs::path& file) {
   return has_ending(file, {".nii.gz", ".nii", ".nrrd", ".mha", ".mgz", ".mgh"});
 }
 
-/// A mask: one label at most, in one frame.
+/// A mask: one label at most, in one frame. A soft one has its surface at the usual level.
 Result<VolumeRead> read_one_mask(const fs::path& file) {
-  auto read = read_labels(file);
+  auto read = read_volume(file);
   if (!read) return read;
+  if (read->volume.frames == 1 && is_soft(read->volume, 0)) {
+    if (auto soft = make_soft(read->volume, 0, usual_level); !soft) return fail(file.string(), soft.error().what);
+    return read;
+  }
+  warn_of_soft_labels(file, read->volume, 0, read->warnings);
   if (read->volume.frames == 1 && read->other_layers.empty() && labels_of(read->volume).size() < 2) return read;
   return fail(file.parent_path().string(), "is a folder, and no single masks lie in it, since " +
                                                file.filename().string() +
@@ -139,6 +145,8 @@ Result<VolumeRead> read_masks(const fs::path& folder, const VolumeReadOptions& o
     const int value = static_cast<int>(k) + 1;
     const auto layer = put_into_layers(mask->volume, value, files[k], layers);
     if (!layer) return fail(layer.error());
+    if (mask->volume.soft)
+      if (auto soft = soft_segment(mask->volume, value, *layer)) result.soft.push_back(std::move(*soft));
     result.segmentation.add({.name = segment_name(file_stem(files[k])), .value = value, .layer = *layer});
   }
   if (layers.empty()) return fail(folder.string(), "holds no masks any more; read it again");

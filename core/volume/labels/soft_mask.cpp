@@ -1,6 +1,7 @@
 #include "core/volume/labels/soft_mask.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -38,6 +39,43 @@ bool all_whole(const Volume& volume, int frame) {
   return whole;
 }
 
+/// Works on the voxels of a soft mask that a grid has too: their numbers in both. False where their voxels do not
+/// coincide.
+template <class Work>
+bool each_shared_voxel(const Volume& shares, const VolumeGeometry& grid, const Work& work) {
+  const auto offset = offset_in_grid(grid, shares.geometry);
+  if (!offset) return false;
+  const auto& dims = shares.geometry.dims;
+  std::size_t v = 0;
+  for (int k = 0; k < dims[2]; ++k)
+    for (int j = 0; j < dims[1]; ++j)
+      for (int i = 0; i < dims[0]; ++i, ++v) {
+        const std::array at{i + (*offset)[0], j + (*offset)[1], k + (*offset)[2]};
+        bool is_in = true;
+        for (std::size_t a = 0; a < 3; ++a) is_in = is_in && at[a] >= 0 && at[a] < grid.dims[a];
+        if (is_in) work(v, grid.index(at[0], at[1], at[2]));
+      }
+  return true;
+}
+
+/// Whether a label has the voxels that its soft mask gives it, and no other.
+bool has_its_voxels(const SoftSegment& soft, const Volume& map, const VoxelBox& box) {
+  const auto offset = offset_in_grid(map.geometry, soft.shares.geometry);
+  if (!offset) return false;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (box.first[a] < (*offset)[a] || box.last[a] >= (*offset)[a] + soft.shares.geometry.dims[a]) return false;
+  const auto& shares = std::get<std::vector<float>>(soft.shares.data);
+  bool same = true;
+  std::visit(
+      [&](const auto& labels) {
+        each_shared_voxel(soft.shares, map.geometry, [&](std::size_t own, std::size_t at) {
+          same = same && (rounded_label(shares[own]) == 1) == (rounded_label(labels[at]) == soft.value);
+        });
+      },
+      map.data);
+  return same;
+}
+
 std::string brief(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);
@@ -73,6 +111,37 @@ Result<bool> make_soft(Volume& mask, int frame, double level) {
   mask.range_max = 1;
   mask.soft = true;
   return true;
+}
+
+std::optional<SoftSegment> soft_segment(const Volume& soft, int value, std::size_t layer) {
+  constexpr int margin_voxels = 3;  // the surface lies within one voxel of the label
+  const auto boxes = label_boxes(soft);
+  const auto box = boxes.find(1);
+  if (box == boxes.end()) return std::nullopt;
+  SoftSegment segment{value, layer, cropped(soft, box->second, margin_voxels)};
+  segment.shares.soft = true;
+  return segment;
+}
+
+const SoftSegment* soft_of_label(std::span<const SoftSegment> all, const Volume& map, const VoxelBox& box, int value,
+                                 std::size_t layer) {
+  const auto found =
+      std::ranges::find_if(all, [&](const SoftSegment& soft) { return soft.value == value && soft.layer == layer; });
+  return found != all.end() && has_its_voxels(*found, map, box) ? &*found : nullptr;
+}
+
+Volume soft_on_grid(const SoftSegment& soft, const Volume& like) {
+  Volume whole;
+  whole.geometry = like.geometry;
+  whole.modality = like.modality;
+  whole.empty_beyond_slices = like.empty_beyond_slices;
+  whole.range_max = 1;
+  whole.soft = true;
+  std::vector<float> voxels(whole.geometry.voxels());
+  const auto& shares = std::get<std::vector<float>>(soft.shares.data);
+  each_shared_voxel(soft.shares, whole.geometry, [&](std::size_t own, std::size_t at) { voxels[at] = shares[own]; });
+  whole.data = std::move(voxels);
+  return whole;
 }
 
 }  // namespace homolog

@@ -16,6 +16,7 @@
 #include "core/volume/labels/label_boxes.h"
 #include "core/volume/labels/label_likeness.h"
 #include "core/volume/labels/label_tables.h"
+#include "core/volume/labels/soft_mask.h"
 #include "core/volume/readers.h"
 #include "core/volume/write_voxels.h"
 
@@ -158,6 +159,13 @@ Result<Volume> single_mask(const Volume& layer, const std::map<int, VoxelBox>& b
   return mask;
 }
 
+/// A mask as it is.
+Result<Volume> whole_mask(const fs::path& file) {
+  auto read = read_volume(file);
+  if (!read) return fail(read.error());
+  return std::move(read->volume);
+}
+
 }  // namespace
 
 bool keeps_layers(const fs::path& path) {
@@ -222,8 +230,13 @@ Result<void> write_single_masks(const VolumeRead& map, const fs::path& folder, c
       }
     if (!made.insert(file).second)
       return fail((folder / file).string(), "would hold two masks of one name; rename one of them");
-    const auto mask =
-        single_mask(*layers[segment.layer], boxes[segment.layer], segment.value, own.empty() ? own : like / own);
+    const Volume& layer = *layers[segment.layer];
+    const auto box = boxes[segment.layer].find(segment.value);
+    const bool stays_soft = !own.empty() && box != boxes[segment.layer].end() &&
+                            soft_of_label(map.soft, layer, box->second, segment.value, segment.layer) != nullptr;
+    const auto mask = stays_soft
+                          ? whole_mask(like / own)
+                          : single_mask(layer, boxes[segment.layer], segment.value, own.empty() ? own : like / own);
     if (!mask) return fail(mask.error());
     if (auto written = write_volume(*mask, folder / file, progress); !written) return written;
   }

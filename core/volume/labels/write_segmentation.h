@@ -19,7 +19,7 @@ Result<void> write_segmentation(const VolumeRead& map, const std::filesystem::pa
 
 /// Writes a folder of single masks, a file of uint8 for each structure, as the reader of such a folder takes it.
 /// `like`: the folder that the map was read from; each mask has the name that it has there, else its structure's with
-/// .nii.gz. Errors: the folder; those of write_volume.
+/// .nii.gz. A soft mask whose label is as it was read stays as it is. Errors: the folder; those of write_volume.
 Result<void> write_single_masks(const VolumeRead& map, const std::filesystem::path& folder,
                                 const std::filesystem::path& like, Progress* progress = nullptr);
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "core/mesh/mesh_io.h"
 #include "core/model/joint_models/structure_files.h"
@@ -717,6 +718,57 @@ TEST_CASE("a folder of single masks, each on a grid of its own, is one case of a
   const Json labels = told.json()["labels"];
   REQUIRE(labels.size() == 2);
   for (const Json& label : labels) CHECK(label["volume_ml"].get<double>() == doctest::Approx(33.5).epsilon(0.03));
+}
+
+TEST_CASE("soft masks in a folder are surfaces at their level, for a set and for one structure") {
+  const TemporaryFolder folder;
+  constexpr double radius_mm = 20;
+  for (const char* kind : {"soft", "hard"}) {
+    fs::create_directory(folder.path / kind);
+    for (const double x_mm : {0.0, 44.0}) {
+      Volume ball;
+      ball.geometry.dims = {15, 15, 15};
+      ball.geometry.spacing_mm.setConstant(4);
+      ball.geometry.origin_mm = Vec3(x_mm - 28, -28, -28);
+      constexpr int parts = 6;
+      std::vector<float> shares;
+      for (int k = 0; k < 15; ++k)
+        for (int j = 0; j < 15; ++j)
+          for (int i = 0; i < 15; ++i) {
+            int in = 0;
+            for (int n = 0; n < parts * parts * parts; ++n) {
+              const Vec3 within(n % parts, n / parts % parts, n / parts / parts);
+              const Vec3 p = ball.geometry.to_mm(Vec3(i, j, k) + (within - Vec3::Constant(2.5)) / parts);
+              in += (p - Vec3(x_mm, 0, 0)).norm() < radius_mm ? 1 : 0;
+            }
+            const float share = static_cast<float>(in) / (parts * parts * parts);
+            shares.push_back(std::string_view(kind) == "soft" ? share : std::rint(share));
+          }
+      ball.data = std::move(shares);
+      ball.range_max = 1;
+      REQUIRE(write_volume(ball, folder.path / kind / (x_mm == 0 ? "left.nii.gz" : "right.nii.gz")));
+    }
+  }
+  const auto off_mm = [&](const std::string& mesh) {
+    const Points points = read_mesh_file(folder.path / mesh).value().points;
+    return (points.rowwise().norm().array() - radius_mm).abs().mean();
+  };
+  const Ran made = run(folder, "set make soft --all --vertices 400 -o balls.set.json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  CHECK(made.errors.find("whole numbers") == std::string::npos);
+  const Ran fitted = run(folder, "fit balls.set.json --mask soft hard -o fits");
+  REQUIRE_MESSAGE(fitted.status == 0, fitted.errors);
+  CHECK(fitted.errors.find("whole numbers") == std::string::npos);
+  MESSAGE("off the ball: ", off_mm("fits/soft/left.ply"), " mm soft, ", off_mm("fits/hard/left.ply"), " mm hard");
+  CHECK(off_mm("fits/soft/left.ply") < 0.8 * off_mm("fits/hard/left.ply"));
+  // So is one of them for `fit`.
+  const Ran one = run(folder, "fit balls/left.ply --mask soft --label left -o one.ply --json");
+  REQUIRE_MESSAGE(one.status == 0, one.errors);
+  CHECK(one.json()["soft"] == true);
+  CHECK(one.json()["level"] == 0.5);
+  CHECK(off_mm("one.ply") < 0.8 * off_mm("fits/hard/left.ply"));
+  const Ran other = run(folder, "fit balls/left.ply --mask soft --label left --level 0.4 -o two.ply");
+  check_refused(other, "name one file of it");
 }
 
 TEST_CASE("a name that two labels have is left out of a set and of a fit with both values, and the rest goes on") {

@@ -11,11 +11,15 @@
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxels/isosurface.h"
+#include "core/structures/maps/structures_in_map.h"
 #include "core/template_making/label_body.h"
 #include "core/template_making/mask_template.h"
 #include "core/template_making/parts_template.h"
+#include "core/volume/labels/read_labels.h"
+#include "core/volume/labels/write_segmentation.h"
 #include "tests/must.h"
 #include "tests/refusal.h"
+#include "tests/temporary_folder.h"
 
 using namespace homolog;
 
@@ -120,6 +124,40 @@ TEST_CASE("voxels much smaller than the mesh shows are taken in blocks by their 
     return off_ball_mm(test::must(boundary_of(body)));
   };
   CHECK(off_mm(as_soft(soft_ball())) < 0.7 * off_mm(soft_ball()));
+}
+
+TEST_CASE("soft masks in a folder keep their surfaces until their labels change") {
+  const TemporaryFolder folder, again;
+  const std::array<int, 3> dims{38, 22, 22};
+  REQUIRE(write_volume(soft_balls({Vec3::Zero()}, 1, dims), folder.path / "near.nii.gz"));
+  REQUIRE(write_volume(soft_balls({Vec3(48, 0, 0)}, 1, dims), folder.path / "off.nii.gz"));
+  VolumeRead map = test::must(read_labels(folder.path));
+  CHECK(map.warnings.empty());
+  REQUIRE(map.soft.size() == 2);
+  CHECK(map.soft[1].shares.geometry.voxels() < map.volume.geometry.voxels());
+  TemplateSet set;
+  set.structures.resize(2);
+  set.structures[0].name = "near";
+  set.structures[1].name = "off";
+  const SetInMap found = find_in_map(set, map);
+  REQUIRE(found.structures[0].is_there());
+  REQUIRE(found.structures[0].soft);
+  CHECK(found.structures[0].soft->geometry == found.structures[0].mask->geometry);
+  const Mesh by_voxels = test::must(mask_surface(*found.structures[0].mask, found.structures[0].segment.value));
+  CHECK(off_ball_mm(test::must(mask_surface(*found.structures[0].soft, 1))) < 0.5 * off_ball_mm(by_voxels));
+
+  // One voxel of the second goes, and its surface is that of its voxels.
+  auto& voxels = std::get<std::vector<std::uint16_t>>(map.volume.data);
+  *std::ranges::find(voxels, std::uint16_t{2}) = 0;
+  const SetInMap changed = find_in_map(set, map);
+  CHECK(changed.structures[0].soft);
+  CHECK_FALSE(changed.structures[1].soft);
+  CHECK(changed.structures[1].is_there());
+  // What did not change is written as it was read.
+  REQUIRE(write_single_masks(map, again.path, folder.path));
+  const auto data_of = [](const std::filesystem::path& file) { return test::must(read_volume(file)).volume.data; };
+  CHECK(data_of(again.path / "near.nii.gz") == data_of(folder.path / "near.nii.gz"));
+  CHECK(std::holds_alternative<std::vector<std::uint8_t>>(data_of(again.path / "off.nii.gz")));
 }
 
 TEST_CASE("label maps and images are no soft masks") {

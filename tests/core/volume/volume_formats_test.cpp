@@ -398,7 +398,7 @@ TEST_CASE("the colour table that FreeSurfer embeds in a label map names its labe
   CHECK(read_volume(folder.path / "huge.mgh")->segmentation.segments.empty());
 }
 
-TEST_CASE("what is no number in a single mask is background and a share is rounded as in a label map") {
+TEST_CASE("what is no number in a single mask is background and a share above one half is the structure's") {
   const TemporaryFolder folder;
   Volume mask;
   mask.geometry.dims = {6, 1, 1};
@@ -411,8 +411,14 @@ TEST_CASE("what is no number in a single mask is background and a share is round
   REQUIRE_MESSAGE(read, read.error().sentence());
   CHECK(read->other_layers.empty());
   CHECK(read->volume.data == VoxelData(std::vector<std::uint16_t>{2, 1, 0, 0, 2, 0}));
-  REQUIRE(read->warnings.size() == 1);
-  CHECK(read->warnings.front().find("liver.nii.gz") != std::string::npos);
+  CHECK(read->warnings.empty());
+  REQUIRE(read->soft.size() == 1);
+  CHECK(read->soft.front().value == 2);
+  mask.data = std::vector<float>{0, 1.25F, 0, 0, 0, 0};  // no share
+  REQUIRE(write_volume(mask, folder.path / "aorta.nii.gz"));
+  const VolumeRead rounded = test::must(read_labels(folder.path));
+  REQUIRE(rounded.warnings.size() == 1);
+  CHECK(rounded.warnings.front().find("aorta.nii.gz") != std::string::npos);
 }
 
 TEST_CASE("masks of one name go back into the files that they come from") {

@@ -49,8 +49,8 @@ PhantomScene make_spine_phantom(int subject, double spacing_mm, const Progress* 
   scene.image = phantom::spine_image(spine, subject, grid, progress);
   if (phantom::is_cancelled(progress)) return {};
   scene.label_map = label_map_of(spine.structures, grid);
-  for (const SceneStructure& one : spine.structures)
-    scene.segmentation.add({one.name, one.value, 0, colour_by_name(one.name)});
+  for (const SceneStructure& one : spine.structures) scene.segmentation.add({.name = one.name, .value = one.value});
+  colour_by_names(scene.segmentation);
   scene.structures = std::move(spine.structures);
   return scene;
 }

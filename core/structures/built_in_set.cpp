@@ -12,6 +12,7 @@ Result<BuiltInSet> built_in_set(const std::string& source) {
   constexpr double near_mm = 5;
   BuiltInSet made;
   std::vector<Mesh> meshes;
+  Segmentation coloured;
   for (SceneStructure& one : spine_phantom_truth(0)) {
     auto topology = Topology::make(one.truth.points.rows(), one.truth.triangles);
     if (!topology) return fail(source, topology.error().what);
@@ -19,11 +20,13 @@ Result<BuiltInSet> built_in_set(const std::string& source) {
     TemplateOfSet structure;
     structure.name = one.name;
     structure.value = one.value;
-    structure.colour = colour_by_name(one.name);
+    coloured.add({.name = one.name, .value = one.value});
     structure.file = built_in_set_source(one.name);
     made.set.structures.push_back(std::move(structure));
     made.templates.push_back(std::move(one.truth));
   }
+  colour_by_names(coloured);
+  for (TemplateOfSet& one : made.set.structures) one.colour = coloured.find(one.value)->colour;
   find_partners(made.set);
   find_neighbours(made.set, meshes, near_mm);
   return made;

@@ -69,9 +69,7 @@ Result<VolumeRead> read_any(const fs::path& path, const VolumeReadOptions& optio
     if (read && !options.without_voxels && fs::is_regular_file(path, ignored)) take_names_beside(path, *read);
     if (read && !read->about_layers.empty() && !options.all_layers) read->warnings.push_back(read->about_layers);
     if (read) read->about_layers.clear();
-    if (read)
-      for (Segment& segment : read->segmentation.segments)
-        if (!segment.colour && !segment.name.empty()) segment.colour = colour_by_name(segment.name);
+    if (read) colour_by_names(read->segmentation);
     return read;
   }
   const bool folder = fs::is_directory(path, ignored);

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,6 +30,14 @@ constexpr std::array<Colour, 12> colours{{{128, 96, 0},
                                           {224, 192, 96},
                                           {192, 128, 160},
                                           {192, 0, 160}}};
+
+/// For structures of one map that would have the same: they differ by 11 or more from one another and from those above,
+/// for everybody, the first by the most.
+constexpr std::array<Colour, 24> further_colours{
+    {{96, 255, 255},  {144, 64, 48},   {0, 80, 128},    {255, 64, 64},   {128, 32, 176},  {128, 0, 255},
+     {255, 160, 144}, {255, 48, 240},  {240, 240, 112}, {96, 208, 208},  {144, 255, 144}, {208, 96, 176},
+     {0, 128, 112},   {112, 64, 0},    {176, 176, 96},  {192, 208, 255}, {144, 128, 48},  {224, 64, 128},
+     {192, 160, 160}, {192, 240, 176}, {160, 96, 80},   {160, 0, 64},    {160, 192, 48},  {128, 96, 176}}};
 
 struct Known {
   std::string_view name;  ///< its letters and digits, without the side
@@ -178,27 +188,64 @@ std::size_t hashed(const std::string& key) {
   return hash;
 }
 
-std::size_t place_of(const Words& words) {
-  std::string key = words.joined();
+/// The place that a structure known here has.
+std::optional<std::size_t> known_place(const Words& words) {
+  const std::string key = words.joined();
   if (const auto level = level_of_spine(words)) return *level + (key.starts_with("dis") ? colours.size() / 2 : 0);
   for (const Known& known : known_structures)
     if (key == known.name || key == std::string(known.name) + "s") return known.colour;
+  return {};
+}
+
+std::size_t place_of(const Words& words) {
+  if (const auto known = known_place(words)) return *known % colours.size();
+  std::string key = words.joined();
   const auto number = number_behind(key);  // neighbours in a row, as ribs are, differ
-  return hashed(key) + number.value_or(0);
+  return (hashed(key) + number.value_or(0)) % colours.size();
+}
+
+Colour shaded(Colour colour, Side side) {
+  constexpr int share = 5;  // of the way to white or black
+  for (std::uint8_t& channel : colour)
+    if (side == Side::left)
+      channel = static_cast<std::uint8_t>(channel + (255 - channel) / share);
+    else if (side == Side::right)
+      channel = static_cast<std::uint8_t>(channel - channel / share);
+  return colour;
 }
 
 }  // namespace
 
 Colour colour_by_name(const std::string& name) {
   const Words words(name);
-  Colour colour = colours[place_of(words) % colours.size()];
-  constexpr int share = 5;  // of the way to white or black
-  for (std::uint8_t& channel : colour)
-    if (words.side == Side::left)
-      channel = static_cast<std::uint8_t>(channel + (255 - channel) / share);
-    else if (words.side == Side::right)
-      channel = static_cast<std::uint8_t>(channel - channel / share);
-  return colour;
+  return shaded(colours[place_of(words)], words.side);
+}
+
+void colour_by_names(Segmentation& segmentation) {
+  // Both of a pair are one entry. Structures that are known come first; the order in the map does not matter.
+  std::map<std::pair<bool, std::string>, std::size_t> places;
+  const auto key_of = [](const Words& words) { return std::pair(!known_place(words).has_value(), words.joined()); };
+  for (const Segment& segment : segmentation.segments)
+    if (const Words words(segment.name); !segment.colour && !segment.name.empty())
+      places.emplace(key_of(words), place_of(words));
+  std::array<std::size_t, colours.size() + further_colours.size()> uses{};
+  std::vector<std::size_t*> rivals;
+  for (auto& [key, place] : places)
+    if (uses[place] == 0)
+      uses[place] = 1;
+    else
+      rivals.push_back(&place);
+  for (std::size_t* const place : rivals) {
+    *place = static_cast<std::size_t>(std::ranges::min_element(uses) - uses.begin());
+    ++uses[*place];
+  }
+  for (Segment& segment : segmentation.segments) {
+    if (segment.colour || segment.name.empty()) continue;
+    const Words words(segment.name);
+    const std::size_t place = places.at(key_of(words));
+    segment.colour =
+        shaded(place < colours.size() ? colours[place] : further_colours[place - colours.size()], words.side);
+  }
 }
 
 }  // namespace homolog

@@ -37,6 +37,10 @@ struct Segmentation {
 /// unlike ones. The left one of a pair is lighter, the right one darker.
 std::array<std::uint8_t, 3> colour_by_name(const std::string& name);
 
+/// Gives the segments of a map that have a name and no colour that of their name; where several would have one, others
+/// get one of their own, as far as 36 colours reach. The same names give the same colours, in any order.
+void colour_by_names(Segmentation& segmentation);
+
 /// "label 3", or "label 3 (spleen)" where it has a name.
 std::string label_words(const Segment& segment);
 

@@ -4,9 +4,12 @@
 
 #include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "core/base/numbers/geometry.h"
 #include "tests/refusal.h"
+#include "tests/seen_colours.h"
 
 using namespace homolog;
 
@@ -123,6 +126,44 @@ TEST_CASE("neighbours along the spine and in a numbered row have unlike colours"
   CHECK(colour_by_name("something else") == colour_by_name("Something-Else"));
   CHECK(colour_by_name("") == colour_by_name("_"));
   CHECK(colour_by_name("Label_99999999999999999999") == colour_by_name("label 99999999999999999999"));
+}
+
+TEST_CASE("structures of one map that would have the same colour get ones that everybody tells apart") {
+  Segmentation spine, turned;
+  const std::vector<std::string> names{"vertebrae_T11", "disc_T11_T12", "vertebrae_T12", "disc_T12_L1",  "vertebrae_L1",
+                                       "disc_L1_L2",    "vertebrae_L2", "disc_L2_L3",    "vertebrae_L3", "disc_L3_L4",
+                                       "vertebrae_L4",  "disc_L4_L5",   "vertebrae_L5",  "disc_L5_S1",   "sacrum",
+                                       "kidney_left",   "kidney_right"};
+  const auto count = static_cast<int>(names.size());
+  for (int k = 0; k < count; ++k) {
+    spine.add({.name = names[static_cast<std::size_t>(k)], .value = k + 1});
+    turned.add({.name = names[static_cast<std::size_t>(k)], .value = count - k});
+  }
+  colour_by_names(spine);
+  colour_by_names(turned);
+  const std::array<test::ColourVision, 4>& eyes = test::colour_visions;
+  const auto light_of = [](const Segment& segment) {
+    const auto& [r, g, b] = *segment.colour;
+    return test::light_of({r / 255.0, g / 255.0, b / 255.0});
+  };
+  for (int a = 1; a <= count; ++a) {
+    CHECK(turned.find(count + 1 - a)->colour == spine.find(a)->colour);
+    for (int b = 1; b < a && a <= count - 2; ++b)  // but for the kidneys, which are shades of one colour
+      for (const auto& eye : eyes) {
+        CAPTURE(names[static_cast<std::size_t>(a - 1)] + " and " + names[static_cast<std::size_t>(b - 1)]);
+        CHECK(test::colour_difference(eye.seen(light_of(*spine.find(a))), eye.seen(light_of(*spine.find(b)))) > 10);
+      }
+  }
+  CHECK(spine.find(count - 1)->colour != spine.find(count)->colour);
+  // Who has no rival, or is given a colour, keeps it.
+  Segmentation few;
+  few.add({.name = "liver", .value = 1});
+  few.add({.name = "spleen", .value = 2, .colour = std::array<std::uint8_t, 3>{1, 2, 3}});
+  few.add({.name = "", .value = 3});
+  colour_by_names(few);
+  CHECK(few.find(1)->colour == colour_by_name("liver"));
+  CHECK(few.find(2)->colour == std::array<std::uint8_t, 3>{1, 2, 3});
+  CHECK_FALSE(few.find(3)->colour);
 }
 
 TEST_CASE("a segmentation holds one segment of each value and layer") {

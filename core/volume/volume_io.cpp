@@ -92,7 +92,7 @@ Result<void> write_any(const Volume& volume, const fs::path& path, const std::st
     }
   return fail("", "is not a kind of volume that can be written; end its name in " +
                       listed(volume_format_endings(&VolumeFormat::written), " or ") +
-                      ", of a label map also in .seg.nrrd or .dcm");
+                      ", of a label map also in .seg.nrrd, .mgz or .dcm");
 }
 
 }  // namespace

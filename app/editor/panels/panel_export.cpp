@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 /// A name for the mended map, in the format of the one that was read, where that is written.
 std::string mended_name(const fs::path& labels) {
   std::string ending = ".seg.nrrd";
-  for (const std::string& known : volume_format_endings(&VolumeFormat::written))
+  for (const std::string& known : label_map_endings())
     if (has_ending(labels, {known}) && !has_ending(labels, {ending})) ending = known;
   return file_stem(labels) + "-mended" + ending;
 }

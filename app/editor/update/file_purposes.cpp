@@ -141,7 +141,7 @@ const std::vector<FilePurposeKind>& file_purposes() {
       {FilePurpose::export_mended_map,
        "export mended map",
        "Write the label map as the structures are now",
-       {true, joined({".seg.nrrd"}, volume_format_endings(&VolumeFormat::written))},
+       {true, joined({".seg.nrrd"}, label_map_endings())},
        to<ExportMendedMap>},
       {FilePurpose::export_mended_masks,
        "export mended masks",

@@ -11,7 +11,9 @@
 #include "core/mesh/voxels/label_map.h"
 #include "core/session/case_file.h"
 #include "core/structures/maps/case_segments.h"
+#include "core/volume/formats/formats.h"
 #include "core/volume/labels/write_segmentation.h"
+#include "core/volume/readers.h"
 #include "core/volume/volume_io.h"
 
 // The verb `label-map`: a mesh, or the structures of a case, as voxels.
@@ -86,8 +88,9 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "label-map", "The segmentation as voxels on a volume's grid");
   verb->add_option("MESH", options->mesh, "The mesh, or a case: all its structures, by name")->required();
   verb->add_option("--like", options->like, "The volume whose grid to use")->required();
-  verb->add_option("-o,--output", options->out,
-                   "The label map to write (.nii.gz, .nrrd, .seg.nrrd, .mha; .dcm: a DICOM segmentation of the series)")
+  verb->add_option(
+          "-o,--output", options->out,
+          "The label map to write (.nii.gz, .nrrd, .seg.nrrd, .mha, .mgz; .dcm: a DICOM segmentation of the series)")
       ->required();
   auto* value = verb->add_option("--value", options->value, "Label of the voxels inside; of a mesh alone")
                     ->check(CLI::Range(1, 32767));
@@ -117,7 +120,10 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
       const auto written = write_labels(map, options->out, options->like, progress, *record);
       if (!written) return fail(written.error());
       warnings.insert(warnings.end(), written->begin(), written->end());
-    } else if (auto written = write_volume(labels, options->out, &progress, *record); !written) {
+    } else if (auto written = has_ending(options->out, formats::mgh.endings)
+                                  ? write_mgh_labels(labels, {}, options->out, *record, &progress)
+                                  : write_volume(labels, options->out, &progress, *record);
+               !written) {
       return fail(written.error());
     }
     const auto counted = labels_of(labels);

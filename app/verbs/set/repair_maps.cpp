@@ -85,7 +85,7 @@ Result<fs::path> write_mended(const MapRepairJob& job, const VolumeRead& map, co
     return masks;
   }
   fs::path file = folder / (before + name);
-  if (!has_ending(file, volume_format_endings(&VolumeFormat::written))) {
+  if (!has_ending(file, label_map_endings())) {
     file = folder / (file_stem(file) + ".seg.nrrd");
     warnings.push_back(from.string() + ": its format is not written, so the mended map is " + file.string());
   }

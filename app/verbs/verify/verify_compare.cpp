@@ -263,8 +263,7 @@ Result<FileDifference> difference_of_files(const fs::path& file, const fs::path&
   }
   if (is_mesh_name(file)) return difference_of_meshes(file, anew);
   if (is_model_name(file)) return difference_of_models(file, anew);
-  if (has_ending(file, volume_format_endings(&VolumeFormat::written)))
-    return difference_of_volumes(file, anew, progress);
+  if (has_ending(file, label_map_endings())) return difference_of_volumes(file, anew, progress);
   return difference_of_bytes(without_record(file, *a), without_record(anew, *b));
 }
 

@@ -44,4 +44,16 @@ inline std::vector<std::string> volume_format_endings(std::vector<std::string> V
   return all;
 }
 
+/// The endings of names that a label map without layers can be written under.
+inline std::vector<std::string> label_map_endings() {
+  std::vector<std::string> all = volume_format_endings(&VolumeFormat::written);
+  all.insert(all.end(), formats::mgh.endings.begin(), formats::mgh.endings.end());
+  return all;
+}
+
+/// Writes the first frame of a label map as FreeSurfer has it, with names and colours in its table. Errors: labels
+/// below 0, a place that single precision does not hold, the disk, cancelled.
+Result<void> write_mgh_labels(const Volume& map, const Segmentation& names, const std::filesystem::path& path,
+                              const std::string& record, Progress* progress);
+
 }  // namespace homolog

@@ -1,14 +1,20 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "core/base/files/file_record.h"
+#include "core/base/files/files.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/labels/named_labels.h"
 #include "core/volume/readers.h"
+#include "core/volume/write_voxels.h"
 
 // FreeSurfer's MGH [FreeSurfer wiki, MghFormat]: a header of 284 bytes with the most significant byte first, then the
 // voxels. MGZ is the same in gzip.
@@ -188,14 +194,113 @@ Result<VolumeRead> read_mgh(const fs::path& path, const VolumeReadOptions& optio
   return result;
 }
 
+/// Bytes of a file, each number with the most significant first.
+class BigEndianBytes {
+ public:
+  void number(std::uint64_t value, std::size_t size) {
+    for (std::size_t b = size; b-- > 0;) bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * b) & 255));
+  }
+  void whole(std::int64_t value) { number(static_cast<std::uint64_t>(value), 4); }
+  void real(double value) { number(std::bit_cast<std::uint32_t>(static_cast<float>(value)), 4); }
+  /// With its length, and a 0 at its end.
+  void text(const std::string& text) {
+    whole(std::ssize(text) + 1);
+    bytes_.insert(bytes_.end(), text.begin(), text.end());
+    bytes_.push_back(0);
+  }
+  void fill_to(std::size_t size) { bytes_.resize(size); }
+  std::vector<std::uint8_t> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// What a header says of a grid; single precision.
+MghHeader mgh_header_of(const VolumeGeometry& grid) {
+  MghHeader header;
+  header.frames = 1;
+  header.placed = true;
+  const Vec3 to_ras(-1, -1, 1);
+  Vec3 half;
+  for (int a = 0; a < 3; ++a) {
+    const auto axis = static_cast<std::size_t>(a);
+    header.dims[axis] = grid.dims[axis];
+    header.spacing_mm[axis] = static_cast<float>(grid.spacing_mm[a]);
+    half[a] = static_cast<double>(grid.dims[axis]) / 2;
+    const Vec3 direction = to_ras.cwiseProduct(grid.direction.col(a));
+    for (int row = 0; row < 3; ++row)
+      header.place[3 * axis + static_cast<std::size_t>(row)] = static_cast<float>(direction[row]);
+  }
+  const Vec3 centre = to_ras.cwiseProduct(grid.to_mm(half));
+  for (int row = 0; row < 3; ++row) header.place[9 + static_cast<std::size_t>(row)] = static_cast<float>(centre[row]);
+  return header;
+}
+
+/// The table of names in its second version, behind the five numbers of a scan, of which nothing is known.
+void add_table(const Segmentation& names, BigEndianBytes& bytes) {
+  constexpr int scan_numbers = 5, table_tag = 1, numbered = -2;
+  for (int k = 0; k < scan_numbers; ++k) bytes.real(0);
+  std::vector<const Segment*> named;
+  for (const Segment& segment : names.segments)
+    if (segment.value > 0 && !segment.name.empty()) named.push_back(&segment);
+  if (named.empty()) return;
+  const auto highest = std::ranges::max(named, {}, &Segment::value)->value;
+  bytes.whole(table_tag);
+  bytes.whole(numbered);
+  bytes.whole(static_cast<std::int64_t>(highest) + 1);
+  bytes.text("labels");
+  bytes.whole(std::ssize(named));
+  for (const Segment* const segment : named) {
+    bytes.whole(segment->value);
+    bytes.text(segment->name);
+    for (const std::uint8_t channel : segment->colour.value_or(colour_by_name(segment->name))) bytes.whole(channel);
+    bytes.whole(0);  // opaque
+  }
+}
+
 }  // namespace
 
-const VolumeFormat formats::mgh{
-    .name = "MGH",
-    .endings = {".mgz", ".mgh", ".mgh.gz"},
-    .written = {},
-    .in_folder = {},
-    .note = "of FreeSurfer, also compressed; the place of its header (vox2ras), names and colours of an embedded table",
-    .read = read_mgh};
+Result<void> write_mgh_labels(const Volume& map, const Segmentation& names, const fs::path& path,
+                              const std::string& record, Progress* progress) {
+  constexpr int byte_type = 0, whole_type = 1;  // which every version of FreeSurfer reads
+  if (map.range_min < 0) return fail(path.string(), "is no place for labels below 0; end its name in .nii.gz or .nrrd");
+  const MghHeader header = mgh_header_of(map.geometry);
+  std::vector<std::string> none;
+  const auto read_again = mgh_geometry(header, path, none);
+  if (!read_again || !same_grid(*read_again, map.geometry))
+    return fail(path.string(), "cannot hold the place of the voxels in single precision; end its name in .nii.gz");
+  const bool small = std::holds_alternative<std::vector<std::uint8_t>>(map.data);
+  BigEndianBytes bytes;
+  bytes.whole(1);  // version
+  for (const std::int64_t n : header.dims) bytes.whole(n);
+  bytes.whole(header.frames);
+  bytes.whole(small ? byte_type : whole_type);
+  bytes.whole(0);  // degrees of freedom
+  bytes.number(1, 2);
+  for (const float size : header.spacing_mm) bytes.real(static_cast<double>(size));
+  for (const float number : header.place) bytes.real(static_cast<double>(number));
+  bytes.fill_to(mgh_header_bytes);
+  std::visit(
+      [&](const auto& labels) {
+        for (std::size_t v = 0; v < map.geometry.voxels(); ++v)
+          bytes.number(static_cast<std::uint64_t>(rounded_label(static_cast<double>(labels[v]))), small ? 1 : 4);
+      },
+      map.data);
+  add_table(names, bytes);
+  const VoxelData all = bytes.take();
+  auto written = write_whole_file(path, [&](std::ostream& out) -> Result<void> {
+    return has_ending(path, {".mgh"}) ? write_plain(out, all, progress) : write_compressed(out, {}, all, progress);
+  });
+  return written ? write_record_file(path, record) : written;
+}
+
+const VolumeFormat formats::mgh{.name = "MGH",
+                                .endings = {".mgz", ".mgh", ".mgh.gz"},
+                                .written = {},
+                                .in_folder = {},
+                                .note =
+                                    "of FreeSurfer, also compressed; the place of its header (vox2ras), names and "
+                                    "colours of an embedded table; label maps are written so, too",
+                                .read = read_mgh};
 
 }  // namespace homolog

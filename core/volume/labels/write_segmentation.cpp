@@ -13,6 +13,7 @@
 #include "core/base/files/file_stem.h"
 #include "core/base/files/files.h"
 #include "core/base/pictures/colour.h"
+#include "core/volume/formats/formats.h"
 #include "core/volume/labels/label_boxes.h"
 #include "core/volume/labels/label_likeness.h"
 #include "core/volume/labels/label_tables.h"
@@ -181,6 +182,8 @@ Result<void> write_segmentation(const VolumeRead& map, const fs::path& path, Pro
   if (!map.other_layers.empty())
     return fail(path.string(), "cannot hold segments in " + std::to_string(map.other_layers.size() + 1) +
                                    " layers; end its name in .seg.nrrd, or choose segments that do not overlap");
+  if (has_ending(path, formats::mgh.endings) && map.volume.frames == 1 && (known || holds_labels(map.volume)))
+    return write_mgh_labels(map.volume, map.segmentation, path, record, progress);
   if (map.segmentation.segments.empty()) return write_volume(map.volume, path, progress, record);
   const fs::path names = path.parent_path() / (file_stem(path) + ".json");
   if (std::error_code ignored; fs::exists(names, ignored)) {
@@ -222,23 +225,26 @@ Result<void> write_single_masks(const VolumeRead& map, const fs::path& folder, c
   for (const Segment& segment : complete_segments(map).segments) {
     const fs::path own = own_file(segment);
     left.erase(own);
-    fs::path file = own;
-    if (own.empty() || has_ending(own, {".mgz", ".mgh"}))  // which is not written
-      for (const char* ending : {".nii.gz", ".nrrd", ".mha", ".nii"}) {
-        file = own.empty() ? fs::path(segment.name + ending) : fs::path(own).replace_extension(ending);
-        if (!made.contains(file) && !left.contains(file)) break;
-      }
-    if (!made.insert(file).second)
-      return fail((folder / file).string(), "would hold two masks of one name; rename one of them");
     const Volume& layer = *layers[segment.layer];
     const auto box = boxes[segment.layer].find(segment.value);
     const bool stays_soft = !own.empty() && box != boxes[segment.layer].end() &&
                             soft_of_label(map.soft, layer, box->second, segment.value, segment.layer) != nullptr;
+    const bool is_mgh = has_ending(own, formats::mgh.endings);
+    fs::path file = own;
+    if (own.empty() || (is_mgh && stays_soft))  // real numbers are not written so
+      for (const char* ending : {".nii.gz", ".nrrd", ".mha", ".nii"}) {
+        file = (own.empty() ? segment.name : file_stem(own)) + ending;
+        if (!made.contains(file) && !left.contains(file)) break;
+      }
+    if (!made.insert(file).second)
+      return fail((folder / file).string(), "would hold two masks of one name; rename one of them");
     const auto mask = stays_soft
                           ? whole_mask(like / own)
                           : single_mask(layer, boxes[segment.layer], segment.value, own.empty() ? own : like / own);
     if (!mask) return fail(mask.error());
-    if (auto written = write_volume(*mask, folder / file, progress); !written) return written;
+    auto written = is_mgh && !stays_soft ? write_mgh_labels(*mask, {}, folder / file, {}, progress)
+                                         : write_volume(*mask, folder / file, progress);
+    if (!written) return written;
   }
   return {};
 }

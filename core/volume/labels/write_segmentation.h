@@ -11,8 +11,9 @@ namespace homolog {
 /// Whether a file of this name keeps layers: `.seg.nrrd`, and a DICOM segmentation (.dcm).
 bool keeps_layers(const std::filesystem::path& path);
 
-/// Writes a label map with its names, colours and layers: `.seg.nrrd` as 3D Slicer writes it, all else as write_volume
-/// does with a JSON file beside it ("a.json" beside "a.nii.gz"), which take_names_beside reads again. Errors: those of
+/// Writes a label map with its names, colours and layers: `.seg.nrrd` as 3D Slicer writes it, `.mgz` and `.mgh` as
+/// FreeSurfer does, all else as write_volume does with a JSON file beside it ("a.json" beside "a.nii.gz"), which
+/// take_names_beside reads again. Errors: those of
 /// write_volume; layers, which only `.seg.nrrd` holds; a JSON file of that name that is about something else.
 Result<void> write_segmentation(const VolumeRead& map, const std::filesystem::path& path, Progress* progress = nullptr,
                                 const std::string& record = {});

@@ -797,6 +797,27 @@ TEST_CASE("a name that two labels have is left out of a set and of a fit with bo
   CHECK(mended.json()["cases"][0]["structures"][0]["changed_voxels"] == 0);
 }
 
+TEST_CASE("a map of FreeSurfer is mended in its own format, and label maps are written so") {
+  const BodyFolder folder;
+  make_set_of_kidneys(folder);
+  const Ran converted = run(folder, "convert body.seg.nrrd body.mgz");
+  REQUIRE_MESSAGE(converted.status == 0, converted.errors);
+  const Json labels = run(folder, "info body.mgz --json").json()["labels"];
+  REQUIRE(labels.size() == 3);
+  CHECK(labels[0]["name"] == "kidney_left");
+  CHECK(labels[0]["colour"] == run(folder, "info body.seg.nrrd --json").json()["labels"][0]["colour"]);
+  const Ran mended = run(folder, "repair body.mgz --templates body.set.json -o out --json");
+  REQUIRE_MESSAGE(mended.status == 0, mended.errors);
+  CHECK(mended.json()["cases"][0]["file"] == "out/body.mgz");
+  CHECK(mended.errors.find("its format is not written") == std::string::npos);
+  CHECK(test::must(read_volume(folder.path / "out/body.mgz")).segmentation.find(5)->name == "kidney_right");
+  const Ran again = run(folder, "verify out/body.mgz --inputs .");
+  CHECK_MESSAGE(again.status == 0, again.errors);
+  const Ran mesh = run(folder, "label-map body/kidney_left.ply --like body.mgz -o kidney.mgz");
+  REQUIRE_MESSAGE(mesh.status == 0, mesh.errors);
+  CHECK(labels_of(test::must(read_volume(folder.path / "kidney.mgz")).volume).contains(1));
+}
+
 TEST_CASE("a structure that repair puts in goes into the worklist") {
   const SubjectsFolder folder;
   REQUIRE(run(folder, "set make three.seg.nrrd --all --vertices 150 -o eggs.set.json").status == 0);

@@ -398,6 +398,46 @@ TEST_CASE("the colour table that FreeSurfer embeds in a label map names its labe
   CHECK(read_volume(folder.path / "huge.mgh")->segmentation.segments.empty());
 }
 
+TEST_CASE("a label map is written as FreeSurfer has it and read again with its place and its names and its colours") {
+  const TemporaryFolder folder;
+  VolumeRead map;
+  map.volume.geometry.dims = {3, 2, 2};
+  map.volume.geometry.spacing_mm = {0.75, 1.5, 3.25};
+  map.volume.geometry.origin_mm = {-101.5, 22.25, 333.125};
+  map.volume.geometry.direction = Eigen::AngleAxisd(0.7, Vec3(-1, 0.5, 2).normalized()).toRotationMatrix();
+  map.volume.geometry.direction.col(1) *= -1;
+  map.volume.data = std::vector<std::uint8_t>{0, 1, 17, 0, 0, 17, 1, 1, 0, 0, 17, 0};
+  map.volume.range_max = 17;
+  map.segmentation.add({.name = "Left-Hippocampus", .value = 17, .colour = std::array<std::uint8_t, 3>{220, 216, 20}});
+  map.segmentation.add({.name = "Niere, groß", .value = 1});
+  for (const char* name : {"a.mgz", "a.mgh", "a.mgh.gz"}) {
+    CAPTURE(std::string(name));
+    REQUIRE(write_segmentation(map, folder.path / name));
+    const VolumeRead back = test::must(read_volume(folder.path / name));
+    CHECK(back.warnings.empty());
+    CHECK(back.volume.data == map.volume.data);
+    CHECK(same_grid(back.volume.geometry, map.volume.geometry));
+    REQUIRE(back.segmentation.segments.size() == 2);
+    CHECK(back.segmentation.find(1)->name == "Niere, groß");
+    CHECK(back.segmentation.find(1)->colour == colour_by_name("Niere, groß"));
+    CHECK(back.segmentation.find(17)->colour == std::array<std::uint8_t, 3>{220, 216, 20});
+  }
+  CHECK_FALSE(fs::exists(folder.path / "a.json"));
+  map.volume.data = std::vector<std::uint16_t>{0, 1, 40000, 0, 0, 17, 1, 1, 0, 0, 17, 0};
+  map.volume.range_max = 40000;
+  REQUIRE(write_segmentation(map, folder.path / "large.mgz"));
+  CHECK(test::must(read_volume(folder.path / "large.mgz")).volume.data == map.volume.data);
+  // Images are not, nor layers, nor what has no place there.
+  Volume image = map.volume;
+  image.data = std::vector<float>(12, 0.25F);
+  image.range_max = 0.25;
+  CHECK(says(write_volume(image, folder.path / "image.mgz"), "of a label map also in"));
+  map.volume.geometry.origin_mm.x() = 1e9;
+  CHECK(says(write_segmentation(map, folder.path / "far.mgz"), "single precision"));
+  map.other_layers.push_back(map.volume);
+  CHECK(says(write_segmentation(map, folder.path / "layers.mgz"), "end its name in .seg.nrrd"));
+}
+
 TEST_CASE("what is no number in a single mask is background and a share above one half is the structure's") {
   const TemporaryFolder folder;
   Volume mask;

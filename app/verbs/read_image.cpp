@@ -235,6 +235,10 @@ Result<std::optional<MaskRead>> shares_of(const std::filesystem::path& path, Vol
   if (box == boxes.end()) return std::nullopt;
   const SoftSegment* soft = soft_of_label(read.soft, read.volume, box->second, value, layer);
   if (soft == nullptr) return std::nullopt;
+  if (wanted.size() > 1) {
+    read.warnings.push_back(path.string() + ": the soft masks are taken together as voxels, from 0.5 on");
+    return std::nullopt;
+  }
   if (asked.level && *asked.level != usual_level)
     return fail(path.string(),
                 "is a folder, whose soft masks have their surfaces at 0.5; name one file of it where "

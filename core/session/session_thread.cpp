@@ -118,12 +118,13 @@ struct SessionThread::Shared {
     ++snapshot.jobs_done;
   }
 
-  void do_action(EditStep step) {
+  /// `computed`: a person previewed nothing of it.
+  void do_action(EditStep step, bool computed = false) {
     if (std::holds_alternative<Note>(step.action)) return do_note(std::move(step));
     Snapshot snapshot = *latest;
     previewed.reset();
     auto report = session.apply(std::move(step));
-    if (report && snapshot.preview) previewed = {snapshot.shown, snapshot.preview_of};
+    if (report && snapshot.preview && !computed) previewed = {snapshot.shown, snapshot.preview_of};
     end_edit(snapshot);
     if (report) {
       snapshot.message = report->message;
@@ -162,7 +163,7 @@ struct SessionThread::Shared {
     const auto before = std::exchange(previewed, std::nullopt);
     if (before && computed.joined) show_again(*before, computed.of);
     auto action = computed.compute(session.document(), computed.of);
-    if (action && *action) return do_action({std::move(**action), computed.of, computed.joined});
+    if (action && *action) return do_action({std::move(**action), computed.of, computed.joined}, true);
     Snapshot snapshot = *latest;
     end_edit(snapshot);
     publish(std::move(snapshot), action ? "" : action.error().sentence());

@@ -182,7 +182,8 @@ Result<Report> fit_contours(const FitJob& options, const FitShared& shared, Prog
   std::optional<MaskRead> mask;
   std::optional<VolumeRead> image;
   if (!options.masks.empty()) {
-    auto read = read_mask(options.masks.front(), options.label, {options.frame, {}, options.level}, progress);
+    auto read = read_mask(options.masks.front(), options.label,
+                          {options.frame, {}, options.level, false, shared.the_template->faced.has_value()}, progress);
     if (!read) return fail(read.error());
     mask = std::move(*read);
   }

@@ -19,12 +19,14 @@
 #include "core/structures/fitting/set_in_case.h"
 #include "core/structures/naming/level_names.h"
 #include "core/volume/labels/read_labels.h"
+#include "core/volume/volume_io.h"
 
 namespace homolog {
 
 namespace fs = std::filesystem;
 
-Result<SubjectMap> read_subject(const fs::path& path, const std::optional<int>& frame, Progress& progress) {
+Result<SubjectMap> read_subject(const fs::path& path, const std::optional<int>& frame, Progress& progress,
+                                bool can_choose) {
   VolumeReadOptions reading;
   reading.progress = &progress;
   reading.all_layers = true;
@@ -36,7 +38,8 @@ Result<SubjectMap> read_subject(const fs::path& path, const std::optional<int>& 
                 "has no frame " + std::to_string(*frame) + "; its last one is " + std::to_string(frames - 1));
   if (!frame && frames > 1)
     read->warnings.push_back(path.string() + ": has " + std::to_string(frames) +
-                             " frames, of which the first is taken; choose another by --frame");
+                             " frames, of which the first is taken" +
+                             (can_choose ? "; choose another by --frame" : ""));
   return SubjectMap{std::move(*read), frame.value_or(0)};
 }
 
@@ -61,12 +64,19 @@ Json json_of_variants(const std::vector<Variant>& variants, const TemplateSet& s
 
 namespace {
 
-/// Whether a file is called as a structure of the set.
-bool is_named_in(const TemplateSet& set, const fs::path& file) {
-  const std::string name = file_stem(file);
-  return set.find(name) != nullptr || std::ranges::any_of(set.structures, [&](const TemplateOfSet& one) {
-           return is_same_vertebra(name, one.name);
-         });
+/// Whether a folder is one map of single masks: a file is called as a structure of the set. "T1" alone may be a point
+/// in time, so where files are called by levels alone, one of them has to be a mask.
+bool is_folder_of_masks(const TemplateSet& set, const std::vector<fs::path>& files) {
+  const auto is_structure = [&](const fs::path& file) { return set.find(file_stem(file)) != nullptr; };
+  const auto is_level = [&](const fs::path& file) {
+    return std::ranges::any_of(set.structures,
+                               [&](const TemplateOfSet& one) { return is_same_vertebra(file_stem(file), one.name); });
+  };
+  if (std::ranges::any_of(files, is_structure)) return true;
+  const auto first = std::ranges::find_if(files, is_level);
+  if (first == files.end()) return false;
+  const auto read = read_volume(*first);
+  return read && read->volume.frames == 1 && read->other_layers.empty() && labels_of(read->volume).size() < 2;
 }
 
 }  // namespace
@@ -76,8 +86,7 @@ std::vector<fs::path> maps_of(const std::vector<fs::path>& paths, const Template
   for (const fs::path& path : paths) {
     std::error_code error;
     const auto files = fs::is_directory(path, error) ? volumes_in(path) : std::vector<fs::path>();
-    const bool is_one = std::ranges::any_of(files, [&](const fs::path& file) { return is_named_in(set, file); });
-    if (files.empty() || is_one)
+    if (files.empty() || is_folder_of_masks(set, files))
       maps.push_back(path);
     else
       maps.insert(maps.end(), files.begin(), files.end());

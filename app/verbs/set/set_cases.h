@@ -22,7 +22,8 @@ struct SubjectMap {
 };
 
 /// Errors: the reader's; no such frame. Warns where the first of several frames is taken.
-Result<SubjectMap> read_subject(const std::filesystem::path& path, const std::optional<int>& frame, Progress& progress);
+Result<SubjectMap> read_subject(const std::filesystem::path& path, const std::optional<int>& frame, Progress& progress,
+                                bool can_choose = true);
 
 /// Errors: a map that holds no label, or none of the set's structures.
 Result<void> check_structures(const SetInMap& subject, const TemplateSet& set, const std::filesystem::path& path);

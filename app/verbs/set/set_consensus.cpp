@@ -93,7 +93,7 @@ struct LabelsOfMap {
 };
 
 Result<LabelsOfMap> read_labels_in(const fs::path& map, const TemplateSet& set, Progress& progress) {
-  const auto read = read_subject(map, std::nullopt, progress);
+  const auto read = read_subject(map, std::nullopt, progress, false);
   if (!read) return fail(read.error());
   LabelsOfMap all;
   for (StructureInMap& one : find_in_map(set, read->read).structures) {
@@ -239,7 +239,7 @@ Result<void> bring_to_mean_places(const SetJob& job, SetInMaking& making, Progre
   std::vector<std::vector<std::optional<Similarity>>> placed;
   for (const fs::path& map : job.maps) {
     Progress part(progress, 1 / static_cast<double>(job.maps.size()));
-    const auto subject = read_subject(map, std::nullopt, part);
+    const auto subject = read_subject(map, std::nullopt, part, false);
     if (!subject) return fail(subject.error());
     auto one = fit_set(making.made, find_in_map(making.made.set, subject->read), {.gap_mm = 0, .progress = &part});
     if (!one) return fail(map.string(), one.error().what);

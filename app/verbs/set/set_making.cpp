@@ -239,15 +239,19 @@ struct FilesOfRun {
   }
 };
 
-/// Takes the templates out of the set's folder that the old set had and the new one has not.
-void remove_left_over(const SetJob& job, const std::vector<fs::path>& old_files, const TemplateSet& set) {
+/// Names the templates in the set's folder that only the old set had. They stay: cases and other sets may need them.
+void name_left_over(const SetJob& job, const std::vector<fs::path>& old_files, const TemplateSet& set,
+                    std::vector<std::string>& warnings) {
   const fs::path folder = absolute_path(job.folder() / "x").parent_path();
+  std::vector<std::string> left;
   for (const fs::path& file : old_files) {
     const bool is_used = std::ranges::any_of(
         set.structures, [&](const TemplateOfSet& one) { return is_same_file(absolute_path(one.file), file); });
-    std::error_code ignored;
-    if (!is_used && file.parent_path() == folder) fs::remove(file, ignored);
+    if (!is_used && file.parent_path() == folder && fs::exists(file)) left.push_back(file.filename().string());
   }
+  if (!left.empty())
+    warnings.push_back(job.folder().string() + ": holds " + some_of(left) +
+                       ", which only the set before had; delete them if no case and no other set has them");
 }
 
 }  // namespace
@@ -335,7 +339,7 @@ Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, Se
     std::error_code ignored;
     if (!met.insert(fs::weakly_canonical(map, ignored)).second)
       return fail(map.string(), "is given twice, and would count as two subjects; name each map once");
-    const auto subject = read_subject(map, std::nullopt, progress);
+    const auto subject = read_subject(map, std::nullopt, progress, false);
     if (!subject) return fail(subject.error());
     const VolumeRead& read = subject->read;
     making.warnings.insert(making.warnings.end(), read.warnings.begin(), read.warnings.end());
@@ -400,7 +404,10 @@ Result<Report> write_set(const SetJob& job, SetInMaking& making, Progress& progr
       making.warnings.push_back(row["name"].get<std::string>() + ": has no template in the set (" +
                                 row["warning"].get<std::string>() + ")");
   if (made.templates.empty())
-    return fail(job.maps.front().string(), "gives no template at all; the first reason: " + making.warnings.front());
+    return fail(
+        job.maps.front().string(),
+        "gives no template at all; the first reason: " +
+            (making.rows.empty() ? making.warnings.front() : making.rows.front()["warning"].get<std::string>()));
   // Of what is there now: the set itself may be changed.
   const auto record = record_of(job.command, progress);
   if (!record) return fail(record.error());
@@ -429,7 +436,7 @@ Result<Report> write_set(const SetJob& job, SetInMaking& making, Progress& progr
   if (auto written = write_template_set(made.set, job.out, job.in_place ? "" : *record); !written)
     return fail(written.error());
   new_files.files.clear();
-  remove_left_over(job, old_files, made.set);
+  name_left_over(job, old_files, made.set, making.warnings);
   for (Json& row : making.rows)
     if (const TemplateOfSet* one = made.set.find(row["name"].get<std::string>()); one != nullptr && one->pose)
       row["pose"] = json_of_pose(*one->pose);

@@ -80,8 +80,8 @@ Result<void> add_map(const SetJob& job, const std::filesystem::path& map, const 
 Result<void> add_consensus(const SetJob& job, const std::vector<std::vector<Segment>>& asked, SetInMaking& making,
                            Progress& progress);
 
-/// Writes the templates that are new, and then the set, with partners and neighbours. Then it removes from the set's
-/// folder the templates that only the old set of this name had. Errors: the disk; no template at all; a template would
+/// Writes the templates that are new, and then the set, with partners and neighbours. A warning names the templates in
+/// the set's folder that only the old set of this name had. Errors: the disk; no template at all; a template would
 /// be written over a file that is none of the old set.
 Result<Report> write_set(const SetJob& job, SetInMaking& making, Progress& progress);
 

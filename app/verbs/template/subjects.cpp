@@ -48,7 +48,7 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
     if (!boundary) return fail(path.string(), boundary.error().what);
     subject.boundary = std::move(*boundary);
   } else {
-    auto mask = read_mask(path, files.label, {files.frame, {}, files.level}, progress);
+    auto mask = read_mask(path, files.label, {files.frame, {}, files.level, false, files.faced.has_value()}, progress);
     if (!mask) return fail(mask.error());
     warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
     if (mask->volume.frames > 1) frame = mask->frame;

@@ -38,6 +38,10 @@ Result<EditReport> apply_mirror(const MirrorTemplate& mirror, StructureEdit& edi
   auto made = make_template(mirrored_with_names(to_mesh_file(*before.the_template)), before.the_template->source);
   if (!made) return fail(made.error());
   edit.after.the_template = *made;
+  // It is another organ now.
+  edit.after.side = before.side == Side::left ? Side::right : before.side == Side::right ? Side::left : Side::none;
+  edit.after.partner = {};
+  edit.after.shared.clear();
   for (const auto& [frame, shown] : before.shapes) {
     Shape shape = *shown;
     shape.confirmed.reset();

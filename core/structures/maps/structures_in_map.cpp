@@ -88,8 +88,9 @@ std::vector<Segmentation> known_by_layer(const std::vector<Segment>& segments, s
     const auto is_it = [&](const StructureInMap& one) {
       return one.is_there() && one.segment.value == segment.value && one.segment.layer == segment.layer;
     };
-    const auto found = segment.name.empty() ? std::ranges::find_if(structures, is_it) : structures.end();
-    if (found != structures.end()) segment.name = found->segment.name;
+    const auto found = std::ranges::find_if(structures, is_it);
+    if (found != structures.end() && (segment.name.empty() || is_same_vertebra(segment.name, found->segment.name)))
+      segment.name = found->segment.name;
     Segmentation& of_layer = known[segment.layer];
     of_layer.add(std::move(segment));
   }

@@ -97,7 +97,7 @@ std::optional<int> value_of_name(const SetOfTemplates& set, const SetInMap& subj
     if (set.set.structures[k].name == name) return subject.structures[k].segment.value;
   if (map.segmentation.segments.empty()) return std::nullopt;
   for (const Segment& segment : map.segmentation.segments)
-    if (segment.name == name) return segment.value;
+    if (segment.name == name || is_same_vertebra(segment.name, name)) return segment.value;
   const Segment segment{name, free_value(map, frame, subject), 0, colour_by_name(name), {}};
   map.segmentation.add(segment);
   return segment.value;

@@ -19,10 +19,11 @@ struct DicomSeries {
   DicomItem about;  ///< the elements of the first file: patient, study
 };
 
-/// Reads the only series of images of a folder, or one file of several planes. `resample`: slices that are no even
-/// stack are no error [DicomArrangement::uneven]; then `grid` is not theirs. Errors: those of read_volume.
+/// Reads the only series of images of a folder, or the one of that UID, or one file of several planes. `resample`:
+/// slices that are no even stack are no error [DicomArrangement::uneven]; then `grid` is not theirs. Errors: those of
+/// read_volume.
 Result<DicomSeries> read_dicom_series(const std::filesystem::path& path, Progress* progress = nullptr,
-                                      bool resample = false);
+                                      bool resample = false, const std::string& series_uid = {});
 
 /// The segmentations (SEG) of a folder that holds several of them and no images, by name; none of any other folder.
 std::vector<std::filesystem::path> segmentations_in(const std::filesystem::path& folder);

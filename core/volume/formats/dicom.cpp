@@ -278,13 +278,16 @@ const VolumeFormat formats::dicom{
     .recognises = looks_like_dicom,
     .read = read_dicom};
 
-Result<DicomSeries> read_dicom_series(const fs::path& path, Progress* progress, bool resample) {
+Result<DicomSeries> read_dicom_series(const fs::path& path, Progress* progress, bool resample,
+                                      const std::string& series_uid) {
   DicomSeries result;
   std::error_code ignored;
   std::vector<DicomHeader> all;
   if (fs::is_directory(path, ignored)) {
     auto contents = scan_folder(path, progress);
     if (!contents) return fail(contents.error());
+    if (const auto chosen = contents->series.find(series_uid); chosen != contents->series.end())
+      contents->series = {*chosen};
     if (contents->series.size() != 1)
       return fail(path.string(),
                   contents->series.empty()

@@ -8,6 +8,8 @@
 #include "core/base/text/text.h"
 #include "core/case/moved_points.h"
 #include "core/structures/fitting/set_in_case.h"
+#include "core/structures/naming/level_names.h"
+#include "core/volume/labels/segmentation.h"
 
 namespace homolog {
 
@@ -86,8 +88,9 @@ void take_set_fit(Editing& editing, const SetFitted& found) {
       begin_looks(state.look.structures, set->id);
   std::size_t locked = 0;
   std::erase_if(steps, [&](const EditStep& step) {
-    const bool stays = is_of(step, state.look.structures.locked);
     const auto* described = std::get_if<SetStructure>(&step.action);
+    const bool is_relation = described != nullptr && !described->name;  // which changes no mesh
+    const bool stays = is_of(step, state.look.structures.locked) && !is_relation;
     locked += stays && described != nullptr && described->name ? 1 : 0;
     return stays;
   });
@@ -175,8 +178,9 @@ std::vector<std::string> names_in_map(const TemplateSet& set, const ShownLabels&
   std::vector<std::string> names;
   for (const TemplateOfSet& one : set.structures) {
     const auto holds_it = [&](const LabelMapLayer& layer) {
-      const bool named = std::ranges::any_of(
-          layer.names, [&](const auto& label) { return lower_case(label.second) == lower_case(one.name); });
+      const bool named = std::ranges::any_of(layer.names, [&](const auto& label) {
+        return name_likeness(label.second, one.name) != NameLikeness::none || is_same_vertebra(label.second, one.name);
+      });
       return named ||
              (!layer.names.contains(one.value) && std::ranges::find(layer.values, one.value) != layer.values.end());
     };

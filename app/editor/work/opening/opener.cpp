@@ -110,10 +110,8 @@ Result<void> check_labels(Opened& opened, const fs::path& file, const VolumeRead
 
 /// What is no even stack about the slices of a DICOM series that was refused; empty: nothing, or it is something else.
 std::string uneven_slices(const OpenRequest& request, Progress& progress) {
-  if (request.volume_options.resample || !request.volume_options.series_uid.empty() || progress.cancelled() ||
-      !names_file(request.volume_source))
-    return {};
-  const auto series = read_dicom_series(request.volume_source, &progress, true);
+  if (request.volume_options.resample || progress.cancelled() || !names_file(request.volume_source)) return {};
+  const auto series = read_dicom_series(request.volume_source, &progress, true, request.volume_options.series_uid);
   return series ? series->arrangement.uneven : std::string();
 }
 

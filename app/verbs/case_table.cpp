@@ -30,6 +30,7 @@ std::string column_named(const std::string& text) {
 Result<std::vector<RowOfCase>> read_case_table(const fs::path& path) {
   auto table = read_text_table(path);
   if (!table) return fail(table.error());
+  mend_encoding(*table);  // else names and groups would lose letters
   for (std::string& column : table->columns) column = column_named(column);
   const auto& columns = table->columns;
   if (std::set<std::string>(columns.begin(), columns.end()).size() != columns.size())

@@ -160,7 +160,9 @@ Result<void> write_beside(const ModelOptions& options, const Training& training,
                           const std::vector<std::string>& names) {
   const PrincipalComponents& components = training.components;
   if (!options.tables.empty()) {
-    if (auto done = write_model_tables(components, names, options.tables, training.sizes_mm, training.groups); !done)
+    // As `test` and `measure` name shapes, so that their tables go together.
+    const auto called = training.parts.empty() ? names_with_folders(training.names) : names;
+    if (auto done = write_model_tables(components, called, options.tables, training.sizes_mm, training.groups); !done)
       return done;
     if (training.poses)
       if (auto done = write_pose_table(*training.poses, training.parts, names, training.completed, options.tables);

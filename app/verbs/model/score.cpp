@@ -102,7 +102,8 @@ Result<Report> score(const ScoreJob& job, Progress& progress) {
   progress.part(0.9, 1);
   std::vector<std::string> files;
   for (const NewShape& shape : *shapes) files.push_back(shape.name);
-  const auto names = shape_names(files);
+  const auto names = shape_names(files);          // of files
+  const auto called = names_with_folders(files);  // in tables, as `test` and `measure` name them
   std::vector<fs::path> to_write;
   for (const std::string& name : names) to_write.push_back(job.out / (name + ".vtp"));
   if (!job.out.empty())
@@ -122,7 +123,7 @@ Result<Report> score(const ScoreJob& job, Progress& progress) {
       report.warnings.push_back(files[k] + ": " + scored.error().what);
       continue;
     }
-    subjects.push_back(described_score(names[k], *scored, *model, (*shapes)[k].doubt));
+    subjects.push_back(described_score(called[k], *scored, *model, (*shapes)[k].doubt));
     if (scored->trained) report.warnings.push_back(files[k] + own_shape(*model, *scored->trained));
     if (job.out.empty()) continue;
     auto record = of_files[(*shapes)[k].from];

@@ -75,8 +75,9 @@ Result<VertexScalars> values_in(const TextTable& table, const PlateVerb& verb, E
   const std::vector<std::string> names(terms.begin(), terms.end());
   if (verb.term.empty() ? terms.size() > 1 : !terms.contains(verb.term))
     return fail(file, "has the terms " + listed(names, " and ") + "; name one with --term");
+  constexpr std::ptrdiff_t few = 3;  // the first vertices alone
   // One that begins as a mesh does and ends before is of another mesh; one with gaps is of some vertices.
-  if (const auto rows = std::ssize(named); rows > 0 && rows < vertices && *named.rbegin() == rows - 1)
+  if (const auto rows = std::ssize(named); rows > few && rows < vertices && *named.rbegin() == rows - 1)
     return fail(file, "is of a mesh of " + std::to_string(rows) + " vertices, and " +
                           verb.picture->in.front().string() + " has " + std::to_string(vertices) +
                           "; give the table of this mesh");
@@ -234,13 +235,15 @@ Result<Report> of_plot(const PlateVerb& verb) {
     if (!table) return fail(table.error());
     const std::string encoding = mend_encoding(*table);
     if (auto mended = mend_decimal_commas(file, *table); !mended) return fail(mended.error());
-    if (verb.plot.x.empty()) return write_plate(measure_plots(*table, width_mm), *verb.picture);
-    auto report = write_plate(table_plot(*table, verb.plot, width_mm), *verb.picture);
+    const bool is_measures = verb.plot.x.empty();
+    auto report = write_plate(is_measures ? measure_plots(*table, width_mm) : table_plot(*table, verb.plot, width_mm),
+                              *verb.picture);
+    if (report && !encoding.empty()) report->warnings.push_back(file.string() + ": " + encoding);
+    if (is_measures) return report;
     if (const std::size_t without = rows_without_values(*table, verb.plot); report && without > 0)
       report->warnings.push_back(file.string() + ": " + std::to_string(without) +
                                  (without == 1 ? " row lacks a value and is" : " rows lack a value and are") +
                                  " left out");
-    if (report && !encoding.empty()) report->warnings.push_back(file.string() + ": " + encoding);
     return report;
   }
   const auto model = read_model(file);

@@ -282,7 +282,9 @@ Result<void> put_left_out(const ReportVerb& verb, PageContent& content) {
     PageCase one;
     one.name = name;
     one.excluded = reason_alone(table->cells[k][*reasons], name);
-    if (verb.without_names && one.excluded.find(name) != std::string::npos) one.excluded = "could not be taken";
+    const bool may_name = one.excluded.find(name) != std::string::npos ||
+                          one.excluded.find_first_of("/\\") != std::string::npos;  // a path may name a patient
+    if (verb.without_names && may_name) one.excluded = "could not be taken";
     content.cases.push_back(std::move(one));
   }
   return {};

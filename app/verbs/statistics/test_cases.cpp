@@ -91,7 +91,6 @@ void write_group_numbers_alike(const TestCasesAsked& asked, CovariateTable& tabl
     for (const Variable& one : term)
       if (const auto column = table.column(one.name); column && one.by == Variable::By::factor)
         write_numbers_alike(table, *column);
-  if (const auto subjects = table.column(asked.paired)) write_numbers_alike(table, *subjects);
 }
 
 /// Whether a row is of a study's case that is of another group.

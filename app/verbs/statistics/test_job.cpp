@@ -55,9 +55,10 @@ Result<void> put_design(TestJob& job, Progress& progress) {
                                  " takes it out; its interactions are tested");
   for (const DesignTerm& term : job.design.terms)
     if (term.left_out > 0)
-      job.cases.warnings.push_back(term.name + ": has " + std::to_string(term.count) + " df and not " +
-                                   std::to_string(term.count + term.left_out) +
-                                   ", since some combinations of its groups have no case");
+      job.cases.warnings.push_back(
+          term.name + ": has " + std::to_string(term.count) + " df and not " +
+          std::to_string(term.count + term.left_out) +
+          ", since the others follow from these, as where a combination of groups has no case");
   return {};
 }
 

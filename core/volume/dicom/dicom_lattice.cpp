@@ -127,7 +127,10 @@ Result<void> check_declared(const fs::path& path, const PlacedFrames& frames, co
   };
   OffMost off = contradicted(frames.spacing_mm, (heights.size() - 2) / 2);
   const bool by_spacing = !off.heights.empty();
-  if (!by_spacing) off = contradicted(frames.thickness_mm, 0);
+  // Slices may overlap: then their thickness is an even multiple of the distance.
+  const double overlapping = frames.thickness_mm ? *frames.thickness_mm / step : 0;
+  if (!by_spacing && std::abs(overlapping - std::rint(overlapping)) * step > tolerance)
+    off = contradicted(frames.thickness_mm, 0);
   if (off.heights.empty()) return {};
   const Vec3 normal = frames.axes.first.cross(frames.axes.second).normalized();
   std::vector<double> places;
@@ -247,6 +250,17 @@ Vec3 near_voxels(const Vec3& spacing_mm) {
   return (rounded_mm * spacing_mm.cwiseInverse()).cwiseMax(share).cwiseMin(most_share);
 }
 
+/// Whether the columns of frames go as those of a grid, and their rows too.
+bool goes_along(const PlacedFrames& frames, const VolumeGeometry& grid, const Vec3& close) {
+  const Vec3 origin = grid.to_voxel(grid.origin_mm);
+  const auto is_off = [&](const Vec3& way_mm, const Vec3& wanted) {
+    return (grid.to_voxel(grid.origin_mm + way_mm) - origin - wanted).cwiseAbs().cwiseQuotient(close).maxCoeff() > 1;
+  };
+  const auto [columns, rows] = frames.pixel_mm;
+  return !is_off(columns * (frames.columns - 1) * frames.axes.first, {frames.columns - 1.0, 0, 0}) &&
+         !is_off(rows * (frames.rows - 1) * frames.axes.second, {0, frames.rows - 1.0, 0});
+}
+
 std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeometry& grid) {
   if (grid.dims[0] != frames.columns || grid.dims[1] != frames.rows) return {};
   FrameLattice lattice{grid, {}};
@@ -255,6 +269,7 @@ std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeom
   const Vec3 last_step =
       columns * (frames.columns - 1) * frames.axes.first + rows * (frames.rows - 1) * frames.axes.second;
   const Vec3 normal = grid.direction.col(2), close = near_voxels(grid.spacing_mm);
+  if (!goes_along(frames, grid, 2 * close)) return {};
   std::map<int, double> heights;
   for (const Vec3& position : frames.positions_mm) {
     const Vec3 first = grid.to_voxel(position), last = grid.to_voxel(position + last_step);
@@ -277,13 +292,8 @@ std::optional<FrameLattice> on_images(const PlacedFrames& frames, const ImageGri
   const VolumeGeometry& grid = series.geometry;
   if (grid.dims[0] != frames.columns || grid.dims[1] != frames.rows) return {};
   const auto images = by_uid(series.images);
-  const auto [columns, rows] = frames.pixel_mm;
-  const Vec3 close = near_voxels(grid.spacing_mm), origin = grid.to_voxel(grid.origin_mm);
-  const Vec3 last_step =
-      columns * (frames.columns - 1) * frames.axes.first + rows * (frames.rows - 1) * frames.axes.second;
-  const Vec3 last_wanted(frames.columns - 1, frames.rows - 1, 0);
-  if ((grid.to_voxel(grid.origin_mm + last_step) - origin - last_wanted).cwiseAbs().cwiseQuotient(close).maxCoeff() > 1)
-    return {};
+  const Vec3 close = near_voxels(grid.spacing_mm);
+  if (!goes_along(frames, grid, close)) return {};
   FrameLattice lattice{grid, {}, true};
   for (std::size_t f = 0; f < frames.positions_mm.size(); ++f) {
     const auto image = images.find(frames.images[f]);
@@ -300,13 +310,8 @@ std::optional<FrameLattice> on_old_slices(const PlacedFrames& frames, const Imag
   const ResampledSlices& done = *series.resampled;
   if (done.columns != frames.columns || done.rows != frames.rows) return {};
   const VolumeGeometry& grid = series.geometry;
-  const auto [columns, rows] = frames.pixel_mm;
-  const Vec3 close = near_voxels(grid.spacing_mm), origin = grid.to_voxel(grid.origin_mm);
-  const Vec3 last_step =
-      columns * (frames.columns - 1) * frames.axes.first + rows * (frames.rows - 1) * frames.axes.second;
-  const Vec3 last_wanted(frames.columns - 1, frames.rows - 1, 0);
-  if ((grid.to_voxel(grid.origin_mm + last_step) - origin - last_wanted).cwiseAbs().cwiseQuotient(close).maxCoeff() > 1)
-    return {};
+  const Vec3 close = near_voxels(grid.spacing_mm);
+  if (!goes_along(frames, grid, close)) return {};
   FrameLattice lattice{grid, {}};
   lattice.old_slices = true;
   lattice.geometry.dims = {frames.columns, frames.rows, done.from_slices};

@@ -236,7 +236,8 @@ Result<void> check_count(const DicomSet& set, const DicomHeader& header) {
     return fail(set.path.string(), "says that it has " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") +
                                        ", and has the pixels of " + std::to_string(static_cast<long>(held)) +
                                        "; export it again");
-  if (const BytesOfBits bytes(header); header.bits_allocated == 1 && header.pixels->bytes > bytes.joined + 1)
+  if (const BytesOfBits bytes(header);
+      header.bits_allocated == 1 && bytes.apart != bytes.joined && header.pixels->bytes > bytes.joined + 1)
     return fail(set.path.string(), "holds " + std::to_string(header.pixels->bytes) + " bytes of pixels, where its " +
                                        std::to_string(frames) + (frames == 1 ? " frame takes " : " frames take ") +
                                        std::to_string(bytes.joined) +

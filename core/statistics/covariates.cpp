@@ -38,8 +38,7 @@ Result<void> refuse_twice(const std::string& source, const char* what, const std
   return {};
 }
 
-/// "1." of "1", "1.0" and "01": the digits without those that say nothing. Nothing of other text. "1.10" stays as it
-/// is: it may be the tenth of the first.
+/// "1." of "1", "1.0" and "01": the digits without those that say nothing. Nothing of other text.
 std::optional<std::string> bare_digits(std::string_view text) {
   const bool negative = text.starts_with('-');
   if (negative || text.starts_with('+')) text.remove_prefix(1);
@@ -49,7 +48,7 @@ std::optional<std::string> bare_digits(std::string_view text) {
   for (const std::string_view part : {whole, rest})
     if (part.find_first_not_of("0123456789") != part.npos) return std::nullopt;
   while (whole.starts_with('0')) whole.remove_prefix(1);
-  if (rest.find_first_not_of('0') == rest.npos) rest = {};
+  while (rest.ends_with('0')) rest.remove_suffix(1);
   const std::string digits = std::string(whole) + "." + std::string(rest);
   return negative && digits != "." ? "-" + digits : digits;
 }

@@ -24,8 +24,8 @@ _WITHIN = {
     "paint_region": ("name", "at", "radius_mm", "soft"), "fill_region": ("name", "at", "by", "tolerance_per_mm"),
     "region": ("name", "factor", "colour"), "rename_region": ("name", "to"), "template_landmark": ("name", "at"),
     "confirm": ("at", "radius_mm", "hold"), "landmark": ("name", "at", "held"),
-    "structure": ("id", "name", "label", "layer", "colour", "confidence", "doubt", "template", "placement",
-                  "template_mark"),
+    "structure": ("id", "name", "label", "layer", "colour", "side", "partner", "confidence", "doubt", "shared", "template",
+                  "placement", "template_mark"),
     "contours": ("id", "name", "off_mm", "side", "curve", "curves"),
 }
 

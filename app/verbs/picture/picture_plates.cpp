@@ -75,9 +75,8 @@ Result<VertexScalars> values_in(const TextTable& table, const PlateVerb& verb, E
   const std::vector<std::string> names(terms.begin(), terms.end());
   if (verb.term.empty() ? terms.size() > 1 : !terms.contains(verb.term))
     return fail(file, "has the terms " + listed(names, " and ") + "; name one with --term");
-  constexpr std::ptrdiff_t few = 3;  // the first vertices alone
   // One that begins as a mesh does and ends before is of another mesh; one with gaps is of some vertices.
-  if (const auto rows = std::ssize(named); rows > few && rows < vertices && *named.rbegin() == rows - 1)
+  if (const auto rows = std::ssize(named); rows > 1 && rows < vertices && *named.rbegin() == rows - 1)
     return fail(file, "is of a mesh of " + std::to_string(rows) + " vertices, and " +
                           verb.picture->in.front().string() + " has " + std::to_string(vertices) +
                           "; give the table of this mesh");

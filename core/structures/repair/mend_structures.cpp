@@ -112,9 +112,18 @@ std::vector<std::size_t> Mending::takers_of(std::size_t k) const {
   std::vector<std::size_t> takers;
   if (!is_compared(k)) return takers;
   for (const auto& [other, share] : signs.lost_to)
-    if ((share >= surely_lost && expected_[other]) || (share >= much_lost && has_too_much(other)))
+    if ((share >= surely_lost && expected_[other]) ||
+        (share >= much_lost && has_too_much(other) && has_beyond_itself(other, k, share)))
       takers.push_back(other);
   return takers;
+}
+
+bool Mending::has_beyond_itself(std::size_t other, std::size_t k, double share) const {
+  constexpr double mostly = 0.5;
+  if (!expected_[other]) return true;
+  const Neighbourhood there = around_now(k, bounds_of(expected_[k]->points), 1);
+  const auto inside = voxelise(*expected_[k], there.grid);
+  return share_beyond(other, label_around(result_.subject, k, other), there, inside) >= mostly * share;
 }
 
 bool Mending::is_asked(std::size_t k) const {

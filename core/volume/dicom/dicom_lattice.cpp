@@ -127,10 +127,9 @@ Result<void> check_declared(const fs::path& path, const PlacedFrames& frames, co
   };
   OffMost off = contradicted(frames.spacing_mm, (heights.size() - 2) / 2);
   const bool by_spacing = !off.heights.empty();
-  // Slices may overlap: then their thickness is an even multiple of the distance.
-  const double overlapping = frames.thickness_mm ? *frames.thickness_mm / step : 0;
-  if (!by_spacing && std::abs(overlapping - std::rint(overlapping)) * step > tolerance)
-    off = contradicted(frames.thickness_mm, 0);
+  // Slices may overlap by half.
+  const bool is_half = frames.thickness_mm && std::abs(*frames.thickness_mm - 2 * step) <= tolerance;
+  if (!by_spacing && !is_half) off = contradicted(frames.thickness_mm, 0);
   if (off.heights.empty()) return {};
   const Vec3 normal = frames.axes.first.cross(frames.axes.second).normalized();
   std::vector<double> places;

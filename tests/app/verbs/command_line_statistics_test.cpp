@@ -444,8 +444,7 @@ TEST_CASE("an interaction with an empty cell has fewer df, and the answer says s
   CHECK(terms[2]["name"] == "kind:sex");
   CHECK(terms[2]["df"] == 1);
   CHECK(ran.json()["residual"]["df"] == 7);
-  CHECK(ran.errors.find("kind:sex: has 1 df and not 2, since the others follow from these") !=
-        std::string::npos);
+  CHECK(ran.errors.find("kind:sex: has 1 df and not 2, since the others follow from these") != std::string::npos);
 }
 
 TEST_CASE("numbers that name groups are told apart by their value") {

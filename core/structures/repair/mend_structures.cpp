@@ -62,6 +62,9 @@ void Mending::find() {
 bool Mending::has_too_much(std::size_t k) const {
   constexpr double some_islands_more = 0.03, some_volume_more = 0.1;
   const StructureSigns& signs = result_.signs[k];
+  // Where a template that is cut off itself does not match, nothing was added: it may be what the template lacks.
+  const auto& fit = result_.fitted.structures[k].fit;
+  if (!expected_[k] && fit && !fit->template_cuts.empty()) return false;
   // The fit of a template that is cut off itself is doubtful anyway.
   const bool is_unlike = expected_[k] && result_.fitted.structures[k].judgement.doubtful;
   return signs.bars >= some_bars || signs.bridges >= bridges_more || signs.islands >= some_islands_more ||
@@ -112,18 +115,9 @@ std::vector<std::size_t> Mending::takers_of(std::size_t k) const {
   std::vector<std::size_t> takers;
   if (!is_compared(k)) return takers;
   for (const auto& [other, share] : signs.lost_to)
-    if ((share >= surely_lost && expected_[other]) ||
-        (share >= much_lost && has_too_much(other) && has_beyond_itself(other, k, share)))
+    if ((share >= surely_lost && expected_[other]) || (share >= much_lost && has_too_much(other)))
       takers.push_back(other);
   return takers;
-}
-
-bool Mending::has_beyond_itself(std::size_t other, std::size_t k, double share) const {
-  constexpr double mostly = 0.5;
-  if (!expected_[other]) return true;
-  const Neighbourhood there = around_now(k, bounds_of(expected_[k]->points), 1);
-  const auto inside = voxelise(*expected_[k], there.grid);
-  return share_beyond(other, label_around(result_.subject, k, other), there, inside) >= mostly * share;
 }
 
 bool Mending::is_asked(std::size_t k) const {

@@ -72,9 +72,6 @@ class Mending {
   bool is_compared(std::size_t k) const;
   /// Who has a part that a structure lost.
   std::vector<std::size_t> takers_of(std::size_t k) const;
-  /// Whether most of the share that k lost to another one lies outside of the shape that is expected of that: a
-  /// vertebra that is crushed leaves room within its expected shape, and neighbours that lie there are as they were.
-  bool has_beyond_itself(std::size_t other, std::size_t k, double share) const;
   bool lacks_a_part(std::size_t k) const;
   /// Whether its template, bent to what there is of it, is to tell what it has lost.
   bool is_asked(std::size_t k) const;

@@ -111,8 +111,8 @@ std::vector<std::string> names_with_folders(const std::vector<std::string>& file
   };
   for (const std::string& file : files) folders[shape_stem(file)].insert(folder_of(file));
   std::map<std::string, std::size_t> depth;
-  for (const auto& [stem, all] : folders) {
-    const auto differ = [&](std::size_t count) {
+  for (const auto& [stem, of_stem] : folders) {
+    const auto differ = [&all = of_stem](std::size_t count) {
       std::set<fs::path> ends;
       for (const fs::path& folder : all) ends.insert(innermost(folder, count));
       return ends.size() == all.size();

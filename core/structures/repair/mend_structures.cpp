@@ -59,12 +59,15 @@ void Mending::find() {
   name_new();
 }
 
+bool Mending::is_beside_cut(std::size_t k) const {
+  const auto& fit = result_.fitted.structures[k].fit;
+  return !expected_[k] && fit && !fit->template_cuts.empty();
+}
+
 bool Mending::has_too_much(std::size_t k) const {
   constexpr double some_islands_more = 0.03, some_volume_more = 0.1;
   const StructureSigns& signs = result_.signs[k];
-  // Where a template that is cut off itself does not match, nothing was added: it may be what the template lacks.
-  const auto& fit = result_.fitted.structures[k].fit;
-  if (!expected_[k] && fit && !fit->template_cuts.empty()) return false;
+  if (is_beside_cut(k)) return false;
   // The fit of a template that is cut off itself is doubtful anyway.
   const bool is_unlike = expected_[k] && result_.fitted.structures[k].judgement.doubtful;
   return signs.bars >= some_bars || signs.bridges >= bridges_more || signs.islands >= some_islands_more ||
@@ -96,7 +99,7 @@ void Mending::find_in(std::size_t k) {
     add(k, DefectKind::hole);
     change(k, signs.without_holes);
   }
-  if ((bridges >= bridges_from || has_bars) && bridges < no_bridge) {
+  if (((bridges >= bridges_from && !is_beside_cut(k)) || has_bars) && bridges < no_bridge) {
     add(k, DefectKind::bridge);
     // What is thin is no part of the shape; of what is not, a fit may have left out some that is.
     change(k, has_bars ? signs.without_bars : signs.without_bridges);

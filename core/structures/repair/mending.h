@@ -66,6 +66,9 @@ class Mending {
   /// Changes the voxels that still have the label that they had.
   void change(std::size_t k, const std::vector<VoxelChange>& changes);
   void find_in(std::size_t k);
+  /// Whether its template is cut off itself and no shape is expected of it: what the fit leaves out may be what the
+  /// template lacks.
+  bool is_beside_cut(std::size_t k) const;
   /// Whether a structure shows that something was added to it.
   bool has_too_much(std::size_t k) const;
   /// Whether a structure's fit and its expected shape tell what it lost.

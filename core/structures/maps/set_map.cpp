@@ -13,30 +13,33 @@ namespace homolog {
 
 namespace {
 
-/// Gives the voxels within a mesh its value where neither they nor those of `others` have one; how many have one.
-template <class Voxels>
-std::size_t fill(Voxels& voxels, const Mesh& mesh, const VolumeGeometry& grid, int value,
-                 const std::vector<std::pair<const Volume*, int>>& others) {
+/// The voxels of a grid whose centres lie within a mesh.
+std::vector<std::size_t> voxels_within(const Mesh& mesh, const VolumeGeometry& grid) {
   const VoxelBox box = voxels_around(bounds_of(mesh.points), grid, 1);
-  const VolumeGeometry part = part_of_grid(grid, box);
-  const auto inside = voxelise(mesh, part);
-  const auto is_held = [&](std::size_t voxel) {
-    return voxels[voxel] != 0 || std::ranges::any_of(others, [&](const auto& other) {
-             return rounded_label(std::get<Voxels>(other.first->data)[voxel]) == other.second;
-           });
-  };
-  std::size_t at = 0, taken = 0;
+  const auto inside = voxelise(mesh, part_of_grid(grid, box));
+  std::vector<std::size_t> voxels;
+  std::size_t at = 0;
   for (int k = box.first[2]; k <= box.last[2]; ++k)
-    for (int j = box.first[1]; j <= box.last[1]; ++j) {
-      const std::size_t row = grid.index(0, j, k);
-      for (int i = box.first[0]; i <= box.last[0]; ++i, ++at) {
-        if (inside[at] == 0) continue;
-        if (is_held(row + index(i)))
-          ++taken;
-        else
-          voxels[row + index(i)] = static_cast<typename Voxels::value_type>(value);
-      }
-    }
+    for (int j = box.first[1]; j <= box.last[1]; ++j)
+      for (int i = box.first[0]; i <= box.last[0]; ++i, ++at)
+        if (inside[at] != 0) voxels.push_back(grid.index(i, j, k));
+  return voxels;
+}
+
+/// Gives voxels a value where neither they nor those of `others` have one; how many have one.
+template <class Voxels>
+std::size_t fill(Voxels& voxels, const std::vector<std::size_t>& which, int value,
+                 const std::vector<std::pair<const Volume*, int>>& others) {
+  std::size_t taken = 0;
+  for (const std::size_t v : which) {
+    const bool is_held = voxels[v] != 0 || std::ranges::any_of(others, [&](const auto& other) {
+                           return rounded_label(std::get<Voxels>(other.first->data)[v]) == other.second;
+                         });
+    if (is_held)
+      ++taken;
+    else
+      voxels[v] = static_cast<typename Voxels::value_type>(value);
+  }
   return taken;
 }
 
@@ -49,19 +52,6 @@ Volume empty_layer(const VolumeGeometry& grid, int largest) {
   else
     layer.data = std::vector<std::uint16_t>(grid.voxels(), 0);
   return layer;
-}
-
-/// The voxels of a grid whose centres lie within a mesh.
-std::vector<std::size_t> voxels_within(const Mesh& mesh, const VolumeGeometry& grid) {
-  const VoxelBox box = voxels_around(bounds_of(mesh.points), grid, 1);
-  const auto inside = voxelise(mesh, part_of_grid(grid, box));
-  std::vector<std::size_t> voxels;
-  std::size_t at = 0;
-  for (int k = box.first[2]; k <= box.last[2]; ++k)
-    for (int j = box.first[1]; j <= box.last[1]; ++j)
-      for (int i = box.first[0]; i <= box.last[0]; ++i, ++at)
-        if (inside[at] != 0) voxels.push_back(grid.index(i, j, k));
-  return voxels;
 }
 
 /// A layer that is being filled, and the values in it.
@@ -116,9 +106,9 @@ MapOfMeshes map_of_meshes(const std::vector<MeshOfSegment>& meshes, const Volume
       const Segment& other = meshes[std::min(a, b)].segment;
       if (layers[other.layer] != segment.layer) others.emplace_back(&volumes[layers[other.layer]], other.value);
     }
-    made.contested_voxels +=
-        std::visit([&](auto& voxels) { return fill(voxels, meshes[m].mesh, grid, segment.value, others); },
-                   volumes[segment.layer].data);
+    made.contested_voxels += std::visit(
+        [&](auto& voxels) { return fill(voxels, voxels_within(meshes[m].mesh, grid), segment.value, others); },
+        volumes[segment.layer].data);
     map.segmentation.add(std::move(segment));
   }
   map.volume = std::move(volumes.front());

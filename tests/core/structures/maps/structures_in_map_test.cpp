@@ -58,6 +58,19 @@ TEST_CASE("a vertebra is found by its level where no label has its name") {
         std::vector<std::string>{"disc_L3_L4"});
 }
 
+TEST_CASE("what is found by its value alone is told, unless its name is no more than that") {
+  VolumeRead map = row_of({"", "", ""});
+  TemplateSet set = set_of({"liver", "label 12", "spleen"});
+  for (TemplateOfSet& one : set.structures) one.value += 10;
+  const SetInMap found = find_in_map(set, map);
+  for (const StructureInMap& one : found.structures) CHECK(one.by_value);
+  CHECK(found_by_values(set, found) ==
+        "gives no names, so labels were taken by the set's values: liver (11), spleen (13); if these are other "
+        "structures, put their names beside the map");
+  map = row_of({"liver", "label 12", "spleen"});
+  CHECK(found_by_values(set, find_in_map(set, map)).empty());
+}
+
 TEST_CASE("a level alone is the vertebra's name and no other structure's") {
   CHECK(is_same_vertebra("L3", "vertebrae_L3"));
   CHECK(is_same_vertebra("Vertebra T12", "t12"));

@@ -66,6 +66,29 @@ TEST_CASE("a stretch of names that are off is one error however long it is") {
   }
 }
 
+TEST_CASE("names that a small set cannot compare are likely right, and not half wrong") {
+  // Two vertebrae and the disc between them: nothing of the set is a level above, or below.
+  const SetOfTemplates all = stone_set();
+  SetOfTemplates set;
+  SetInMap subject;
+  FittedSet fitted;
+  for (const auto& [name, k] :
+       std::map<std::string, std::size_t>{{"disc_L4_L5", 2}, {"vertebrae_L4", 3}, {"vertebrae_L5", 4}}) {
+    set.set.structures.push_back(all.set.structures[k]);
+    set.set.structures.back().name = name;
+    set.templates.push_back(all.templates[k]);
+    subject.structures.emplace_back().mask.emplace();
+    fitted.structures.emplace_back().fit.emplace().mesh = {all.templates[k]->topology, all.templates[k]->points};
+  }
+  const auto levels = find_levels(set, subject, fitted, {1, 1, 1}, {0, 0, 0});
+  for (const LevelFound& found : levels) {
+    CHECK(found.shift == 0);
+    CHECK(found.maybe == 0);
+    CHECK(found.p_named > 0.85);  // 0.5 where the side that the set lacks counted as much as its own
+  }
+  CHECK(levels[0].p_named == doctest::Approx(0.97));  // a disc alone
+}
+
 TEST_CASE("two names that are exchanged among others are the wrong ones") {
   for (const int height : {with_room, without_room}) {
     CAPTURE(height);

@@ -100,6 +100,18 @@ TEST_CASE("a little comes back only from a neighbour that shows too much") {
   });
   CHECK_FALSE(cut.has(2, DefectKind::given_to_neighbour));
   CHECK(cut.map.volume.data == stone_map(1).volume.data);
+  // Nor does what its fit leaves out, which may be what the template lacks.
+  for (const bool is_cut : {false, true}) {
+    CAPTURE(is_cut);
+    const Signed left_out = Signed::with([&](RepairedMap& found) {
+      lost_to_sound(found);
+      found.signs[3].bridges = 0.017;
+      found.expected[3].reset();
+      if (is_cut) found.fitted.structures[3].fit->template_cuts.emplace_back();
+    });
+    CHECK(left_out.has(2, DefectKind::given_to_neighbour) == !is_cut);
+    CHECK(left_out.has(3, DefectKind::bridge) == !is_cut);
+  }
 }
 
 TEST_CASE("what a small structure lost shows on it however large its neighbour is") {

@@ -6,9 +6,11 @@
 #include <array>
 #include <map>
 
+#include "core/adapt/judge_fit.h"
 #include "core/experiment/corrupt_labels.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxels/isosurface.h"
+#include "core/structures/fitting/structure_confidence.h"
 #include "core/structures/naming/level_names.h"
 #include "core/structures/naming/right_names.h"
 #include "core/structures/repair/voxel_body.h"
@@ -645,6 +647,41 @@ TEST_CASE("a level more than the set has is a variant, and one that is missing i
   CHECK(found.variants.empty());
   must_find_missing(found);
   CHECK(found.structures[2].changed_voxels > 1000);
+}
+
+TEST_CASE("what a map does not segment at all is not missing") {
+  SetOfTemplates set = the_set();
+  for (const int k : {0, 1}) {
+    TemplateOfSet disc;
+    disc.name = "disc_L" + std::to_string(k + 1) + "_L" + std::to_string(k + 2);
+    disc.value = 11 + k;
+    set.set.structures.push_back(disc);
+    const Mesh between = stone_at((place_of(k) + place_of(k + 1)) / 2, 4, 1);
+    set.templates.push_back(test::must(make_template({between.points, between.topology->triangles()}, disc.name)));
+  }
+  for (const bool is_listed : {false, true}) {
+    CAPTURE(is_listed);
+    VolumeRead map = stone_map();
+    if (is_listed) map.segmentation.add({"disc_L1_L2", 11, 0, {}, {}});  // as a segmenter lists all that it knows
+    const RepairedMap found = test::must(repair_map(set, map, 0));
+    for (const std::size_t k : {5U, 6U}) {
+      CHECK(has_kind(found.structures[k], DefectKind::missing) == is_listed);
+      CHECK((found.structures[k].changed_voxels > 0) == is_listed);
+    }
+  }
+}
+
+TEST_CASE("the farther a fit is in doubt the less sure a structure is, with no floor") {
+  FittedStructure one;
+  one.fit.emplace();
+  std::vector<double> confidence;
+  for (const double times : {0.5, 3.0, 6.0}) {
+    one.judgement.doubt_share = times * most_doubt_share;
+    confidence.push_back(structure_confidence(one));
+  }
+  CHECK(confidence[0] > 0.8);
+  CHECK(confidence[1] < confidence[0] + 1e-12);
+  CHECK(confidence[2] < 0.05);
 }
 
 TEST_CASE("a label that is filled in has a value that no other label has, and its name") {

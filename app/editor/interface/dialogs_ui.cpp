@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "app/editor/interface/dialog_frame.h"
 #include "app/editor/interface/interface.h"
@@ -125,22 +126,39 @@ void draw_series(const UiContext& ui, const SeriesDialog& dialog, Outbox& out) {
   end_dialog();
 }
 
+/// An answer to what a dialog asks: a button.
+struct Answer {
+  std::string label, tip;
+  bool is_main = false;
+};
+
+/// The end of a dialog that has two answers, side by side. Gives the one that was pressed, 0 or 1; none: neither.
+std::optional<int> end_with_answers(const Theme& theme, const Answer& first, const Answer& second) {
+  gap(theme, 4);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  std::optional<int> pressed;
+  if (button(theme, first.label, first.tip, {}, half, first.is_main)) pressed = 0;
+  ImGui::SameLine();
+  if (button(theme, second.label, second.tip, {}, half, second.is_main)) pressed = 1;
+  end_dialog();
+  return pressed;
+}
+
 void draw_flip(const UiContext& ui, const FlipDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "Are the mesh's coordinates RAS?", 520, 0)) close_dialog(out);
   explanation(theme, "If its coordinates are LPS, " + dialog.name +
                          " lies outside the image. If they are RAS (left-right and front-back exchanged), it lies in "
                          "the image. Until you choose, it is in the middle of the image.");
-  gap(theme, 4);
-  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
-  if (button(theme, "Flip RAS to LPS", "Exchanges left-right and front-back (negates x and y)", {}, half, true)) {
+  const auto answer =
+      end_with_answers(theme, {"Flip RAS to LPS", "Exchanges left-right and front-back (negates x and y)", true},
+                       {"Leave it in the middle", "Then place it by hand"});
+  if (!answer) return;
+  if (*answer == 0) {
     out.apply(SetPlacement{dialog.placement});
     out.send(LookAt{dialog.bounds_mm.center()});
-    close_dialog(out);
   }
-  ImGui::SameLine();
-  if (button(theme, "Leave it in the middle", "Then place it by hand", {}, half)) close_dialog(out);
-  end_dialog();
+  close_dialog(out);
 }
 
 /// A button without a fill until it is pointed at.
@@ -242,12 +260,10 @@ void draw_replace(const UiContext& ui, const ReplaceDialog& dialog, Outbox& out)
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "Replace the file?", 520, 0)) close_dialog(out);
   explanation(theme, dialog.there.string() + " exists already.");
-  gap(theme, 4);
-  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
-  if (button(theme, "Replace it", "Its content now is lost", {}, half)) out.send(AcceptReplacement{});
-  ImGui::SameLine();
-  if (button(theme, "Choose another name", "Back to the files", {}, half, true)) out.send(ChooseOtherName{});
-  end_dialog();
+  const auto answer = end_with_answers(theme, {"Replace it", "Its content now is lost"},
+                                       {"Choose another name", "Back to the files", true});
+  if (answer == 0) out.send(AcceptReplacement{});
+  if (answer == 1) out.send(ChooseOtherName{});
 }
 
 void draw_quit(const UiContext& ui, Outbox& out) {
@@ -257,28 +273,22 @@ void draw_quit(const UiContext& ui, Outbox& out) {
   explanation(theme,
               kept ? "It is kept, and offered again at the next start."
                    : "It could not be written to the disk. Save it in a folder that you may write to, or it is lost.");
-  gap(theme, 4);
-  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
-  if (button(theme, "Save as…", "Choose a name", {}, half, true)) out.send(SaveCase{true});
-  ImGui::SameLine();
-  if (button(theme, kept ? "Quit" : "Lose it and quit", kept ? "Nothing is lost" : "Every edit of this case is lost",
-             {}, half))
-    out.send(Quit{true});
-  end_dialog();
+  const auto answer = end_with_answers(
+      theme, {"Save as…", "Choose a name", true},
+      {kept ? "Quit" : "Lose it and quit", kept ? "Nothing is lost" : "Every edit of this case is lost"});
+  if (answer == 0) out.send(SaveCase{true});
+  if (answer == 1) out.send(Quit{true});
 }
 
 void draw_quit_without_study(const UiContext& ui, const std::filesystem::path& study, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "The study was not saved", 520, 0)) close_dialog(out);
   explanation(theme, study.string() + " could not be written. Save the study in a folder that you may write to.");
-  gap(theme, 4);
-  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
-  if (button(theme, "Save study as…", "Choose a name", {}, half, true))
-    out.send(ShowFileDialog{FilePurpose::save_study, study.filename().string()});
-  ImGui::SameLine();
-  if (button(theme, "Quit without it", "Changes to the list of cases, states, groups and notes are lost", {}, half))
-    out.send(Quit{true, true});
-  end_dialog();
+  const auto answer =
+      end_with_answers(theme, {"Save study as…", "Choose a name", true},
+                       {"Quit without it", "Changes to the list of cases, states, groups and notes are lost"});
+  if (answer == 0) out.send(ShowFileDialog{FilePurpose::save_study, study.filename().string()});
+  if (answer == 1) out.send(Quit{true, true});
 }
 
 void draw_spacing(const UiContext& ui, const SpacingDialog& dialog, Outbox& out) {
@@ -310,19 +320,17 @@ void draw_resample(const UiContext& ui, const ResampleDialog& dialog, Outbox& ou
   explanation(theme, "The series has " + dialog.why +
                          ". It can be shown on a rectangular grid. Values between two slices are then interpolated, "
                          "and the case remembers it.");
-  gap(theme, 4);
-  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
-  if (button(theme, "Resample and open", "Reads the slices onto a grid with even distances. The files stay as they are",
-             {}, half, true)) {
+  const auto answer = end_with_answers(
+      theme,
+      {"Resample and open", "Reads the slices onto a grid with even distances. The files stay as they are", true},
+      {"Do not open it", "Then copy the whole series again, or choose another"});
+  if (!answer) return;
+  if (*answer == 0) {
     OpenRequest request = dialog.request;
     request.volume_options.resample = true;
     out.send(OpenRequested{std::move(request)});
-    close_dialog(out);
   }
-  ImGui::SameLine();
-  if (button(theme, "Do not open it", "Then copy the whole series again, or choose another", {}, half))
-    close_dialog(out);
-  end_dialog();
+  close_dialog(out);
 }
 
 }  // namespace

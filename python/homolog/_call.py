@@ -230,7 +230,7 @@ class Call:
 
     def run(self, progress: Progress = None, jobs: Optional[int] = None) -> Dict[str, Any]:
         try:
-            return _core.run(self.arguments, self.lent, progress, jobs, self.called)
+            return _core.run(self.arguments, self.lent, progress, jobs, self.called, self.verb)
         except _core.Error as error:
             if self.verb:
                 error.args = (in_python(str(error), self.verb),)

@@ -218,7 +218,17 @@ Json to_json(const py::handle& value) {
   return json_of(value, 0);
 }
 
+std::string in_python(const std::string& sentence, const std::vector<std::string>& verb) {
+  return py::module_::import("homolog._words").attr("in_python")(sentence, verb).cast<std::string>();
+}
+
 void warn(const std::vector<std::string>& sentences) {
+  std::vector<std::string> spoken;
+  for (const std::string& sentence : sentences) spoken.push_back(in_python(sentence));
+  warn_as_given(spoken);
+}
+
+void warn_as_given(const std::vector<std::string>& sentences) {
   if (sentences.empty()) return;
   const py::object category = py::module_::import("homolog._core").attr("HomologWarning");
   const py::object say = py::module_::import("warnings").attr("warn");

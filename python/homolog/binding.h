@@ -56,7 +56,12 @@ py::object to_python(const Json& json);
 /// itself, a whole number beyond 64 bits.
 Json to_json(const py::handle& value);
 
+/// A sentence of the command line with Python's keywords for its options [_words.py]. `verb`: whose they are.
+std::string in_python(const std::string& sentence, const std::vector<std::string>& verb = {});
+
 /// Gives sentences to Python's warnings as homolog.HomologWarning.
+void warn_as_given(const std::vector<std::string>& sentences);
+/// The same for sentences of the command line.
 void warn(const std::vector<std::string>& sentences);
 
 /// How a long call is watched.

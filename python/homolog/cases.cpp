@@ -12,6 +12,7 @@
 #include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
 #include "core/structures/fitting/set_in_case.h"
+#include "core/structures/fitting/shared_in_case.h"
 #include "core/template_making/label_body.h"
 #include "core/volume/referenced_images.h"
 #include "python/homolog/binding.h"
@@ -479,7 +480,9 @@ py::list propagate_into(HeldCase& self, double reach_mm, const std::string& of, 
     PropagateOptions options;
     options.reach_mm = reach_mm;
     options.progress = &own;
-    return propagate_shape(scan, view, options);
+    auto carried = propagate_shape(scan, view, options);
+    if (carried) share_carried(*kept, {{view.structure.id, carried->actions}});
+    return carried;
   });
   bool joined = false;
   for (SetPoints& action : edit.actions) {

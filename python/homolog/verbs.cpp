@@ -54,7 +54,7 @@ std::string in_callers_words(std::string sentence, const Called& called) {
 }
 
 py::object run(const std::vector<std::string>& arguments, const Lent& lent, const py::object& progress,
-               const std::optional<int>& jobs, const Called& called) {
+               const std::optional<int>& jobs, const Called& called, const std::vector<std::string>& verb) {
   const Lending lending(lent);
   bool wrong = false;
   std::optional<Result<Report>> done;
@@ -62,8 +62,11 @@ py::object run(const std::vector<std::string>& arguments, const Lent& lent, cons
   const Result<Report>& report = *done;
   if (!report) throw Refusal(in_callers_words(report.error().sentence(), called), wrong);
   std::vector<std::string> warnings = report->warnings;
-  for (std::string& warning : warnings) warning = in_callers_words(std::move(warning), called);
-  warn(warnings);
+  for (std::string& warning : warnings) {
+    warning = in_callers_words(std::move(warning), called);
+    if (!verb.empty()) warning = in_python(warning, verb);
+  }
+  warn_as_given(warnings);
   const py::object values = to_python(report->values);
   if (!report->refusal) return values;
   const py::object error = py::module_::import("homolog._core").attr("Error");
@@ -78,9 +81,10 @@ py::object run(const std::vector<std::string>& arguments, const Lent& lent, cons
 void add_verbs(py::module_& module) {
   module.def(
       "run", &run, py::arg("arguments"), py::arg("lent"), py::arg("progress"), py::arg("jobs"),
-      py::arg("called") = Called(),
+      py::arg("called") = Called(), py::arg("verb") = std::vector<std::string>(),
       "Does a verb of the command line and gives its report. lent: [(name, volume)] that it reads by these names. "
-      "called: {file: word}: what sentences call a file that stands for an object.");
+      "called: {file: word}: what sentences call a file that stands for an object. verb: its words, for warnings in "
+      "Python's keywords; empty: they name options.");
 }
 
 }  // namespace homolog::python

@@ -198,6 +198,13 @@ def test_a_sentence_has_the_keywords_of_python(sentence, verb, said):
     assert in_python(sentence, verb) == said
 
 
+def test_warnings_too_have_the_keywords_of_python(folder):
+    image = folder / "warned.nii.gz"
+    homolog.Volume(numpy.zeros((4, 4, 4), numpy.uint8)).write(image)
+    with pytest.warns(homolog.HomologWarning, match="has a spacing of its own, so spacing has no effect"):
+        homolog.info(image, spacing=(1, 1, 2))
+
+
 def test_errors_name_keywords_and_run_names_options(kidney, tmp_path):
     two = homolog.LabelMap(numpy.kron(numpy.array([[[1, 2]]], numpy.uint8), numpy.ones((6, 6, 6), numpy.uint8)),
                            affine=numpy.eye(4))

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/assist/assist.h"
+#include "core/structures/fitting/shared_in_case.h"
 
 namespace homolog {
 
@@ -42,8 +43,11 @@ void Propagator::start(std::shared_ptr<const Document> document, std::vector<std
           const auto shown = shape_to("propagate", *document, id);
           auto edit = shown ? propagate_shape(document->scan, *shown, options) : fail(shown.error());
           if (!edit) return fail(edit.error().subject.empty() ? subject : edit.error().subject, edit.error().what);
-          all.emplace_back(id, std::move(*edit));
+          all.emplace_back(shown->structure.id, std::move(*edit));
         }
+        std::vector<CarriedStructure> carried;
+        for (auto& [id, edit] : all) carried.push_back({id, edit.actions});
+        share_carried(*document, carried);
         return all;
       });
 }

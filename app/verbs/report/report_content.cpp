@@ -166,7 +166,7 @@ Result<std::vector<PageCase>> cases_of_set(const ReportVerb& verb, const Trainin
     if (!of_study) left_out.emplace(one.name, one.reason);
     for (const std::string& key : one.study_keys) left_out.emplace(key, one.reason);
   }
-  const auto names = training.parts.empty() ? shape_names(training.names) : training.names;
+  const auto names = training.parts.empty() ? names_with_folders(training.names) : training.names;
   std::vector<PageCase> cases;
   std::set<std::string> in_model;
   for (std::size_t k = 0; k < names.size(); ++k) {

@@ -9,6 +9,7 @@
 #include "core/groupwise/cohort_template.h"
 #include "core/structures/fitting/fit_set.h"
 #include "core/structures/fitting/neighbours_say.h"
+#include "core/structures/naming/level_names.h"
 
 // `set make --consensus`: templates that no subject decides, each where it lies on average.
 
@@ -31,7 +32,9 @@ StructuresOfAll united(const std::vector<std::vector<Segment>>& asked) {
     for (const Segment& segment : asked[m]) {
       const auto likeness = [&](const TemplateOfSet& one) {
         if (segment.name.empty()) return one.value == segment.value ? NameLikeness::words : NameLikeness::none;
-        return name_likeness(one.name, segment.name);
+        const NameLikeness of_names = name_likeness(one.name, segment.name);
+        const bool by_level = of_names == NameLikeness::none && is_same_vertebra(one.name, segment.name);
+        return by_level ? NameLikeness::words : of_names;
       };
       const auto found = std::ranges::max_element(all.set.structures, {}, likeness);
       if (found != all.set.structures.end() && likeness(*found) != NameLikeness::none) {
@@ -61,12 +64,14 @@ struct LabelsOfOne {
   std::vector<std::string> warnings;  ///< which maps could not be used, and why
 };
 
-/// A structure's part of a map: a bit a voxel, so that those of all maps lie in memory at once.
+/// A structure's part of a map: a bit a voxel, so that those of all maps lie in memory at once. A soft mask as it is.
 struct PackedLabel {
   Volume around;  ///< without its voxels
   std::vector<bool> held;
+  std::optional<Volume> soft;
 
   CohortMap map() const {
+    if (soft) return {*soft, 1, 0};
     CohortMap map{around, 1, 0};
     map.volume.data = std::vector<std::uint8_t>(held.begin(), held.end());
     map.volume.range_max = 1;
@@ -99,7 +104,10 @@ Result<LabelsOfMap> read_labels_in(const fs::path& map, const TemplateSet& set, 
   for (StructureInMap& one : find_in_map(set, read->read).structures) {
     all.why_left_out.push_back(std::move(one.why_left_out));
     all.labels.emplace_back();
-    if (one.is_there()) all.labels.back() = packed(std::move(*one.mask), one.segment.value);
+    if (one.soft)
+      all.labels.back() = PackedLabel{.soft = std::move(one.soft)};
+    else if (one.is_there())
+      all.labels.back() = packed(std::move(*one.mask), one.segment.value);
   }
   return all;
 }
@@ -167,11 +175,14 @@ Result<LabelsOfOne> labels_of_one(const SetJob& job, const StructuresOfAll& all,
 Result<MadeTemplate> own_template_of(const SetJob& job, const std::vector<std::vector<Segment>>& asked,
                                      const std::string& name, int value, std::size_t map,
                                      const std::optional<double>& closing_mm, Progress& progress) {
-  const bool by_name = std::ranges::any_of(
-      asked[map], [&](const Segment& segment) { return name_likeness(segment.name, name) != NameLikeness::none; });
+  const Segment* named = nullptr;
+  for (const Segment& segment : asked[map])
+    if (name_likeness(segment.name, name) != NameLikeness::none ||
+        (named == nullptr && is_same_vertebra(segment.name, name)))
+      named = &segment;
   TemplateJob making;
   making.in = job.maps[map];
-  making.label = by_name ? name : std::to_string(value);
+  making.label = named != nullptr ? named->name : std::to_string(value);
   making.vertices = job.vertices;
   making.closing_mm = closing_mm;
   return make_template_of_one(making, !closing_mm, progress);

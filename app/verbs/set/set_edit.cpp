@@ -85,7 +85,7 @@ Result<Report> add_to_set(SetJob job, const std::string& source, Progress& progr
   const auto asked = structures_asked(job, making, progress);
   if (!asked) return fail(asked.error());
   if (auto is_new = check_new(job, source, set->set, asked->front()); !is_new) return fail(is_new.error());
-  if (auto is_free = check_templates_free(job, *asked, set->set); !is_free) return fail(is_free.error());
+  if (auto is_free = check_templates_free(job, *asked, set->set, progress); !is_free) return fail(is_free.error());
   const auto folder = ResultFolder::make(job.folder());
   if (!folder) return fail(folder.error());
   making.made = std::move(*set);

@@ -8,6 +8,7 @@
 #include "app/verbs/case_pool.h"
 #include "app/verbs/set/set_cases.h"
 #include "app/verbs/template/template_job.h"
+#include "core/base/files/file_record.h"
 #include "core/base/files/files.h"
 #include "core/base/files/paths.h"
 #include "core/base/text/listed.h"
@@ -213,13 +214,22 @@ std::vector<fs::path> templates_of_old_set(const SetJob& job) {
   return files;
 }
 
+/// Whether the same command made a file before, and was stopped before it wrote its set.
+bool is_of_same_command(const SetJob& job, const fs::path& file, Progress& progress) {
+  const auto there = read_record(file);
+  if (!there || !*there) return false;
+  const auto record = record_of(job.command, progress);
+  return record && **there == record_of_made(*record, job.out, file);
+}
+
 /// Errors: a file that is to be written is there, and is no template of the old set.
-Result<void> check_own(const SetJob& job, const std::vector<fs::path>& to_write) {
+Result<void> check_own(const SetJob& job, const std::vector<fs::path>& to_write, Progress& progress) {
   const auto own = templates_of_old_set(job);
   for (const fs::path& file : to_write) {
     std::error_code ignored;
     if (!fs::exists(fs::symlink_status(file, ignored))) continue;
-    if (std::ranges::none_of(own, [&](const fs::path& one) { return is_same_file(one, file); }))
+    if (std::ranges::none_of(own, [&](const fs::path& one) { return is_same_file(one, file); }) &&
+        !is_of_same_command(job, file, progress))
       return fail(file.string(), "is there, is no template of " + job.out.string() +
                                      ", and would be written over; move it away, or give the set another name");
   }
@@ -359,13 +369,13 @@ Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, Se
 }
 
 Result<void> check_templates_free(const SetJob& job, const std::vector<std::vector<Segment>>& asked,
-                                  const TemplateSet& known) {
+                                  const TemplateSet& known, Progress& progress) {
   std::vector<fs::path> to_write;
   for (const auto& segments : asked)
     for (const Segment& segment : segments)
       if (const std::string name = name_in_set(segment); known.find(name) == nullptr)
         to_write.push_back(file_of_template(job, name));
-  return check_own(job, to_write);
+  return check_own(job, to_write, progress);
 }
 
 Result<void> add_map(const SetJob& job, const fs::path& map, const std::vector<Segment>& asked, SetInMaking& making,
@@ -415,7 +425,7 @@ Result<Report> write_set(const SetJob& job, SetInMaking& making, Progress& progr
   std::vector<fs::path> to_write;
   for (std::size_t k = 0; k < made.templates.size(); ++k)
     if (making.files[k].triangles.rows() > 0) to_write.push_back(made.set.structures[k].file);
-  if (auto own = check_own(job, to_write); !own) return fail(own.error());
+  if (auto own = check_own(job, to_write, progress); !own) return fail(own.error());
   std::vector<Mesh> meshes;
   FilesOfRun new_files;
   for (std::size_t k = 0; k < made.templates.size(); ++k) {
@@ -450,7 +460,7 @@ Result<Report> make_set(const SetJob& job, Progress& progress) {
   SetInMaking making;
   const auto asked = structures_asked(job, making, progress);
   if (!asked) return fail(asked.error());
-  if (auto is_free = check_templates_free(job, *asked, {}); !is_free) return fail(is_free.error());
+  if (auto is_free = check_templates_free(job, *asked, {}, progress); !is_free) return fail(is_free.error());
   const auto folder = ResultFolder::make(job.folder());
   if (!folder) return fail(folder.error());
   if (job.consensus) {

@@ -48,9 +48,9 @@ struct SetInMaking {
 Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, SetInMaking& making, Progress& progress);
 
 /// Errors: a file is there under the name of a template that is to be made, and the set that is written over has it
-/// not. `known`: what has its template already.
+/// not; but for those of the same command that was stopped. `known`: what has its template already.
 Result<void> check_templates_free(const SetJob& job, const std::vector<std::vector<Segment>>& asked,
-                                  const TemplateSet& known);
+                                  const TemplateSet& known, Progress& progress);
 
 /// The name of a segment in the set.
 std::string name_in_set(const Segment& segment);

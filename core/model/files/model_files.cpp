@@ -96,13 +96,6 @@ std::string ShapeNames::next_of(const std::string& stem) {
   return name;
 }
 
-std::vector<std::string> shape_names(const std::vector<std::string>& files) {
-  ShapeNames all;
-  std::vector<std::string> names;
-  for (const std::string& file : files) names.push_back(all.next(file));
-  return names;
-}
-
 std::vector<std::string> names_with_folders(const std::vector<std::string>& files) {
   std::map<std::string, std::set<fs::path>> folders;  // by the stem of the files
   const auto folder_of = [](const std::string& file) {
@@ -126,6 +119,16 @@ std::vector<std::string> names_with_folders(const std::vector<std::string>& file
     named.push_back(names.next_of((innermost(folder_of(file), depth[stem]) / stem).generic_string()));
   }
   return named;
+}
+
+std::vector<std::string> shape_names(const std::vector<std::string>& files) {
+  ShapeNames all;
+  std::vector<std::string> names;
+  for (std::string name : names_with_folders(files)) {
+    std::ranges::replace(name, '/', '-');
+    names.push_back(all.next_of(name));
+  }
+  return names;
 }
 
 Result<void> write_model_tables(const PrincipalComponents& components, const std::vector<std::string>& names,

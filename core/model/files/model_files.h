@@ -11,15 +11,14 @@
 
 namespace homolog {
 
-/// A name for each file of a training set to write its shape under: the file's name without folders and extension,
-/// with -2, -3, … where several are equal.
+/// Names to write the shapes of files under: those of names_with_folders, with - for / ("pre-P1", "post-P1").
 std::vector<std::string> shape_names(const std::vector<std::string>& files);
 /// Names for tables: where several files' names are equal, with as many folders as tell them apart ("pre/P1",
 /// "post/P1"). -2, -3, … where they lie in one folder.
 std::vector<std::string> names_with_folders(const std::vector<std::string>& files);
 /// The name of a shape's file without folders and extension, with the structure and the frame that it is of.
 std::string shape_stem(const std::string& file);
-/// The same as shape_names one after the other.
+/// Names of shapes that come one after the other: their stems, with -2, -3, … where several are equal.
 class ShapeNames {
  public:
   std::string next(const std::string& file);

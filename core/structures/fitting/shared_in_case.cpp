@@ -1,6 +1,7 @@
 #include "core/structures/fitting/shared_in_case.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "core/structures/fitting/share_vertices.h"
@@ -13,6 +14,14 @@ namespace {
 void for_each_shared(const Document& document, const auto& visit) {
   for (const auto& one : document.structures)
     for (const SharedWith& shared : one->shared) visit(*one, shared);
+}
+
+std::vector<SharedVertices> all_shared(const Document& document) {
+  std::vector<SharedVertices> all;
+  for_each_shared(document, [&](const Structure& one, const SharedWith& shared) {
+    all.push_back({one.id, shared.with, *shared.vertices});
+  });
+  return all;
 }
 
 bool is_in(const std::vector<std::string>& ids, const std::string& id) {
@@ -70,15 +79,47 @@ std::optional<SetPoints> edit_to_shared(const Document& document, const std::str
     meshes.push_back(document.view(id)->mesh());
   }
   if (!is_in(lead.held, ids.back())) leaders.push_back(meshes.size() - 1);
-  std::vector<SharedVertices> all;
-  for_each_shared(document, [&](const Structure& one, const SharedWith& shared) {
-    all.push_back({one.id, shared.with, *shared.vertices});
-  });
-  follow_shared(all, ids, meshes, leaders);
+  follow_shared(all_shared(document), ids, meshes, leaders);
   SetPoints edit = points_edit(*own, meshes[at].points, FoundBy::shared);
   if (*edit.points == *own->shape.points) return std::nullopt;
   edit.doubt = own->shape.doubt;  // nobody has looked at it
   return edit;
+}
+
+void share_carried(const Document& document, const std::vector<CarriedStructure>& carried) {
+  const std::vector<SharedVertices> all = all_shared(document);
+  if (all.empty()) return;
+  std::map<int, std::map<std::string, SetPoints*>> frames;
+  for (const CarriedStructure& one : carried)
+    for (SetPoints& edit : one.edits)
+      if (edit.of_frame && edit.by == FoundBy::propagation) frames[*edit.of_frame][one.of] = &edit;
+  for (const auto& [frame, edits] : frames) {
+    std::vector<std::string> ids;
+    std::vector<Mesh> meshes;
+    std::vector<std::size_t> leaders;
+    for (const auto& one : document.structures) {
+      if (edits.contains(one->id)) continue;
+      const Shape* there = one->shape(frame);
+      if (there == nullptr || there->strokes == 0) continue;
+      leaders.push_back(ids.size());
+      ids.push_back(one->id);
+      meshes.push_back({one->the_template->topology, *there->points});
+    }
+    for (const CarriedStructure& one : carried) {
+      const auto edit = edits.find(one.of);
+      if (edit == edits.end()) continue;
+      ids.push_back(one.of);
+      meshes.push_back({document.structure(one.of)->the_template->topology, *edit->second->points});
+    }
+    const std::size_t first = leaders.size();
+    if (first < ids.size()) leaders.push_back(first);
+    follow_shared(all, ids, meshes, leaders);
+    for (std::size_t k = first; k < ids.size(); ++k) {
+      SetPoints& edit = *edits.at(ids[k]);
+      if (meshes[k].points != *edit.points)
+        edit.points = points_edit(*document.view(ids[k]), frame, meshes[k].points, edit.by).points;
+    }
+  }
 }
 
 }  // namespace homolog

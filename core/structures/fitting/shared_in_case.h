@@ -28,4 +28,15 @@ struct SharedLead {
 /// that are held. First the leader is edited, then the others. None where nothing lies apart, or where it is held.
 std::optional<SetPoints> edit_to_shared(const Document& document, const std::string& of, const SharedLead& lead);
 
+/// Edits that carry a structure to frames of a cine; each names its frame.
+struct CarriedStructure {
+  std::string of;  ///< its id
+  std::vector<SetPoints>& edits;
+};
+
+/// Gives the vertices that structures share one place in each frame that they are carried to: where structures have
+/// them that are not carried there but were edited there, in the order of the case, else where the first of those that
+/// are carried has them [follow_shared].
+void share_carried(const Document& document, const std::vector<CarriedStructure>& carried);
+
 }  // namespace homolog

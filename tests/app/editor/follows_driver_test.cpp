@@ -158,6 +158,36 @@ TEST_CASE("a fit to a structure that is locked meanwhile changes nothing") {
   driver.wait_until("the preview is gone", [&] { return !driver.app().snapshot().preview; });
 }
 
+TEST_CASE("what shares vertices with a structure goes along when that one is fitted and one undo takes both back") {
+  const OrganScan scan;
+  Driver driver(scan.document());
+  add_structure(driver, "s2", "second");
+  std::vector<VertexPair> pairs;
+  for (std::int32_t v = 0; v < 20; ++v) pairs.push_back({v, v});
+  const auto shared = std::make_shared<const std::vector<VertexPair>>(pairs);
+  driver.app().send(ApplyEdit{SetStructure{.id = "s2", .shared = {{{"s1", shared}}}}});
+  driver.settle();
+  const fs::path map = driver.folder() / "map.nii.gz";
+  REQUIRE(write_volume(label_map(icosphere(4, 22), OrganScan::grid(), 3), map));
+  driver.app().send(open_labels(map));
+  driver.settle();
+  const auto points = [&](const char* id) { return *driver.document().view(id)->shape.points; };
+  const auto apart_mm = [&] { return (points("s1") - points("s2")).topRows(20).rowwise().norm().maxCoeff(); };
+  const Points first = points("s1"), second = points("s2");
+  REQUIRE(apart_mm() > 40);
+  FitSettings settings;
+  settings.label = 3;
+  driver.app().send(StartFit{settings});
+  driver.wait_until("the fit is done", [&] { return driver.state().found.last_fit.has_value(); });
+  driver.settle();
+  CHECK(points("s1") != first);
+  CHECK(apart_mm() < 1e-6);
+  driver.app().send(ApplyEdit{Undo{}});
+  driver.settle();
+  CHECK(points("s1") == first);
+  CHECK(points("s2") == second);
+}
+
 TEST_CASE("nothing is fitted to a map that belongs to another frame") {
   Driver driver(BeatingBall::document());
   const fs::path map = driver.folder() / "one.nii.gz";

@@ -163,7 +163,7 @@ TEST_CASE("a consensus set does not depend on which map comes first") {
   CHECK(plain.out.find("confidence") != std::string::npos);
 }
 
-TEST_CASE("a consensus takes one organ for one whatever the order of the words of its name") {
+TEST_CASE("a consensus takes one organ for one whatever the order of its words, and a vertebra by its level") {
   const SubjectsFolder folder;
   VolumeGeometry grid;
   grid.spacing_mm.setConstant(2);
@@ -174,8 +174,8 @@ TEST_CASE("a consensus takes one organ for one whatever the order of the words o
                                             {{.name = second, .value = 5}, SubjectsFolder::egg(2, Vec3::Zero(), 1)}};
     REQUIRE(write_segmentation(map_of_meshes(meshes, grid).map, folder.path / name));
   };
-  write("x.seg.nrrd", "left kidney", "spleen");
-  write("y.seg.nrrd", "Kidney_Left", "spleen");
+  write("x.seg.nrrd", "left kidney", "L3");
+  write("y.seg.nrrd", "Kidney_Left", "vertebrae_L3");
   const Ran made = run(folder, "set make x.seg.nrrd y.seg.nrrd --all --consensus --vertices 120 -o k.set.json --json");
   REQUIRE_MESSAGE(made.status == 0, made.errors);
   const Json structures = made.json()["structures"];
@@ -450,6 +450,12 @@ TEST_CASE("a set writes over no file of others and names what only its old one h
   CHECK(read_whole_file(own / "mine.ply").value() == "precious");
   REQUIRE(write_whole_file(own / "kidney_left.ply", "precious"));
   check_refused(run(folder, "set add own/b.set.json body.seg.nrrd --labels kidney_left"), "kidney_left.ply");
+  // Neither does a command that was killed between its templates and its set: the same one goes on.
+  REQUIRE(run(folder, "set make body.seg.nrrd --labels kidney_right --vertices 300 -o own/k.set.json").status == 0);
+  REQUIRE(fs::remove(folder.path / "own" / "k.set.json"));
+  check_refused(run(folder, "set make body.seg.nrrd --labels kidney_right --vertices 400 -o own/k.set.json"),
+                "kidney_right.ply");
+  CHECK(run(folder, "set make body.seg.nrrd --labels kidney_right --vertices 300 -o own/k.set.json").status == 0);
   // A set that cannot be written leaves no templates behind, which would be in the way of the next try.
   fs::create_directories(folder.path / "own" / "c.set.json" / "full");
   CHECK(run(folder, "set make body.seg.nrrd --labels kidney_left --vertices 300 -o own/c.set.json").status == 1);
@@ -770,6 +776,15 @@ TEST_CASE("soft masks in a folder are surfaces at their level, for a set and for
   CHECK(off_mm("one.ply") < 0.8 * off_mm("voxels.ply"));
   const Ran other = run(folder, "template soft --label left --level 0.4 -o two.ply");
   check_refused(other, "name one file of it");
+  // So are those of a consensus.
+  for (const std::string kind : {"soft", "hard"}) {
+    fs::copy(folder.path / kind, folder.path / (kind + "2"));
+    const Ran of_two = run(
+        folder, "set make " + kind + " " + kind + "2 --all --consensus --vertices 400 -o mean-" + kind + ".set.json");
+    REQUIRE_MESSAGE(of_two.status == 0, of_two.errors);
+  }
+  MESSAGE("consensus: ", off_mm("mean-soft/left.ply"), " mm soft, ", off_mm("mean-hard/left.ply"), " mm hard");
+  CHECK(off_mm("mean-soft/left.ply") < 0.8 * off_mm("mean-hard/left.ply"));
 }
 
 TEST_CASE("a name that two labels have is left out of a set and of a fit with both values, and the rest goes on") {

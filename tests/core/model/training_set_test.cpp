@@ -342,7 +342,8 @@ TEST_CASE("equal shapes in different poses leave no component") {
 
 TEST_CASE("files of one name from several folders keep names apart") {
   CHECK(shape_names({"a/k.ply", "b/k.ply", "c/k-2.ply", "m.vtk"}) ==
-        std::vector<std::string>{"k", "k-2", "k-2-2", "m"});
+        std::vector<std::string>{"a-k", "b-k", "k-2", "m"});
+  CHECK(shape_names({"a/k.ply", "b/k.ply", "c/a-k.ply"}) == std::vector<std::string>{"a-k", "b-k", "a-k-2"});
   CHECK(names_with_folders({"x/a/k.ply", "x/b/k.ply", "x/b/m.ply", "x/b/m.vtk", "x/b/m.ply"}) ==
         std::vector<std::string>{"a/k", "b/k", "m", "m-2", "m-3"});
   CHECK(names_with_folders({"p/now/k.ply", "q/now/k.ply", "q/then/h.homolog frame 2", "m/h.homolog frame 2"}) ==

@@ -79,6 +79,7 @@ void SnapMesh::run(Editing& editing) const {
   stop_playing(editing);
   editing.work.snaps.start(editing.shown.session(), region, editing.state.automatic.snap, joined,
                            editing.state.look.structure);
+  if (!joined) let_shared_follow(document, editing.state.look.structure, editing.out);  // a stroke's own comes last
 }
 
 void CancelSnap::run(Editing& editing) const {

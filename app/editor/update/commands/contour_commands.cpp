@@ -48,6 +48,7 @@ void FitContours::run(Editing& editing) const {
   // While one draws, the shape alone answers at once.
   if (joined || (job.between == BetweenCurves::label && !job.labels)) job.between = BetweenCurves::shape;
   editing.work.contour_fits.start(editing.shown.session(), job, joined, state.look.structure);
+  if (!joined) let_shared_follow(editing.shown.document(), state.look.structure, editing.out);
 }
 
 void CancelContourFit::run(Editing& editing) const {

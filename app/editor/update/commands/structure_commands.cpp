@@ -104,6 +104,10 @@ void FollowShared::run(Editing& editing) const {
         true, std::move(id));
 }
 
+void let_shared_follow(const Document& document, std::string_view of, Outbox& out) {
+  if (!sharing_structures(document, of).empty()) out.send(FollowShared{});
+}
+
 void TakeBackRepair::run(Editing& editing) const {
   const Structure* active = editing.structure();
   const StructureLooks& looks = editing.state.look.structures;

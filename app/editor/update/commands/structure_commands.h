@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/editor/update/commands/logged.h"
@@ -10,6 +11,8 @@
 namespace homolog {
 
 class Fields;
+class Outbox;
+struct Document;
 struct Editing;
 
 // The structures of a case: which one is worked on, and how the others are shown.
@@ -57,6 +60,8 @@ struct FollowShared {
   static constexpr const char* key = "follow shared vertices";
   void run(Editing& editing) const;
 };
+/// Sends FollowShared after an edit of a structure (`of`: its id) that shares vertices.
+void let_shared_follow(const Document& document, std::string_view of, Outbox& out);
 /// Gives the structure that is worked on the shape back that it had before a repair; one that was missing goes.
 struct TakeBackRepair {
   static constexpr const char* key = "take back repair";

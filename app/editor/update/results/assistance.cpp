@@ -34,6 +34,7 @@ void take_fit(Editing& editing, Fitted fitted) {
   Note figures{"fit", {}, {}, fitted.figures};
   editing.apply(std::move(fitted.edit));
   if (is_fit) editing.apply(std::move(figures), true);
+  let_shared_follow(editing.shown.document(), state.look.structure, editing.out);
 }
 
 void ask_model(Editing& editing) {
@@ -165,10 +166,10 @@ void blend_model(Editing& editing, const BlendModel& command) {
     return;
   }
   editing.work.blend_wanted.reset();
-  if (command.commit)
-    session.apply_computed(std::move(complete), false, editing.state.look.structure);
-  else
-    session.preview(std::nullopt, {std::move(complete)}, editing.state.look.structure);
+  const std::string& of = editing.state.look.structure;
+  if (!command.commit) return session.preview(std::nullopt, {std::move(complete)}, of);
+  session.apply_computed(std::move(complete), false, of);
+  let_shared_follow(editing.shown.document(), of, editing.out);
 }
 
 void update_model_help(Editing& editing) {

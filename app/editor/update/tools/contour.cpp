@@ -2,7 +2,6 @@
 
 #include "app/editor/state/icons.h"
 #include "app/editor/update/tools/tool.h"
-#include "core/structures/fitting/shared_in_case.h"
 #include "core/volume/redrawn_contour.h"
 
 namespace homolog {
@@ -81,7 +80,7 @@ void follow_contour(EditorState& state, const Action&, const ControlsContext& co
   state.wanted_section = contours_section;
   ++state.section_wanted;
   out.send(FitContours{true});
-  if (!sharing_structures(context.document, context.structure).empty()) out.send(FollowShared{});
+  let_shared_follow(context.document, context.structure, out);
 }
 
 std::string contour_hint(const EditorState&, const Document&) {

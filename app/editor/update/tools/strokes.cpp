@@ -1,7 +1,6 @@
 #include "app/editor/state/icons.h"
 #include "app/editor/update/results/assistance.h"
 #include "app/editor/update/tools/tool.h"
-#include "core/structures/fitting/shared_in_case.h"
 
 namespace homolog {
 
@@ -40,16 +39,12 @@ std::optional<Action> stroke_action(const EditorState& state) {
 void follow_stroke(EditorState& state, const Action& action, const ControlsContext& context, Outbox& out) {
   const auto& stroke = std::get<Stroke>(action);
   state.preferences.hints.dragged = true;
-  const bool shares = !sharing_structures(context.document, context.structure).empty();
-  if (!moves_boundary(stroke.tool)) {
-    if (shares) out.send(FollowShared{});
-    return;
-  }
+  if (!moves_boundary(stroke.tool)) return let_shared_follow(context.document, context.structure, out);
   const auto shown = context.shape();
   if (shown && state.automatic.snap.with_strokes && context.document.scan.image)
     out.send(SnapMesh{snap_region(*shown, stroke), true});
   if (state.automatic.model_help > 0) out.send(CompleteByModel{});
-  if (shares) out.send(FollowShared{});
+  let_shared_follow(context.document, context.structure, out);
   if (state.automatic.keep_apart && context.document.structures.size() > 1) out.send(KeepApart{state.automatic.gap_mm});
 }
 

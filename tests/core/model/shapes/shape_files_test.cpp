@@ -91,7 +91,7 @@ TEST_CASE("of a cine the frames that were edited are shapes and without asking t
   REQUIRE(!none);
   CHECK(none.error().sentence() == "heart: has no mesh at frame 7 yet; place a template in it first");
   CHECK(shape_names({"a/heart.homolog frame 1", "b/heart.homolog frame 1"}) ==
-        std::vector<std::string>{"heart frame 1", "heart frame 1-2"});
+        std::vector<std::string>{"a-heart frame 1", "b-heart frame 1"});
 }
 
 TEST_CASE("each structure of a case gives its own shapes") {

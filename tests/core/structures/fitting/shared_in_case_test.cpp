@@ -151,6 +151,35 @@ TEST_CASE("a third structure leaves its place only where it shares what was pull
   CHECK_FALSE(edit_to_shared(session.document(), "s4", {"s1", {}}));
 }
 
+TEST_CASE("frames to which structures are carried have one place for what they share") {
+  const HalvesCase halves;
+  EditSession session = halves.begin();
+  const auto carried_to = [&](const char* id, int frame, const Vec3& by_mm, PointsFinder by = FoundBy::propagation) {
+    const Points moved = points_in(session, id).rowwise() + by_mm.transpose();
+    return points_edit(*session.document().view(id), frame, moved, std::move(by));
+  };
+  std::vector<SetPoints> upper{carried_to("s1", 1, Vec3(0, 0, 0.5)), carried_to("s1", 2, Vec3(0, 0, 1))};
+  std::vector<SetPoints> lower{carried_to("s2", 0, Vec3(3, 0, 0), FoundBy::start_of_cine),
+                               carried_to("s2", 1, Vec3(0.25, 0, 0)), carried_to("s2", 2, Vec3(0, 0, 1))};
+  const auto upper_before = upper, lower_before = lower;
+  share_carried(session.document(), {{"s1", upper}, {"s2", lower}});
+  constexpr double grid_mm = 2e-5;
+  CHECK((*upper[0].points - *upper_before[0].points).cwiseAbs().maxCoeff() < grid_mm);  // the first leads
+  CHECK(upper[1] == upper_before[1]);
+  CHECK(lower[0] == lower_before[0]);
+  CHECK(lower[2] == lower_before[2]);  // they lie together there
+  const auto apart_mm = [&](const SetPoints& a, const SetPoints& b) {
+    return (*a.points - *b.points).topRows(disc_vertices()).rowwise().norm().maxCoeff();
+  };
+  CHECK(apart_mm(upper_before[0], lower_before[1]) > 0.5);
+  CHECK(apart_mm(upper[0], lower[1]) < shared_place_mm);
+  // One that is not carried leads, where somebody edited it.
+  REQUIRE(session.apply(disc_pull(), false, "s1"));
+  std::vector<SetPoints> alone{carried_to("s2", 0, Vec3(0, 0, 1))};
+  share_carried(session.document(), {{"s2", alone}});
+  CHECK((*alone[0].points - points_in(session, "s1")).topRows(disc_vertices()).rowwise().norm().maxCoeff() < grid_mm);
+}
+
 TEST_CASE("to keep a structure apart moves no vertex that it shares") {
   const HalvesCase halves;
   EditSession session = halves.begin();

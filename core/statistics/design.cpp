@@ -244,4 +244,8 @@ TermBasis basis_of(const Design& design, std::size_t term, const Eigen::VectorXd
   return basis;
 }
 
+bool are_equal(const Eigen::VectorXd& root_weights) {
+  return (root_weights.array() == root_weights[0]).all();
+}
+
 }  // namespace homolog

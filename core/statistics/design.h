@@ -79,4 +79,7 @@ struct TermBasis {
 /// `root_weights`: √w of each case; rows are multiplied with them first.
 TermBasis basis_of(const Design& design, std::size_t term, const Eigen::VectorXd& root_weights);
 
+/// Whether all cases weigh the same.
+bool are_equal(const Eigen::VectorXd& root_weights);
+
 }  // namespace homolog

@@ -51,13 +51,24 @@ class VertexBlock {
   double degrees_;  ///< of freedom, those left ÷ those of the term
 };
 
-/// The model's columns for the permutations from `first` on; those of the order as it is for first = −1.
-Eigen::MatrixXd ordered(const Eigen::MatrixXd& model, const Permutations& permutations, Eigen::Index first,
+/// The model's columns, the term's first; without the first `constant` of the reduced model.
+Eigen::MatrixXd model_columns(const TermBasis& basis, Eigen::Index constant) {
+  const Eigen::Index reduced = basis.reduced.cols() - constant;
+  Eigen::MatrixXd model(basis.added.rows(), basis.added.cols() + basis.rest.cols() + reduced);
+  model << basis.added, basis.rest, basis.reduced.rightCols(reduced);
+  return model;
+}
+
+/// The model's columns for the permutations from `first` on, side by side. `model_of(row)` gives them for one.
+Eigen::MatrixXd ordered(const auto& model_of, const Permutations& permutations, Eigen::Index first,
                         Eigen::Index count) {
-  Eigen::MatrixXd all(model.rows(), model.cols() * count);
-  for (Eigen::Index k = 0; k < count; ++k)
+  Eigen::MatrixXd all;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::MatrixXd& model = model_of(first + k);
+    if (k == 0) all.resize(model.rows(), model.cols() * count);
     for (Eigen::Index i = 0; i < model.rows(); ++i)
-      all.row(first < 0 ? i : permutations(first + k, i)).segment(k * model.cols(), model.cols()) = model.row(i);
+      all.row(permutations(first + k, i)).segment(k * model.cols(), model.cols()) = model.row(i);
+  }
   return all;
 }
 
@@ -90,10 +101,9 @@ LandmarkTest test_landmarks(const Design& design, std::size_t term, const Eigen:
   const Eigen::MatrixXd weighted = weighted_responses(responses, root_weights);
   const Eigen::MatrixXd residuals = weighted - (weighted * basis.reduced) * basis.reduced.transpose();
   // Residuals sum to 0 in any order, unless they have weights: the constant fits nothing of them.
-  const bool equal = (root_weights.array() == root_weights[0]).all();
+  const bool equal = are_equal(root_weights);
   const Eigen::Index constant = equal ? 1 : 0;
-  Eigen::MatrixXd model(design.cases(), design.parameters() - constant);
-  model << basis.added, basis.rest, basis.reduced.rightCols(basis.reduced.cols() - constant);
+  Eigen::MatrixXd model = model_columns(basis, constant);
   const Eigen::Index vertices = responses.rows() / 3, df = basis.added.cols();
   const double degrees = static_cast<double>(design.cases() - design.parameters()) / static_cast<double>(df);
 
@@ -108,17 +118,21 @@ LandmarkTest test_landmarks(const Design& design, std::size_t term, const Eigen:
       }
     });
   };
-  in_blocks(ordered(model, permutations, -1, 1),
-            [&](Eigen::Index at, Eigen::Index count, const Eigen::ArrayXd& f) { found.segment(at, count) = f; });
+  in_blocks(model, [&](Eigen::Index at, Eigen::Index count, const Eigen::ArrayXd& f) { found.segment(at, count) = f; });
   // What is left of a vertex that no case moves is rounding, which all such vertices share.
   constexpr double rounding = 1e-24;
   const Eigen::ArrayXd left = over_vertices(residuals.rowwise().squaredNorm()),
                        all = over_vertices(weighted.rowwise().squaredNorm());
   found = (left > rounding * all).select(found, std::numeric_limits<double>::quiet_NaN());
+  // A residual takes its weight along.
+  const auto model_of = [&](Eigen::Index row) -> const Eigen::MatrixXd& {
+    if (!equal) model = model_columns(basis_of(design, term, taken_along(root_weights, permutations, row)), constant);
+    return model;
+  };
   for (Eigen::Index done = 0; done < permutations.rows(); done += orders_at_once) {
     if (progress != nullptr && progress->cancelled()) break;
     const Eigen::Index now = std::min(orders_at_once, permutations.rows() - done);
-    in_blocks(ordered(model, permutations, done, now),
+    in_blocks(ordered(model_of, permutations, done, now),
               [&](Eigen::Index at, Eigen::Index count, const Eigen::ArrayXd& f) {
                 // As large, or nothing varies there (not a number).
                 for (Eigen::Index v = 0; v < count; ++v)

@@ -36,13 +36,40 @@ struct Found {
   Eigen::VectorXd pairs, pair_shares;
 };
 
+/// The difference of every two groups' means, as a column that is multiplied with the responses.
+Eigen::MatrixXd pair_contrasts(const TermBasis& basis, const DesignTerm& term) {
+  const auto groups = static_cast<Eigen::Index>(term.levels.size());
+  Eigen::MatrixXd contrasts(basis.added.rows(), groups * (groups - 1) / 2);
+  Eigen::Index pair = 0;
+  for (Eigen::Index a = 0; a < groups; ++a)
+    for (Eigen::Index b = a + 1; b < groups; ++b, ++pair) {
+      contrasts.col(pair) = basis.contrasts.row(b - 1).transpose();
+      if (a > 0) contrasts.col(pair) -= basis.contrasts.row(a - 1).transpose();
+    }
+  return contrasts;
+}
+
+/// What the residuals are multiplied with: the term's columns, those of the other terms, and the pairs of groups.
+Eigen::MatrixXd columns_of(const TermBasis& basis, const DesignTerm& term) {
+  const Eigen::MatrixXd pairs = pair_contrasts(basis, term);
+  Eigen::MatrixXd columns(basis.added.rows(),
+                          basis.added.cols() + basis.rest.cols() + basis.reduced.cols() + pairs.cols());
+  columns << basis.added, basis.rest, basis.reduced, pairs;
+  return columns;
+}
+
 /// One term's test, for the order as it is and for permutations.
 class TermTester {
  public:
   /// `weighted`: the responses; `products`: their inner products.
   TermTester(const Design& design, std::size_t term, const Eigen::VectorXd& root_weights,
              const Eigen::MatrixXd& weighted, const Eigen::MatrixXd& products, Sided sided)
-      : term_(design.terms[term]), basis_(basis_of(design, term, root_weights)) {
+      : design_(design),
+        number_(term),
+        root_weights_(root_weights),
+        weights_move_(!are_equal(root_weights)),
+        term_(design.terms[term]),
+        basis_(basis_of(design, term, root_weights)) {
     residual_ = residual_products(products, basis_.reduced);
     if (weighted.rows() == 1) {
       const Eigen::VectorXd y = weighted.transpose();
@@ -51,9 +78,7 @@ class TermTester {
     }
     total_ = residual_.trace();
     df_left_ = design.cases() - design.parameters();
-    const auto groups = static_cast<Eigen::Index>(term_.levels.size());
-    columns_.resize(design.cases(), design.parameters() + groups * (groups - 1) / 2);
-    columns_ << basis_.added, basis_.rest, basis_.reduced, pair_contrasts();
+    columns_ = columns_of(basis_, term_);
   }
 
   double ss() const { return column_sums(basis_.added, residual_).sum(); }
@@ -68,44 +93,41 @@ class TermTester {
   }
   /// Of each pair of groups: −1 where of one response the second has less of it, else 1.
   Eigen::VectorXd pair_signs() const {
-    const Eigen::MatrixXd contrasts = pair_contrasts();
+    const Eigen::MatrixXd contrasts = pair_contrasts(basis_, term_);
     Eigen::VectorXd signs = Eigen::VectorXd::Ones(contrasts.cols());
     if (left_of_one_.size() > 0) signs = ((contrasts.transpose() * left_of_one_).array() < 0).select(-signs, signs);
     return signs;
   }
 
+  Found found() const { return found_with(columns_, basis_); }
   Found found(const Permutations& permutations, Eigen::Index row) const {
-    const Eigen::MatrixXd columns = row < 0 ? columns_ : unpermuted(columns_, permutations, row);
+    if (!weights_move_) return found_with(unpermuted(columns_, permutations, row), basis_);
+    const TermBasis basis = basis_of(design_, number_, taken_along(root_weights_, permutations, row));
+    return found_with(unpermuted(columns_of(basis, term_), permutations, row), basis);
+  }
+
+ private:
+  Found found_with(const Eigen::MatrixXd& columns, const TermBasis& basis) const {
     const Eigen::VectorXd sums = column_sums(columns, residual_);
     const Eigen::Index fitted = basis_.added.cols() + basis_.rest.cols() + basis_.reduced.cols();
     const double left = total_ - sums.head(fitted).sum();
     const double f =
         sums.head(term_.count).sum() / static_cast<double>(term_.count) / (left / static_cast<double>(df_left_));
-    return {f, sided_ == Sided::two ? f : towards_side(columns.col(0).dot(left_of_one_), f),
+    return {f, sided_ == Sided::two ? f : towards_side(columns.col(0).dot(left_of_one_), basis, f),
             sums.tail(sums.size() - fitted), sums.tail(sums.size() - fitted) / left};
   }
 
- private:
   /// t, above 0 on the side that counts. `along`: the product of what the term adds with the residuals, whose sign is
   /// that of the change but for that of the basis.
-  double towards_side(double along, double f) const {
-    const bool more = along * basis_.contrasts.row(0).dot(basis_.added.col(0)) > 0;
+  double towards_side(double along, const TermBasis& basis, double f) const {
+    const bool more = along * basis.contrasts.row(0).dot(basis.added.col(0)) > 0;
     return (more == (sided_ == Sided::greater) ? 1 : -1) * std::sqrt(std::max(f, 0.0));
   }
 
-  /// The difference of every two groups' means, as a column that is multiplied with the responses.
-  Eigen::MatrixXd pair_contrasts() const {
-    const auto groups = static_cast<Eigen::Index>(term_.levels.size());
-    Eigen::MatrixXd contrasts(basis_.added.rows(), groups * (groups - 1) / 2);
-    Eigen::Index pair = 0;
-    for (Eigen::Index a = 0; a < groups; ++a)
-      for (Eigen::Index b = a + 1; b < groups; ++b, ++pair) {
-        contrasts.col(pair) = basis_.contrasts.row(b - 1).transpose();
-        if (a > 0) contrasts.col(pair) -= basis_.contrasts.row(a - 1).transpose();
-      }
-    return contrasts;
-  }
-
+  const Design& design_;
+  std::size_t number_;  ///< of the term
+  Eigen::VectorXd root_weights_;
+  bool weights_move_;  ///< with the residuals; equal ones need not
   const DesignTerm& term_;
   TermBasis basis_;
   Eigen::MatrixXd residual_;     ///< inner products of the reduced model's residuals
@@ -184,7 +206,7 @@ LinearTest test_terms(const Design& design, const Eigen::MatrixXd& responses, co
       continue;
     }
     test.residual_ss = tester.residual_ss();
-    const Found found = tester.found(permutations, -1);
+    const Found found = tester.found();
     std::vector<Found> permuted(static_cast<std::size_t>(permutations.rows()));
     in_parallel(permutations.rows(), [&](Eigen::Index first, Eigen::Index last) {
       for (Eigen::Index row = first; row < last; ++row) {

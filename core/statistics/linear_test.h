@@ -70,8 +70,9 @@ inline bool is_as_large(double permuted, double found) {
 /// [Freedman & Lane 1983; Anderson & Legendre 1999; of shapes: Collyer, Sekora & Adams 2015]. F is the pseudo-F of
 /// distances [Anderson 2001]; of one response it is the F of a linear model. Sums come from the inner products of the
 /// cases alone, so that the number of coordinates hardly matters. `root_weights`: √w of each case, all 1 without
-/// weights. `sided`: of one response, for the terms that have a direction [has_direction]: then the order is that of t,
-/// which is √F with the sign of the change. The same values for any number of threads.
+/// weights. A residual takes its weight along: so a test holds whether or not the weights are those of the errors, as
+/// long as they do not go with the term. `sided`: of one response, for the terms that have a direction [has_direction]:
+/// then the order is that of t, which is √F with the sign of the change. The same values for any number of threads.
 LinearTest test_terms(const Design& design, const Eigen::MatrixXd& responses, const Eigen::VectorXd& root_weights,
                       const Permutations& permutations, Progress* progress = nullptr, Sided sided = Sided::two);
 

@@ -47,6 +47,12 @@ Result<std::vector<int>> read_line(std::string_view line, Eigen::Index cases, co
 
 }  // namespace
 
+Eigen::VectorXd taken_along(const Eigen::VectorXd& values, const Permutations& permutations, Eigen::Index row) {
+  Eigen::VectorXd moved(values.size());
+  for (Eigen::Index i = 0; i < values.size(); ++i) moved[i] = values[permutations(row, i)];
+  return moved;
+}
+
 Permutations random_permutations(const std::vector<int>& blocks, Eigen::Index count, std::uint64_t seed) {
   std::map<int, std::vector<int>> places;
   for (std::size_t i = 0; i < blocks.size(); ++i) places[blocks[i]].push_back(static_cast<int>(i));

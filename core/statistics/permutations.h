@@ -12,6 +12,9 @@ namespace homolog {
 /// A permutation a row: case i gets the residual of case row[i], counted from 0.
 using Permutations = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// The values (one a case) that cases have together with the residuals that they get in permutation `row`.
+Eigen::VectorXd taken_along(const Eigen::VectorXd& values, const Permutations& permutations, Eigen::Index row);
+
 /// `count` random permutations of `blocks.size()` cases, which the seed alone decides. Cases change places only with
 /// cases of the same block. The order as it is may be among them by chance; it is not put there.
 Permutations random_permutations(const std::vector<int>& blocks, Eigen::Index count, std::uint64_t seed);

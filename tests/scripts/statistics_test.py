@@ -141,6 +141,57 @@ one_sex, one_age = columns["sex"], (columns["age"] - age.mean()) / age.std(ddof=
 for sign in (1, -1):
     check_sided("size ~ sex + age", size[:, None], ["sex", "age"], "sex", one_sex, sign)
     check_sided("size ~ sex + age", size[:, None], ["sex", "age"], "age", one_age, sign)
+
+
+def check_weighted():
+    """Cases in doubt weigh w = s² / (s² + d²), and in a permutation a residual takes its weight along."""
+    doubts = random.uniform(0.2, 3, cases)
+    (folder / "doubtful").mkdir()
+    header = "ply\nformat ascii 1.0\nelement vertex %d\nproperty double x\nproperty double y\nproperty double z\n" \
+             "property double doubt_mm\nelement face %d\nproperty list uchar int vertex_indices\nend_header\n"
+    for name, points, doubt in zip(names, shapes, doubts):
+        rows = ["%.17g %.17g %.17g %.17g" % (*p, doubt) for p in points]
+        rows += [f"3 {k} {k + 1 + k % 2} {k + 2 - k % 2}" for k in range(vertices - 2)]
+        (folder / "doubtful" / f"{name}.ply").write_text(header % (vertices, vertices - 2) + "\n".join(rows) + "\n")
+    done = subprocess.run([program, "test", "doubtful", "--covariates", "table.csv", "--permutation-file", "orders.txt",
+                           "--no-align", "--json", "--by-doubt", "--formula", "shape ~ group + age", "--csv", "weighted"],
+                          cwd=folder, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(done.stderr)
+    got = json.loads(done.stdout)
+    design = lambda terms: numpy.hstack([numpy.ones((cases, 1))] + [columns[t] for t in terms])
+    _, whole, parameters = left(flat, ["group", "age"])
+    spread = (whole ** 2).sum() / (cases - parameters) / vertices
+    w = spread / (spread + doubts ** 2)
+    same("weights", [got["weights"][key] for key in ("min", "mean", "max", "cases")],
+         [w.min(), w.mean(), w.max(), w.sum() ** 2 / (w ** 2).sum()])
+
+    def squares(values, terms, weights):
+        x, root = design(terms), numpy.sqrt(weights)[:, None]
+        b = numpy.linalg.lstsq(x * root, values * root, rcond=None)[0]
+        return x @ b, values - x @ b, (weights[:, None] * (values - x @ b) ** 2).sum(0).reshape(-1, 3).sum(1)
+
+    for term in ("group", "age"):
+        without = [t for t in ("group", "age") if t != term]
+        df = columns[term].shape[1]
+        fitted, residuals, _ = squares(flat, without, w)
+
+        def f_of(values, weights):
+            more, less = squares(values, without, weights)[2], squares(values, ["group", "age"], weights)[2]
+            degrees = (cases - parameters) / df
+            return (more.sum() / less.sum() - 1) * degrees, (more / less - 1) * degrees
+
+        f, f_at = f_of(flat, w)
+        all_permuted = [f_of(fitted + residuals[row], w[row]) for row in permutations]
+        p = (sum(one >= f - 1e-9 * max(1, f) for one, _ in all_permuted) + 1) / (orders + 1)
+        there = next(one for one in got["terms"] if one["name"] == term)
+        same(f"by doubt: {term}", [there["f"], there["p"]], [f, p])
+        rows = [row for row in csv.DictReader(open(folder / "weighted/landmarks.csv")) if row["term"] == term]
+        p_at = (sum(one >= f_at - 1e-9 * numpy.maximum(1, f_at) for _, one in all_permuted) + 1) / (orders + 1)
+        same(f"by doubt: {term}: p", [float(row["p"]) for row in rows], p_at)
+
+
+check_weighted()
 check("allometry", flat, ["log(size)", "sex"], run("--formula", "shape ~ log(size) + sex"))
 
 # What R says, where it is there.

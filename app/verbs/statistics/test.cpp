@@ -69,7 +69,10 @@ Json report_of_test(const TestJob& job, const LinearTest& test) {
   values.update(described_test(test, job));
   if (job.options.by_doubt) {
     const Eigen::VectorXd weights = job.root_weights.cwiseAbs2();
-    values["weights"] = {{"min", weights.minCoeff()}, {"mean", weights.mean()}, {"max", weights.maxCoeff()}};
+    values["weights"] = {{"min", weights.minCoeff()},
+                         {"mean", weights.mean()},
+                         {"max", weights.maxCoeff()},
+                         {"cases", job.cases_by_weight()}};
   }
   if (job.options.asked.object_symmetry) values["symmetry_off_mm"] = job.cases.symmetry_off_mm;
   if (const auto pairs = subject_pairs(job); !pairs.empty()) {

@@ -94,6 +94,14 @@ Result<void> put_weights(TestJob& job) {
   for (std::size_t k = 0; k < doubts.size(); ++k)
     if (!std::isnan(doubts[k]))
       job.root_weights[static_cast<Eigen::Index>(k)] = std::sqrt(left / (left + doubts[k] * doubts[k]));
+  if (const double count = job.cases_by_weight(); count < 0.5 * static_cast<double>(job.design.cases())) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "by their weights the %d cases count as %.1f, since few have little doubt; test without --by-doubt "
+                  "too, or leave the doubtful ones out",
+                  static_cast<int>(job.design.cases()), count);
+    job.cases.warnings.emplace_back(text);
+  }
   return {};
 }
 
@@ -111,9 +119,7 @@ Result<void> put_permutations(TestJob& job) {
       blocks[k] = numbers.emplace(subject, static_cast<int>(numbers.size())).first->second;
     }
   }
-  Eigen::MatrixXd rows(job.design.cases(), job.design.parameters() + 1);
-  rows << job.design.columns, job.root_weights;
-  if (const double orders = std::round(different_orders(blocks, rows)); orders < few_orders) {
+  if (const double orders = std::round(different_orders(blocks, job.design.columns)); orders < few_orders) {
     char text[160];
     std::snprintf(text, sizeof text,
                   "the cases can change places in %.0f ways that differ, so no p can be below %.2g, however many "

@@ -38,6 +38,11 @@ struct TestJob {
 
   bool of_shape() const { return options.asked.formula.response.name == "shape"; }
   double vertices() const { return static_cast<double>(cases.shapes.rows()) / 3; }
+  /// How many cases the weights leave: (Σw)² ÷ Σw².
+  double cases_by_weight() const {
+    const Eigen::VectorXd weights = root_weights.cwiseAbs2();
+    return weights.sum() * weights.sum() / weights.squaredNorm();
+  }
 };
 
 /// Reads the cases and brings them together with what the formula says. Errors: read_test_cases's; a word of the

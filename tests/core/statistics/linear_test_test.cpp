@@ -128,6 +128,24 @@ TEST_CASE("p is 1 at vertices that no case moves, whatever rounding leaves of th
   }
 }
 
+TEST_CASE("chance alone is found as often by weights that are not those of the errors") {
+  // Two of the cases weigh much, whichever. Residuals times √w that change places would find something in a third.
+  Eigen::VectorXd weights = Eigen::VectorXd::Constant(10, 0.02);
+  weights[2] = weights[7] = 1;
+  const Design design = design_of("shape ~ x");
+  constexpr int sets = 400;
+  int found = 0;
+  for (int k = 0; k < sets; ++k) {
+    const auto seed = static_cast<std::uint64_t>(k + 1);
+    const Eigen::VectorXd any = taken_along(weights, random_permutations(together, 1, seed + 2000), 0);
+    const LinearTest test =
+        test_terms(design, noise_shapes(seed, 4), any.cwiseSqrt(), random_permutations(together, 99, seed + 1000));
+    found += test.terms.front().p <= 0.05 ? 1 : 0;
+  }
+  CHECK(found < 0.09 * sets);
+  CHECK(found > 0.015 * sets);
+}
+
 TEST_CASE("one vertex alone is tested as the whole shape is") {
   const Eigen::MatrixXd shapes = noise_shapes(5, 70);
   const Permutations orders = random_permutations(together, 300, 2);

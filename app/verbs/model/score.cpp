@@ -32,8 +32,7 @@ Json described_part(const ScoreOfPart& part) {
   return {{"z_rms", part.z_rms}, {"residual_mm", part.residual_mm}};
 }
 
-Json described_score(const std::string& name, const ShapeScore& score, const ShapeModel& model,
-                     const std::string& doubt) {
+Json described_score(const std::string& name, const ShapeScore& score, const ShapeModel& model, const NewShape& shape) {
   Json row{{"name", name},
            {"distance", score.distance},
            {"residual_mm", score.residual_mm},
@@ -41,7 +40,8 @@ Json described_score(const std::string& name, const ShapeScore& score, const Sha
            {"z_rms", score.all.z_rms},
            {"size_mm", score.size_mm},
            {"modes", std::vector<double>(score.modes.begin(), score.modes.end())},
-           {"doubt", doubt.empty() ? Json() : Json(doubt)}};
+           {"doubt", shape.doubt.empty() ? Json() : Json(shape.doubt)}};
+  if (shape.beyond_share > 0) row["beyond_share"] = shape.beyond_share;
   if (model.parts.empty()) return row;
   Json parts = Json::array();
   for (std::size_t k = 0; k < model.parts.size(); ++k) {
@@ -123,7 +123,7 @@ Result<Report> score(const ScoreJob& job, Progress& progress) {
       report.warnings.push_back(files[k] + ": " + scored.error().what);
       continue;
     }
-    subjects.push_back(described_score(called[k], *scored, *model, (*shapes)[k].doubt));
+    subjects.push_back(described_score(called[k], *scored, *model, (*shapes)[k]));
     if (scored->trained) report.warnings.push_back(files[k] + own_shape(*model, *scored->trained));
     if (job.out.empty()) continue;
     auto record = of_files[(*shapes)[k].from];

@@ -53,12 +53,13 @@ Result<NewShape> shape_of_map(const NewShapes& asked, const MapScoring& with, co
   options.progress = &progress;
   const auto fitted = fit_to_label(*mean, {mask->volume, mask->label, mask->frame, mask->segmentation}, {}, options);
   if (!fitted) return fail(path.string(), mask->named(fitted.error().what));
-  if (const std::string& why = fitted->boundary.why_whole; !why.empty())
-    warnings.push_back(path.string() + ": " + mask->named(why));
+  for (const std::string& warning : fitted->boundary.warnings)
+    warnings.push_back(path.string() + ": " + mask->named(warning));
   NewShape shape{path.string(), {}, {}};
   shape.mesh.points = fitted->fit.mesh.points;
   shape.mesh.triangles = fitted->fit.mesh.topology;
   shape.mesh.doubt_mm = fitted->fit.doubt_mm;
+  shape.beyond_share = fitted->judgement.beyond_share;
   if (fitted->judgement.doubtful) shape.doubt = "the fit is doubtful; look at it with fit";
   return shape;
 }

@@ -41,6 +41,13 @@ Result<StepValue> distance_between(Measuring& measuring, const RecipeStep& step)
   return distance_of_lines(measuring.axis(step, "from"), measuring.axis(step, "to"));
 }
 
+/// Below 0 where the second point lies behind the first.
+Result<StepValue> distance_along(Measuring& measuring, const RecipeStep& step) {
+  const LineValue along = measuring.axis(step, "along");
+  if (!along.directed) return fail("", "goes along an axis without a direction; give that \"towards\"");
+  return (measuring.point(step, "to") - measuring.point(step, "from")).dot(along.direction);
+}
+
 double angle_deg(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * deg;
 }
@@ -186,6 +193,11 @@ const std::vector<StepKind>& length_kinds() {
       to{"to", Takes::steps, point | any_axis | plane};
   static const std::vector<StepKind> kinds{
       {"distance", Gives::number, "mm", {from, to}, distance_between},
+      {"distance",
+       Gives::number,
+       "mm",
+       {{"from", Takes::steps, point}, {"to", Takes::steps, point}, {"along", Takes::steps, any_axis}},
+       distance_along},
       {"angle",
        Gives::number,
        "deg",

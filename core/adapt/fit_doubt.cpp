@@ -19,20 +19,20 @@ constexpr double slides_share = 0.5;  ///< of what holds everywhere, as squares:
 
 }  // namespace
 
-VertexScalars fit_doubt_mm(const Mesh& mesh, const VertexScalars& spread_mm2, double strain, double roundness,
-                           const std::vector<std::int32_t>& missing, const VertexScalars& sliding) {
-  const Eigen::Array3d everywhere{least_doubt, doubt_by_strain * strain, doubt_if_round * roundness};
+VertexScalars fit_doubt_mm(const Mesh& mesh, const ReasonsForDoubt& reasons) {
+  const Eigen::Array3d everywhere{least_doubt, doubt_by_strain * reasons.strain, doubt_if_round * reasons.roundness};
   const double area_mm2 = surface_area_mm2(mesh), farther_mm = farther_if_missing * std::sqrt(area_mm2);
   VertexScalars doubt_mm2 =
-      spread_mm2.array() + everywhere.square().sum() * area_mm2 * (1 - slides_share + slides_share * sliding.array());
+      reasons.spread_mm2.array() +
+      everywhere.square().sum() * area_mm2 * (1 - slides_share + slides_share * reasons.sliding.array());
   std::vector<char> lacking(index(mesh.points.rows()), 0);
-  for (const std::int32_t i : missing) lacking[index(i)] = 1;
-  for (const std::int32_t i : missing) {
+  for (const std::int32_t i : reasons.missing) lacking[index(i)] = 1;
+  for (const std::int32_t i : reasons.missing) {
     double nearest_mm2 = std::numeric_limits<double>::infinity();
     for (Eigen::Index j = 0; j < mesh.points.rows(); ++j)
       if (lacking[index(j)] == 0)
         nearest_mm2 = std::min(nearest_mm2, (mesh.points.row(i) - mesh.points.row(j)).squaredNorm());
-    doubt_mm2[i] += std::isfinite(nearest_mm2) ? strain * std::pow(std::sqrt(nearest_mm2) + farther_mm, 2)
+    doubt_mm2[i] += std::isfinite(nearest_mm2) ? reasons.strain * std::pow(std::sqrt(nearest_mm2) + farther_mm, 2)
                                                : area_mm2;  // nothing is there, so it may be anywhere
   }
   return doubt_mm2.cwiseSqrt();

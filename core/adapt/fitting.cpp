@@ -7,11 +7,13 @@
 
 #include "core/adapt/boundary/boundary_warp.h"
 #include "core/adapt/boundary/landmark_pull.h"
+#include "core/adapt/boundary/rim_matches.h"
 #include "core/adapt/fit_doubt.h"
 #include "core/adapt/partial_ways.h"
 #include "core/adapt/roundness.h"
 #include "core/adapt/slide_doubt.h"
 #include "core/adapt/untangle.h"
+#include "core/adapt/whole_ways.h"
 #include "core/base/numbers/statistics.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/geometry/surface_search.h"
@@ -36,7 +38,6 @@ std::vector<std::int32_t> either(const std::vector<std::int32_t>& a, const std::
 
 Fitting::Fitting(const Template& the_template, const Boundary& boundary, const FitOptions& options)
     : template_(the_template),
-      boundary_(boundary),
       options_(options),
       round_(roundness({the_template.topology, the_template.points})),
       target_(boundary, the_template.points.rows(), options.partial),
@@ -62,7 +63,7 @@ FitResult Fitting::finish() {
       turned_triangles(*mesh.topology, result.placement.apply(template_.points), mesh.points).size();
   result.self_intersections = self_intersections(mesh).size();
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
-    if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
+    if (!target_.boundary().shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
   result.outliers = lacking_;
   result.landmarks = carried_landmarks(template_, mesh.points);
   result.believed = believed_landmarks(template_, options_.landmarks, placed_.trust);
@@ -75,14 +76,16 @@ FitResult Fitting::finish() {
   const bool told = result.landmarks_place || options_.allowed;
   VertexScalars spread = spread_mm2();
   const bool axes_count = options_.orientation == Orientation::patient && !options_.placement;
-  if (const auto other = other_lie(template_, boundary_, options_.orientation, axes_count, options_.partial)) {
+  if (const auto other = other_lie(template_, target_.boundary(), options_.orientation, axes_count, options_.partial)) {
     result.half_turned = other->half_turned;
     result.mirrored = !other->half_turned;
     spread += (other->points - mesh.points).rowwise().squaredNorm();
   }
-  result.doubt_mm = fit_doubt_mm(mesh, spread, ways_.empty() ? steps_.strain(shape_) : ways_.front().strain,
-                                 told ? 0 : round_ - told_if_smooth * smooth_, either(result.outliers, result.unseen),
-                                 shares_of_sliding(mesh));
+  result.doubt_mm = fit_doubt_mm(mesh, {.spread_mm2 = std::move(spread),
+                                        .strain = ways_.empty() ? steps_.strain(shape_) : ways_.front().strain,
+                                        .roundness = told ? 0 : round_ - told_if_smooth * smooth_,
+                                        .missing = either(result.outliers, result.unseen),
+                                        .sliding = shares_of_sliding(mesh)});
   result.warnings = std::move(placed_.warnings);
   result.mesh = std::move(mesh);
   return result;
@@ -154,7 +157,7 @@ void Fitting::keep_where_lacking(const Points& likely) {
 }
 
 Result<void> Fitting::place() {
-  auto placed = place_template(template_, boundary_, options_);
+  auto placed = place_template(template_, target_.boundary(), options_);
   if (!placed) return fail(placed.error());
   placed_ = std::move(*placed);
   shape_.placement = placed_.placement;
@@ -165,7 +168,7 @@ Result<void> Fitting::place() {
   }
   // Vertices stick where they are nearest, so a rim that lies far off has to be near before they are drawn.
   const KnownMatches known = whole() ? with_rims(placed_.landmarks, {template_.topology, placed_.points}, RimsLie::near,
-                                                 placed_.points, boundary_, target_)
+                                                 placed_.points, target_)
                                      : placed_.landmarks;
   shape_.mesh = {template_.topology,
                  warp_to_boundary(template_.topology, placed_.points, known, whole() ? round_ : 0, target_)};
@@ -174,9 +177,17 @@ Result<void> Fitting::place() {
   return show(shape_.mesh.points, 0);
 }
 
+FitContext Fitting::context() {
+  return {.the_template = template_,
+          .target = target_,
+          .steps = steps_,
+          .placed = placed_,
+          .roundness = round_,
+          .parts = parts_};
+}
+
 Result<void> Fitting::adapt_to_parts() {
-  PartialWays ways(template_, boundary_, target_, steps_,
-                   [this](const Points& points) { return placed_.known_on(*template_.topology, points); });
+  PartialWays ways(context());
   parts_ = {0, 2 + about_right_.size()};
   const auto next = [this](Result<void> done) {
     ++parts_.done;
@@ -202,7 +213,7 @@ Result<void> Fitting::adapt_to_parts() {
 }
 
 Result<void> Fitting::adapt_to_whole() {
-  WholeWays ways(template_, boundary_, target_, steps_, placed_, round_, parts_);
+  WholeWays ways(context());
   const bool match = (whole() || matches_beyond_cuts_) && !options_.rough;
   if (auto done = ways.go(shape_.mesh.points, match); !done) return done;
   auto kept = ways.kept();

@@ -2,16 +2,17 @@
 
 #include <vector>
 
-#include "core/adapt/boundary/surface_target.h"
-#include "core/adapt/fit_steps.h"
-#include "core/adapt/whole_ways.h"
+#include "core/adapt/fit_context.h"
 
 namespace homolog {
 
-/// One template on its way to one boundary. Lives as long as both and the options do.
+/// One template on its way to one boundary. Lives as long as both and the options do. The boundary comes in here alone:
+/// what follows draws to the target that is made of it.
 class Fitting {
  public:
   Fitting(const Template& the_template, const Boundary& boundary, const FitOptions& options);
+  Fitting(const Fitting&) = delete;
+  Fitting& operator=(const Fitting&) = delete;
 
   /// Brings the template to the boundary; `finish` then tells what came of it. `about_right`: meshes (n×3, LPS mm) from
   /// which a partial fit begins too.
@@ -43,8 +44,10 @@ class Fitting {
 
   /// Places the template; with landmarks it is warped then.
   Result<void> place();
+  /// What the ways onto the boundary share.
+  FitContext context();
   /// Neither cut off by the scan nor lacking parts.
-  bool whole() const { return boundary_.scan_borders.empty() && !options_.partial; }
+  bool whole() const { return target_.boundary().scan_borders.empty() && !options_.partial; }
 
   /// A partial fit: of several ways the likeliest says what is missing.
   Result<void> adapt_to_parts();
@@ -58,7 +61,6 @@ class Fitting {
   Result<void> show(const Points& points, double done);
 
   const Template& template_;
-  const Boundary& boundary_;
   const FitOptions& options_;
   double round_;       ///< the organ, as its template tells: 0 … 1
   double smooth_ = 0;  ///< how much a smooth warp decided, of a round organ: 0 … round_

@@ -43,21 +43,14 @@ double unexplained_mm2(const Boundary& boundary, const Mesh& mesh) {
 
 }  // namespace
 
-PartialWays::PartialWays(const Template& the_template, const Boundary& boundary, SurfaceTarget& target, FitSteps& steps,
-                         KnownOn known)
-    : template_(the_template),
-      boundary_(boundary),
-      target_(target),
-      steps_(steps),
-      known_(std::move(known)),
-      area_mm2_(surface_area_mm2(boundary.surface)) {}
+PartialWays::PartialWays(const FitContext& fit) : fit_(fit), area_mm2_(surface_area_mm2(fit.target.surface())) {}
 
 Result<void> PartialWays::add(Result<Adapted> way) {
   if (!way) return fail(way.error());
-  std::vector<std::int32_t> missing = target_.missing(way->shape.mesh);
-  const double there = 1 - static_cast<double>(missing.size()) / static_cast<double>(template_.points.rows());
+  std::vector<std::int32_t> missing = fit_.target.missing(way->shape.mesh);
+  const double there = 1 - static_cast<double>(missing.size()) / static_cast<double>(fit_.the_template.points.rows());
   const double energy = way->strain / std::max(there, least_there) +
-                        unexplained_counts * unexplained_mm2(boundary_, way->shape.mesh) / area_mm2_;
+                        unexplained_counts * unexplained_mm2(fit_.target.boundary(), way->shape.mesh) / area_mm2_;
   const auto worse =
       std::find_if(tried_.begin(), tried_.end(), [energy](const PartialWay& one) { return energy < one.energy; });
   tried_.insert(worse, {std::move(*way), std::move(missing), energy});
@@ -66,24 +59,24 @@ Result<void> PartialWays::add(Result<Adapted> way) {
 
 Result<void> PartialWays::from_placement(const Points& start, const Similarity& placement) {
   const auto from = [&](const Points& points, const Similarity& placed) {
-    return add(steps_.adapt(points, placed, template_.points, from_placement_of_parts));
+    return add(fit_.steps.adapt(points, placed, fit_.the_template.points, from_placement_of_parts));
   };
   if (auto done = from(start, placement); !done) return done;
   const PartialWay& first = tried_.front();
-  VertexScalars missing = VertexScalars::Zero(template_.points.rows());
+  VertexScalars missing = VertexScalars::Zero(fit_.the_template.points.rows());
   for (const std::int32_t i : first.missing) missing[i] = 1;
   for (const Similarity& other : placements_towards(placement, first.way.shape.mesh.points, missing))
-    if (auto done = from(other.apply(template_.points), other); !done) return done;
+    if (auto done = from(other.apply(fit_.the_template.points), other); !done) return done;
   return {};
 }
 
 Result<void> PartialWays::from_mesh(const Points& mesh) {
   // What lacks may have been drawn into what is there, and would not find out of it.
   Points points = mesh;
-  const std::vector<std::int32_t> missing = target_.missing({template_.topology, mesh});
+  const std::vector<std::int32_t> missing = fit_.target.missing({fit_.the_template.topology, mesh});
   const Similarity placement = placement_of_rest(mesh, missing);
-  for (const std::int32_t i : missing) points.row(i) = placement.apply(Points(template_.points.row(i)));
-  return add(steps_.adapt(points, placement, template_.points, from_mesh_of_parts));
+  for (const std::int32_t i : missing) points.row(i) = placement.apply(Points(fit_.the_template.points.row(i)));
+  return add(fit_.steps.adapt(points, placement, fit_.the_template.points, from_mesh_of_parts));
 }
 
 Similarity PartialWays::placement_of_rest(const Points& mesh, const std::vector<std::int32_t>& missing) const {
@@ -95,15 +88,17 @@ Similarity PartialWays::placement_of_rest(const Points& mesh, const std::vector<
     else
       there.push_back(i);
   }
-  return nearest_similarity(Points(template_.points(there, Eigen::all)), Points(mesh(there, Eigen::all)),
-                            nearest_similarity(template_.points, mesh, {}));
+  return nearest_similarity(Points(fit_.the_template.points(there, Eigen::all)), Points(mesh(there, Eigen::all)),
+                            nearest_similarity(fit_.the_template.points, mesh, {}));
 }
 
 Points PartialWays::matched() const {
   const PartialWay& best = tried_.front();
-  const Mesh placed{template_.topology,
-                    placement_of_rest(best.way.shape.mesh.points, best.missing).apply(template_.points)};
-  return CoherentMatch(template_.points, placed, boundary_.surface).match(close_match, known_(placed.points)).forth;
+  const Mesh placed{fit_.the_template.topology,
+                    placement_of_rest(best.way.shape.mesh.points, best.missing).apply(fit_.the_template.points)};
+  return CoherentMatch(fit_.the_template.points, placed, fit_.target.surface())
+      .match(close_match, fit_.placed.known_on(*fit_.the_template.topology, placed.points))
+      .forth;
 }
 
 Result<void> PartialWays::from_match() {
@@ -114,8 +109,8 @@ Result<void> PartialWays::from_match() {
 Result<Adapted> PartialWays::closest() {
   const Points points = matched();
   if (!points.allFinite()) return tried_.front().way;
-  return steps_.adapt(points, nearest_similarity(template_.points, points, {}), steps_.unplaced(points),
-                      from_own_match);
+  return fit_.steps.adapt(points, nearest_similarity(fit_.the_template.points, points, {}), fit_.steps.unplaced(points),
+                          from_own_match);
 }
 
 }  // namespace homolog

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <functional>
+#include <cstdint>
 #include <vector>
 
-#include "core/adapt/boundary/surface_target.h"
-#include "core/adapt/fit_steps.h"
-#include "core/placement/known_matches.h"
+#include "core/adapt/fit_context.h"
 
 namespace homolog {
 
@@ -19,15 +17,10 @@ struct PartialWay {
 };
 
 /// Ways of a template onto a boundary that lacks parts of the organ. The placement of a part is less sure than that of
-/// the whole, so several are tried. `steps` and `target` know that parts may be missing.
+/// the whole, so several are tried. The target and the steps know that parts may be missing.
 class PartialWays {
  public:
-  /// The landmarks that are known, from where they lie on the template as it is placed (n×3, LPS mm).
-  using KnownOn = std::function<KnownMatches(const Points& placed)>;
-
-  /// All but `known` outlive this.
-  PartialWays(const Template& the_template, const Boundary& boundary, SurfaceTarget& target, FitSteps& steps,
-              KnownOn known);
+  explicit PartialWays(const FitContext& fit);
 
   /// From the placed template; where parts turn out to be missing also from larger and moved ones.
   Result<void> from_placement(const Points& start, const Similarity& placement);
@@ -51,11 +44,7 @@ class PartialWays {
   /// Says where the template lies, by what is not missing of a mesh.
   Similarity placement_of_rest(const Points& mesh, const std::vector<std::int32_t>& missing) const;
 
-  const Template& template_;
-  const Boundary& boundary_;
-  SurfaceTarget& target_;
-  FitSteps& steps_;
-  KnownOn known_;
+  FitContext fit_;
   double area_mm2_;
   std::vector<PartialWay> tried_;
 };

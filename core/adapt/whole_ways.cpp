@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "core/adapt/boundary/boundary_warp.h"
+#include "core/adapt/boundary/rim_matches.h"
 #include "core/adapt/match/coherent_match.h"
 #include "core/mesh/construction/remesh.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/parts/rims.h"
 
 namespace homolog {
 
@@ -36,51 +36,14 @@ double believed(double strain_ratio) {
 
 }  // namespace
 
-KnownMatches with_rims(KnownMatches known, const Mesh& mesh, RimsLie rims_lie, const Points& from,
-                       const Boundary& boundary, Target& target) {
-  if (long_rims(boundary.surface).empty()) return known;
-  constexpr double noise_share = 0.015;                           // of the diagonal
-  const double as_sure_as = rims_lie == RimsLie::near ? 10 : 40;  // of so many places
-  constexpr std::size_t most_places = 200;                        // the time goes by their number to the third power
-  const std::vector<Rim> rims = long_rims(mesh);
-  std::size_t vertices = 0;
-  for (const Rim& rim : rims) vertices += rim.size();
-  const std::size_t step = std::max<std::size_t>(1, (vertices + most_places - 1) / most_places);
-  std::vector<std::int32_t> on_rim;
-  for (const Rim& rim : rims)
-    for (std::size_t k = 0; k < rim.size(); k += step) on_rim.push_back(rim[k]);
-  if (on_rim.empty()) return known;
-  const Points to = target.nearest(mesh).targets(on_rim, Eigen::all);
-  const auto count = std::ssize(on_rim);
-  // What they are off by along the rim they share, so that many tell no more than some.
-  const double noise_mm = noise_share * bounds_of(mesh.points).diagonal().norm() *
-                          std::sqrt(std::max(1.0, static_cast<double>(count) / as_sure_as));
-  KnownMatches all{Points(known.from.rows() + count, 3), Points(known.from.rows() + count, 3),
-                   VertexScalars(known.from.rows() + count)};
-  all.from << known.from, from(on_rim, Eigen::all);
-  all.to << known.to, to;
-  all.noise_mm << known.noise_mm, VertexScalars::Constant(count, noise_mm);
-  return all;
-}
-
-WholeWays::WholeWays(const Template& the_template, const Boundary& boundary, Target& target, FitSteps& steps,
-                     const PlacedTemplate& placed, double roundness, PartsOfWork& parts)
-    : template_(the_template),
-      boundary_(boundary),
-      target_(target),
-      steps_(steps),
-      placed_(placed),
-      round_(roundness),
-      parts_(parts) {}
-
 Result<void> WholeWays::go(const Points& start, bool match) {
   std::vector<Start> all = starts(start, match);
-  parts_ = {0, all.size() + finishing_parts};
+  fit_.parts = {0, all.size() + finishing_parts};
   for (const Start& one : all) {
     auto way = from(one);
     if (!way) return fail(way.error());
     ways_.push_back(std::move(*way));
-    ++parts_.done;
+    ++fit_.parts.done;
   }
   if (all.back().matched) last_match_ = std::move(all.back().points);
   return {};
@@ -89,52 +52,53 @@ Result<void> WholeWays::go(const Points& start, bool match) {
 Result<Adapting> WholeWays::kept() {
   const Adapted& plain = ways_.front();
   if (ways_.size() == 1) return plain.shape;
-  const bool by_landmarks = placed_.by_landmarks();
+  const bool by_landmarks = fit_.placed.by_landmarks();
   // Of a round organ the plain way varies least from case to case, and models of it generalise better. But where a
   // smooth displacement tells all, that says where vertices belong.
-  const double smooth = round_ > 0 ? round_ * differs_smoothly() : 0, vague = round_ - smooth;
+  const double smooth = fit_.roundness > 0 ? fit_.roundness * differs_smoothly() : 0, vague = fit_.roundness - smooth;
   if (vague == 1 && !by_landmarks) return plain.shape;
   // Landmarks have told all ways where things belong. So on a round organ the plain way counts like the others.
-  const auto mean = mean_way(by_landmarks ? round_ : 0);
+  const auto mean = mean_way(by_landmarks ? fit_.roundness : 0);
   if (!mean) return plain.shape;
   Adapting matched = plain.shape;
   matched.mesh.points = *mean;
   if (smooth > 0) {
     const KnownMatches known =
-        with_rims(placed_.landmarks, matched.mesh, RimsLie::on_each_other, placed_.points, boundary_, target_);
-    const Points warped = warp_along_boundary(matched.mesh, placed_.points, known, target_);
+        with_rims(fit_.placed.landmarks, matched.mesh, RimsLie::on_each_other, fit_.placed.points, fit_.target);
+    const Points warped = warp_along_boundary(matched.mesh, fit_.placed.points, known, fit_.target);
     matched.mesh.points = smooth * warped + (1 - smooth) * matched.mesh.points;
   }
-  if (auto done = steps_.settle_as_it_is(matched); !done) return fail(done.error());
-  ++parts_.done;
+  if (auto done = fit_.steps.settle_as_it_is(matched); !done) return fail(done.error());
+  ++fit_.parts.done;
   const double share =
-      by_landmarks ? 1 : (1 - vague) * std::max(smooth, believed(steps_.strain(matched) / plain.strain));
+      by_landmarks ? 1 : (1 - vague) * std::max(smooth, believed(fit_.steps.strain(matched) / plain.strain));
   if (share == 0) return plain.shape;
   if (share < 1) {
     matched.mesh.points = share * matched.mesh.points + (1 - share) * plain.shape.mesh.points;
-    if (auto done = steps_.settle_as_it_is(matched); !done) return fail(done.error());
+    if (auto done = fit_.steps.settle_as_it_is(matched); !done) return fail(done.error());
   }
-  ++parts_.done;
+  ++fit_.parts.done;
   smooth_ = smooth;
   // Much of a round organ faces about the same way, and cases would vary more.
-  if (round_ < 1)
-    if (auto done = steps_.slide_to_facing(matched, boundary_.surface, 1 - round_); !done) return fail(done.error());
+  if (fit_.roundness < 1)
+    if (auto done = fit_.steps.slide_to_facing(matched, fit_.target.surface(), 1 - fit_.roundness); !done)
+      return fail(done.error());
   return matched;
 }
 
 std::vector<WholeWays::Start> WholeWays::starts(const Points& start, bool match) const {
   std::vector<Start> all{{start}};
   if (!match) return all;
-  const KnownMatches known = with_rims(placed_.known_on(*template_.topology, start), {template_.topology, start},
-                                       RimsLie::near, start, boundary_, target_);
-  const CoherentMatch coherent(template_.points, {template_.topology, start}, boundary_.surface);
+  const KnownMatches known = with_rims(fit_.placed.known_on(*fit_.the_template.topology, start),
+                                       {fit_.the_template.topology, start}, RimsLie::near, start, fit_.target);
+  const CoherentMatch coherent(fit_.the_template.points, {fit_.the_template.topology, start}, fit_.target.surface());
   // A template without extent in some direction has no smooth displacement.
   const auto add = [&](Points points) {
     if (points.allFinite()) all.push_back({std::move(points), true});
   };
   for (const MatchFreedom& freedom : {loose_match, close_match}) {
     CoherentMatch::Ways ways = coherent.match(freedom, known);
-    if (placed_.by_landmarks()) {  // they have set the whole right, and what differs is averaged best at the end
+    if (fit_.placed.by_landmarks()) {  // they have set the whole right, and what differs is averaged best at the end
       add(std::move(ways.forth));
       add(std::move(ways.back));
     } else {
@@ -146,30 +110,32 @@ std::vector<WholeWays::Start> WholeWays::starts(const Points& start, bool match)
 
 Result<Adapted> WholeWays::from(const Start& start) {
   // A match is its own reference: the template's proportions would draw it back off small features.
-  const bool own_reference = start.matched || placed_.by_landmarks();
-  return steps_.adapt(start.points, placed_.placement, own_reference ? steps_.unplaced(start.points) : template_.points,
-                      start.matched ? from_match : from_placement);
+  const bool own_reference = start.matched || fit_.placed.by_landmarks();
+  return fit_.steps.adapt(start.points, fit_.placed.placement,
+                          own_reference ? fit_.steps.unplaced(start.points) : fit_.the_template.points,
+                          start.matched ? from_match : from_placement);
 }
 
 double WholeWays::differs_smoothly() const {
-  const double edge_mm = spread_edge_mm(surface_area_mm2(boundary_.surface), template_.points.rows()),
-               off = target_.off_mm2({template_.topology, last_match_}) / std::pow(rounded_edges * edge_mm, 2);
+  const double edge_mm = spread_edge_mm(surface_area_mm2(fit_.target.surface()), fit_.the_template.points.rows()),
+               off = fit_.target.off_mm2({fit_.the_template.topology, last_match_}) /
+                     std::pow(rounded_edges * edge_mm, 2);
   return std::clamp((most_unexplained - off) / (most_unexplained - 1), 0.0, 1.0);
 }
 
 std::optional<Points> WholeWays::mean_way(double plain_counts) const {
   const Adapted& plain = ways_.front();
-  const double most_off_mm = steps_.most_off_mm(plain.off_mm2), area_mm2 = surface_area_mm2(boundary_.surface);
+  const double most_off_mm = fit_.steps.most_off_mm(plain.off_mm2), area_mm2 = surface_area_mm2(fit_.target.surface());
   const auto counts = [&](const Adapted& way) {
     if (!(std::sqrt(way.off_mm2) <= most_off_mm && way.strain > 0)) return 0.0;
     if (&way == &plain) return plain_counts;
-    return placed_.by_landmarks() ? believed(way.strain / plain.strain) : 1.0;
+    return fit_.placed.by_landmarks() ? believed(way.strain / plain.strain) : 1.0;
   };
   const auto energy = [&](const Adapted& way) { return way.strain + off_counts * way.off_mm2 / area_mm2; };
   double least = std::numeric_limits<double>::infinity();
   for (const Adapted& way : ways_)
     if (counts(way) > 0) least = std::min(least, energy(way));
-  Points sum = Points::Zero(template_.points.rows(), 3);
+  Points sum = Points::Zero(fit_.the_template.points.rows(), 3);
   double weights = 0;
   for (const Adapted& way : ways_) {
     if (counts(way) == 0) continue;

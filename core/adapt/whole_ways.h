@@ -3,31 +3,15 @@
 #include <optional>
 #include <vector>
 
-#include "core/adapt/fit_steps.h"
-#include "core/adapt/placed_template.h"
+#include "core/adapt/fit_context.h"
 
 namespace homolog {
-
-/// How much of the work of a fit is done, in parts of about the same length.
-struct PartsOfWork {
-  std::size_t done = 0, all = 1;
-};
-
-/// How surely the rims of a mesh and of a boundary are known to belong to each other.
-enum class RimsLie { near, on_each_other };
-
-/// These, and where the rims of a mesh belong, if the boundary has some too. LPS mm. `mesh`: from where the boundary's
-/// rims are looked for. `from`: the places that the matches start from, n×3. `target`: of this boundary.
-KnownMatches with_rims(KnownMatches known, const Mesh& mesh, RimsLie rims_lie, const Points& from,
-                       const Boundary& boundary, Target& target);
 
 /// Ways of a template onto the boundary of a whole organ: from where it is placed, and from matches of it with the
 /// boundary as a whole. It keeps the plain way, the mean of those from matches, or a mean of both.
 class WholeWays {
  public:
-  /// `roundness`: of the template [roundness.h]. All outlive this.
-  WholeWays(const Template& the_template, const Boundary& boundary, Target& target, FitSteps& steps,
-            const PlacedTemplate& placed, double roundness, PartsOfWork& parts);
+  explicit WholeWays(const FitContext& fit) : fit_(fit) {}
 
   /// Goes them all. `start`: the template as placed or, with landmarks, warped (n×3, LPS mm). `match`: also those from
   /// matches.
@@ -56,13 +40,8 @@ class WholeWays {
   /// where no way counts.
   std::optional<Points> mean_way(double plain_counts) const;
 
-  const Template& template_;
-  const Boundary& boundary_;
-  Target& target_;
-  FitSteps& steps_;
-  const PlacedTemplate& placed_;
-  double round_, smooth_ = 0;
-  PartsOfWork& parts_;
+  FitContext fit_;
+  double smooth_ = 0;
   Points last_match_;  ///< n×3; empty where there was none
   std::vector<Adapted> ways_;
 };

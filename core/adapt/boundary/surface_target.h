@@ -24,6 +24,11 @@ class SurfaceTarget : public Target {
   /// `lacks_parts`: parts of the organ may be missing [may_lack_parts]; the surface may end there, so no rim counts.
   SurfaceTarget(const Boundary& boundary, Eigen::Index vertices, bool lacks_parts = false);
 
+  const Boundary& boundary() const { return boundary_; }
+  const Mesh& surface() const { return boundary_.surface; }
+  /// Whether the surface has rims that those of a mesh belong to.
+  bool has_rims() const { return !rims_.empty(); }
+
   /// Once parts may be missing, counterparts must lie the nearer the larger `share` is.
   TargetPull pull(const Mesh& mesh, double share) override;
   /// The nearest boundary point to each vertex that faces the same way and that the scan shows; the weight is 0 where

@@ -77,11 +77,14 @@ class ContourFitting {
     result.believed = believed_landmarks(template_, options_.landmarks, trust_);
     result.landmarks_used = result.believed.size();
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
-    result.doubt_mm =
-        fit_doubt_mm(result.mesh, warp.deviation.cwiseAbs2(),
-                     strain_share(*template_.topology, placement_.apply(template_.points), result.mesh.points),
-                     result.landmarks_place ? 0 : roundness({template_.topology, template_.points}), {},
-                     shares_of_sliding(result.mesh));
+    const bool told = result.landmarks_place;
+    result.doubt_mm = fit_doubt_mm(
+        result.mesh,
+        {.spread_mm2 = warp.deviation.cwiseAbs2(),
+         .strain = strain_share(*template_.topology, placement_.apply(template_.points), result.mesh.points),
+         .roundness = told ? 0 : roundness({template_.topology, template_.points}),
+         .missing = {},
+         .sliding = shares_of_sliding(result.mesh)});
     return result;
   }
 

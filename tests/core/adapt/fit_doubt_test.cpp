@@ -31,7 +31,7 @@ double doubt_share(double spread_share, double strain, double roundness,
   const double area_mm2 = surface_area_mm2(doubted());
   const VertexScalars spread = VertexScalars::Constant(doubted().points.rows(), spread_share * spread_share * area_mm2);
   const VertexScalars alike = VertexScalars::Ones(doubted().points.rows());
-  return fit_doubt_mm(doubted(), spread, strain, roundness, missing, alike)[0] / std::sqrt(area_mm2);
+  return fit_doubt_mm(doubted(), {spread, strain, roundness, missing, alike})[0] / std::sqrt(area_mm2);
 }
 
 /// A fit of a plate of 60 × 60 × 6 mm to the same plate `off_mm` above it.
@@ -81,8 +81,11 @@ TEST_CASE("doubt lies where vertices can slide along the surface and not at edge
   CHECK(level / of_level > 1.35 * edges / of_edges);
   const VertexScalars sliding = VertexScalars::LinSpaced(doubted().points.rows(), 0, 2);
   const VertexScalars none = VertexScalars::Zero(doubted().points.rows());
-  const double held_mm = fit_doubt_mm(doubted(), none, 0.1, 0, {}, sliding)[0],
-               even_mm = fit_doubt_mm(doubted(), none, 0.1, 0, {}, VertexScalars::Ones(sliding.size()))[0];
+  const auto doubt_mm = [&](const VertexScalars& where) {
+    return fit_doubt_mm(doubted(),
+                        {.spread_mm2 = none, .strain = 0.1, .roundness = 0, .missing = {}, .sliding = where})[0];
+  };
+  const double held_mm = doubt_mm(sliding), even_mm = doubt_mm(VertexScalars::Ones(sliding.size()));
   CHECK(held_mm == doctest::Approx(std::sqrt(0.5) * even_mm));
 }
 

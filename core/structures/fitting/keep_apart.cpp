@@ -203,9 +203,9 @@ void spread_movement(const Topology& topology, const VertexScalars& held, Points
   }
 }
 
-double share_within(const Mesh& mesh, const Mesh& other) {
-  const Depths depths(other);
-  const Box reach = bounds_of(other.points);
+double share_within(const Mesh& mesh, const ClosedMesh& other) {
+  const Depths depths(other.mesh());
+  const Box reach = bounds_of(other.points());
   Eigen::Index within = 0;
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) {
     const Vec3 p = mesh.points.row(v);

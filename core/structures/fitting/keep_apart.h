@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/mesh/closed_mesh.h"
 #include "core/mesh/topology.h"
 
 namespace homolog {
@@ -16,8 +17,8 @@ using MeshPair = std::array<std::size_t, 2>;
 /// or, where they do not meet, minus the smallest distance of what lies within `near_mm`; −near_mm where nothing does.
 double depth_mm(const Mesh& mesh, const Mesh& other, double near_mm);
 
-/// The share of a mesh's vertices that lie within another, closed one, 0…1.
-double share_within(const Mesh& mesh, const Mesh& other);
+/// The share of a mesh's vertices that lie within another, 0…1.
+double share_within(const Mesh& mesh, const ClosedMesh& other);
 
 /// Moves meshes apart where two of a pair lie within each other, smoothly, until they are `gap_mm` apart (0:
 /// until they touch). Both go the same way; where only one of them `yields`, it goes all of it (0 or 1 a mesh; empty:

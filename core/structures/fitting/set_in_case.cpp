@@ -147,27 +147,31 @@ KeptMapFit map_fit_of(const TemplateSet& set, const SetInMap& subject, const Fit
 std::optional<SetPoints> apart_from_others(const Document& document, const std::string& of, double gap_mm) {
   constexpr double mostly = 0.5;
   const auto shown = document.view(of);
-  if (!shown || !shown->the_template().topology->closed()) return std::nullopt;
-  std::vector<Mesh> meshes{{shown->the_template().topology, *shown->shape.points}};
+  if (!shown) return std::nullopt;
+  const Mesh own{shown->the_template().topology, *shown->shape.points};
+  const auto closed = ClosedMesh::of(own);
+  if (!closed) return std::nullopt;
+  std::vector<Mesh> meshes{own};
   std::vector<MeshPair> pairs;
-  Box reach = bounds_of(*shown->shape.points);
+  Box reach = bounds_of(own.points);
   reach.min().array() -= gap_mm;
   reach.max().array() += gap_mm;
   for (const auto& one : document.structures) {
     const Shape* shape = one->shape(document.frame);
-    if (one.get() == document.structure(of) || shape == nullptr || !one->the_template->topology->closed()) continue;
+    if (one.get() == document.structure(of) || shape == nullptr) continue;
     if (!reach.intersects(bounds_of(*shape->points))) continue;
-    Mesh other{one->the_template->topology, *shape->points};
-    if (share_within(other, meshes.front()) > mostly || share_within(meshes.front(), other) > mostly) continue;
+    const Mesh other{one->the_template->topology, *shape->points};
+    const auto closed_other = ClosedMesh::of(other);
+    if (!closed_other || share_within(other, *closed) > mostly || share_within(own, *closed_other) > mostly) continue;
     pairs.push_back({0, meshes.size()});
-    meshes.push_back(std::move(other));
+    meshes.push_back(other);
   }
   if (pairs.empty()) return std::nullopt;
   std::vector<char> yields(meshes.size());
   yields.front() = 1;
   keep_apart(meshes, pairs, gap_mm, yields);
-  put_back(shared_vertices_of(document, of), *shown->shape.points, meshes.front());
-  if (meshes.front().points == *shown->shape.points) return std::nullopt;
+  put_back(shared_vertices_of(document, of), own.points, meshes.front());
+  if (meshes.front().points == own.points) return std::nullopt;
   return points_edit(*shown, meshes.front().points, FoundBy::keep_apart);
 }
 

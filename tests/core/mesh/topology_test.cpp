@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "core/mesh/closed_mesh.h"
 #include "tests/shapes.h"
 
 using namespace homolog;
@@ -73,6 +74,16 @@ TEST_CASE("closed shapes have the genus and the components that they are made wi
   CHECK(pair->components() == 2);
   CHECK(pair->genus() == 0);
   CHECK(pair->component() == std::vector<std::int32_t>{0, 0, 0, 0, 1, 1, 1, 1});
+}
+
+TEST_CASE("a mesh with a rim is no closed mesh, and one without is seen as it is") {
+  const Mesh ball = icosphere(1), tube = shapes::open_cylinder(3, 6), nothing{};
+  const auto closed = ClosedMesh::of(ball);
+  REQUIRE(closed);
+  CHECK(&closed->mesh() == &ball);
+  CHECK(&closed->points() == &ball.points);
+  CHECK_FALSE(ClosedMesh::of(tube));
+  CHECK_FALSE(ClosedMesh::of(nothing));
 }
 
 TEST_CASE("an open tube has two boundary loops that run with its faces") {

@@ -297,7 +297,7 @@ TEST_CASE("neighbours of different layers are kept apart, but for one that lies 
   for (const FittedStructure& one : fitted.structures) fits.push_back(one.fit->mesh);
   CHECK(depth_mm(fits[0], fits[1], 20) <= -gap_mm + 0.15);
   CHECK(depth_mm(fits[0], fits[1], 20) >= -gap_mm - 0.5);
-  CHECK(share_within(fits[3], fits[1]) == 1);
+  CHECK(share_within(fits[3], *ClosedMesh::of(fits[1])) == 1);
   CHECK(fitted.structures[3].judgement.inside_scan.dice > 0.9);
   CHECK(fitted.depth_mm == 0);
 }

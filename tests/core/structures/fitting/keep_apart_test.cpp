@@ -9,6 +9,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/structures/fitting/set_in_case.h"
 #include "tests/must.h"
+#include "tests/shapes.h"
 
 namespace homolog {
 
@@ -126,13 +127,31 @@ TEST_CASE("a structure of a case goes out of its neighbour and stays in the wall
   CHECK(depth_mm({small->topology, *document.view()->shape.points}, other, 5) > 2);
   CHECK(depth_mm(moved, other, 5) < 0.1);
   CHECK(moved.points.row(0).norm() < 20);
-  CHECK(share_within(moved, {wall->topology, wall->points}) == doctest::Approx(1));
+  const Mesh around{wall->topology, wall->points};
+  CHECK(share_within(moved, *ClosedMesh::of(around)) == doctest::Approx(1));
   const auto wider = apart_from_others(document, id, 2);
   REQUIRE(wider);
   CHECK(depth_mm(moved, other, 5) > -0.5);
   CHECK(depth_mm({small->topology, *wider->points}, other, 5) < -1.8);
   document.structures.erase(document.structures.begin() + 1);
   CHECK_FALSE(apart_from_others(document, id));
+}
+
+TEST_CASE("a structure with a rim neither goes out of another nor makes one go") {
+  const auto template_of = [](const Mesh& mesh) {
+    MeshFile file;
+    file.points = mesh.points;
+    file.triangles = mesh.topology->triangles();
+    return test::must(make_template(file, "organ"));
+  };
+  const auto tube = template_of(shapes::open_cylinder(9, 24, 10, 40)), ball = template_of(icosphere(3, 15));
+  Document document = new_document({}, nullptr, tube);
+  Structure more = new_structure(ball, Similarity{});
+  more.id = "s2";
+  document.structures.push_back(std::make_shared<const Structure>(std::move(more)));
+  CHECK(depth_mm({ball->topology, ball->points}, {tube->topology, tube->points}, 5) > 2);  // they meet
+  CHECK_FALSE(apart_from_others(document, document.structures.front()->id));
+  CHECK_FALSE(apart_from_others(document, "s2"));
 }
 
 TEST_CASE("a thin plate that has no room between two balls does not fold and what is left of the gap is told") {

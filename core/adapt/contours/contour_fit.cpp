@@ -24,9 +24,38 @@ namespace homolog {
 namespace {
 
 constexpr std::size_t contour_pieces = 400, rough_pieces = 200, most_pins = 120;
-/// Stiffer at the end, the mesh would pass some tenths of a mm beside the curves.
+/// They begin softer than from a placement: the warp lies about right already. And they end softer: stiffer at the end,
+/// the mesh would pass some tenths of a mm beside the curves.
 constexpr Annealing onto_contours{.steps = 15, .softest_edges = 0.25, .stiffest_share = 0.1};
 constexpr Annealing roughly_onto_contours{.steps = 6, .softest_edges = 0.25, .stiffest_share = 0.1};
+
+/// Contours, and a surface where they say little: the less they say of a vertex, the more the surface counts there;
+/// where they say much, it is silent.
+class ContoursOnSurface : public Target {
+ public:
+  /// Both outlive this.
+  ContoursOnSurface(ContourTarget& contours, SurfaceTarget& surface) : contours_(contours), surface_(surface) {}
+
+  TargetPull pull(const Mesh& mesh, double share) override {
+    TargetPull pull = contours_.pull(mesh, share);
+    const TargetPull other = surface_.pull(mesh, share);
+    const double much = 0.25 * pull.weights.maxCoeff();
+    for (Eigen::Index i = 0; i < pull.weights.size(); ++i) {
+      const double own = pull.weights[i], said = much > 0 ? std::min(1.0, own / much) : 0;
+      const double free = (1 - said) * other.weights[i];
+      if (!(own + free > 0)) continue;
+      pull.targets.row(i) = (own * pull.targets.row(i) + free * other.targets.row(i)) / (own + free);
+      pull.weights[i] = own + free;
+    }
+    return pull;
+  }
+  TargetPull nearest(const Mesh& mesh) override { return pull(mesh, 1); }
+  double size_mm() const override { return contours_.size_mm(); }
+
+ private:
+  ContourTarget& contours_;
+  SurfaceTarget& surface_;
+};
 
 /// Without the rims of holes where the mesh has no walls that these could belong to. `holes`: how many pieces were.
 ContourSamples samples_for(const Topology& topology, const std::vector<DrawnContour>& contours, std::size_t pieces,
@@ -66,7 +95,7 @@ class ContourFitting {
     FitResult result;
     result.warnings =
         warnings_of_landmarks(template_, options_.landmarks, trust_, (placement_.apply(own) - there).rowwise().norm());
-    auto drawn = draw(warp.points, nullptr);
+    auto drawn = draw(warp.points, target_);
     if (!drawn) return fail(drawn.error());
     if (options_.rough) {
       result.placement = placement_;
@@ -94,7 +123,8 @@ class ContourFitting {
     placement_ = fit.placement;
     trust_ = VertexScalars::Ones(matched_landmarks(template_, options_.landmarks).first.rows());
     SurfaceTarget surface(boundary, template_.points.rows());
-    auto drawn = draw(fit.mesh.points, &surface);
+    ContoursOnSurface both(target_, surface);
+    auto drawn = draw(fit.mesh.points, both);
     if (!drawn) return fail(drawn.error());
     finish(std::move(*drawn), fit);
     return fit;
@@ -107,17 +137,16 @@ class ContourFitting {
     return {};
   }
 
-  /// Draws a mesh that lies about right onto the curves, and to `other` where there are none [Erdt 2009, Eq. 3]. What
-  /// it keeps to is the mesh as it begins.
-  Result<Mesh> draw(const Points& from, Target* other) {
+  /// Draws a mesh that lies about right to a target, as a fit to a surface does [anneal]. What it keeps to is the mesh
+  /// as it begins. The other steps of such a fit [FitSteps] would end on a surface, and curves are none.
+  Result<Mesh> draw(const Points& from, Target& target) {
     Adapting shape{.mesh = {template_.topology, from},
                    .rest = from,
                    .placed = from,
                    .factors = template_.stiffness / template_.stiffness.mean()};
     ShapeSolver solver(template_.topology);
     const auto force = [&](const Mesh& mesh, double share) {
-      TargetPull pull = target_.pull(mesh, share);
-      if (other != nullptr) add_where_free(other->pull(mesh, share), pull);
+      TargetPull pull = target.pull(mesh, share);
       pull_landmarks(template_, options_.landmarks, trust_, mesh, pull);
       return force_of(pull);
     };
@@ -128,18 +157,6 @@ class ContourFitting {
     placement_ = nearest_similarity(template_.points, shape.mesh.points, placement_);
     if (!options_.rough) untangle(shape.mesh, placement_.apply(template_.points), shape.factors);
     return std::move(shape.mesh);
-  }
-
-  /// The less the curves say of a vertex, the more the other target counts there; where they say much, it is silent.
-  static void add_where_free(const TargetPull& other, TargetPull& pull) {
-    const double much = 0.25 * pull.weights.maxCoeff();
-    for (Eigen::Index i = 0; i < pull.weights.size(); ++i) {
-      const double own = pull.weights[i], said = much > 0 ? std::min(1.0, own / much) : 0;
-      const double free = (1 - said) * other.weights[i];
-      if (!(own + free > 0)) continue;
-      pull.targets.row(i) = (own * pull.targets.row(i) + free * other.targets.row(i)) / (own + free);
-      pull.weights[i] = own + free;
-    }
   }
 
   void finish(Mesh mesh, FitResult& result) const {

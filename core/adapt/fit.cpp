@@ -1,8 +1,8 @@
 #include "core/adapt/fit.h"
 
 #include "core/adapt/boundary/cut_faces.h"
-#include "core/adapt/cut_template.h"
-#include "core/adapt/fitting.h"
+#include "core/adapt/boundary/cut_template.h"
+#include "core/adapt/ways/fitting.h"
 #include "core/mesh/parts/rims.h"
 #include "core/placement/similarity_fit.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/adapt/choose_closing.h"
+#include "core/adapt/labels/choose_closing.h"
 #include "core/groupwise/consensus.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume.h"

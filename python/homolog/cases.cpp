@@ -4,7 +4,7 @@
 #include "app/verbs/fit/fit_contours.h"
 #include "app/verbs/fit/snap_arguments.h"
 #include "app/verbs/read_image.h"
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 #include "core/assist/assist.h"
 #include "core/assist/cine.h"
 #include "core/case/action_json.h"

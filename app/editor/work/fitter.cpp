@@ -8,7 +8,7 @@
 
 #include "app/editor/state/label_map_layer.h"
 #include "app/editor/work/models/model_help.h"
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 #include "core/assist/assist.h"
 #include "core/mesh/construction/mirror.h"
 #include "core/mesh/mesh_quality.h"

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "core/adapt/choose_closing.h"
+#include "core/adapt/labels/choose_closing.h"
 
 namespace homolog {
 

@@ -9,7 +9,7 @@
 #include "app/editor/state/outcomes.h"
 #include "app/editor/work/mailbox.h"
 #include "app/editor/work/worker.h"
-#include "core/adapt/faced_template.h"
+#include "core/adapt/labels/faced_template.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/template_making/mask_template.h"
 #include "core/template_making/tube_template.h"

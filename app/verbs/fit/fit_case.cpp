@@ -17,7 +17,7 @@
 #include "app/verbs/study/study_make.h"
 #include "app/verbs/verb.h"
 #include "core/adapt/judge_fit.h"
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 #include "core/assist/assist.h"
 #include "core/base/encoding/json.h"
 #include "core/base/files/files.h"

@@ -13,7 +13,7 @@
 #include "app/verbs/record.h"
 #include "app/verbs/verb.h"
 #include "core/adapt/judge_fit.h"
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 #include "core/model/shapes/study.h"
 #include "core/volume/volume_io.h"
 

@@ -7,7 +7,7 @@
 #include "app/verbs/read_image.h"
 #include "core/adapt/contours/contour_fit.h"
 #include "core/adapt/image/fit_to_image.h"
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 #include "core/base/text/listed.h"
 #include "core/base/text/text.h"
 #include "core/case/action_json.h"

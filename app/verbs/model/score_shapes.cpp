@@ -9,7 +9,7 @@
 #include "app/verbs/read_image.h"
 #include "app/verbs/verbs.h"
 #include "core/adapt/image/fit_to_image.h"
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 #include "core/catalogue/catalogue.h"
 #include "core/model/alignment/numbering.h"
 #include "core/model/files/statismo.h"

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 #include "core/base/processes/parallel.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"

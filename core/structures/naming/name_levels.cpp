@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/adapt/boundary/find_placement.h"
-#include "core/adapt/choose_closing.h"
+#include "core/adapt/labels/choose_closing.h"
 #include "core/base/numbers/statistics.h"
 #include "core/base/processes/parallel.h"
 #include "core/structures/naming/level_names.h"

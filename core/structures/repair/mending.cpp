@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/adapt/choose_closing.h"
+#include "core/adapt/labels/choose_closing.h"
 #include "core/adapt/snap.h"
 #include "core/base/numbers/index.h"
 #include "core/base/processes/parallel.h"

@@ -6,9 +6,9 @@
 #include <set>
 #include <utility>
 
+#include "core/adapt/boundary/cut_template.h"
 #include "core/adapt/boundary/find_placement.h"
-#include "core/adapt/choose_closing.h"
-#include "core/adapt/cut_template.h"
+#include "core/adapt/labels/choose_closing.h"
 #include "core/base/numbers/index.h"
 #include "core/base/numbers/statistics.h"
 #include "core/base/processes/parallel.h"

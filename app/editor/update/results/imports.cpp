@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "app/editor/update/editing.h"
-#include "core/adapt/choose_closing.h"
+#include "core/adapt/labels/choose_closing.h"
 #include "core/base/files/paths.h"
 #include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"

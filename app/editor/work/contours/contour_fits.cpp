@@ -6,7 +6,7 @@
 
 #include "app/editor/state/label_map_layer.h"
 #include "app/editor/work/snaps.h"
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 #include "core/base/processes/guarded.h"
 #include "core/mesh/voxels/isosurface.h"
 

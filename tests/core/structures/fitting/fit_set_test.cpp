@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "core/adapt/faced_template.h"
+#include "core/adapt/labels/faced_template.h"
 #include "core/case/placing.h"
 #include "core/measure/compare.h"
 #include "core/mesh/construction/icosphere.h"

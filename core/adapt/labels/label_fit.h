@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/adapt/choose_closing.h"
 #include "core/adapt/fit.h"
 #include "core/adapt/judge_fit.h"
+#include "core/adapt/labels/choose_closing.h"
 
 namespace homolog {
 

@@ -1,4 +1,4 @@
-#include "core/adapt/whole_ways.h"
+#include "core/adapt/ways/whole_ways.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/adapt/partial_ways.h"
+#include "core/adapt/ways/partial_ways.h"
 
 #include <algorithm>
 #include <cmath>

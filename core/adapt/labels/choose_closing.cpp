@@ -1,4 +1,4 @@
-#include "core/adapt/choose_closing.h"
+#include "core/adapt/labels/choose_closing.h"
 
 #include <algorithm>
 #include <cstdio>

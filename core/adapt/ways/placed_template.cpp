@@ -1,4 +1,4 @@
-#include "core/adapt/placed_template.h"
+#include "core/adapt/ways/placed_template.h"
 
 #include <utility>
 

@@ -3,8 +3,8 @@
 #include <cstddef>
 
 #include "core/adapt/boundary/surface_target.h"
-#include "core/adapt/fit_steps.h"
-#include "core/adapt/placed_template.h"
+#include "core/adapt/ways/fit_steps.h"
+#include "core/adapt/ways/placed_template.h"
 
 namespace homolog {
 

@@ -1,4 +1,4 @@
-#include "core/adapt/fitting.h"
+#include "core/adapt/ways/fitting.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +8,12 @@
 #include "core/adapt/boundary/boundary_warp.h"
 #include "core/adapt/boundary/landmark_pull.h"
 #include "core/adapt/boundary/rim_matches.h"
-#include "core/adapt/fit_doubt.h"
-#include "core/adapt/partial_ways.h"
-#include "core/adapt/roundness.h"
-#include "core/adapt/slide_doubt.h"
+#include "core/adapt/doubt/fit_doubt.h"
+#include "core/adapt/doubt/roundness.h"
+#include "core/adapt/doubt/slide_doubt.h"
 #include "core/adapt/untangle.h"
-#include "core/adapt/whole_ways.h"
+#include "core/adapt/ways/partial_ways.h"
+#include "core/adapt/ways/whole_ways.h"
 #include "core/base/numbers/statistics.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/geometry/surface_search.h"

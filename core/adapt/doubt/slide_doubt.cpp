@@ -1,4 +1,4 @@
-#include "core/adapt/slide_doubt.h"
+#include "core/adapt/doubt/slide_doubt.h"
 
 #include <algorithm>
 #include <cmath>

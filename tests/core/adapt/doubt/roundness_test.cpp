@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "core/adapt/roundness.h"
+#include "core/adapt/doubt/roundness.h"
 #include "tests/shapes.h"
 
 using namespace homolog;

@@ -1,4 +1,4 @@
-#include "core/adapt/fit_doubt.h"
+#include "core/adapt/doubt/fit_doubt.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "core/adapt/likeliest_part.h"
+#include "core/adapt/labels/likeliest_part.h"
 
 #include <cmath>
 #include <limits>

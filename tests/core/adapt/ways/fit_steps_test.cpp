@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/adapt/boundary/surface_target.h"
-#include "core/adapt/fit_steps.h"
+#include "core/adapt/ways/fit_steps.h"
 #include "core/mesh/mesh_quality.h"
 #include "tests/must.h"
 #include "tests/shapes.h"

@@ -1,12 +1,12 @@
-#include "core/adapt/fit_doubt.h"
+#include "core/adapt/doubt/fit_doubt.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 #include "core/adapt/boundary/landmark_pull.h"
+#include "core/adapt/doubt/slide_doubt.h"
 #include "core/adapt/judge_fit.h"
-#include "core/adapt/slide_doubt.h"
 #include "core/case/document.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/template_making/mesh_template.h"

@@ -1,4 +1,4 @@
-#include "core/adapt/cut_template.h"
+#include "core/adapt/boundary/cut_template.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "core/adapt/roundness.h"
+#include "core/adapt/doubt/roundness.h"
 
 #include <algorithm>
 #include <cmath>

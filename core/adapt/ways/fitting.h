@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/adapt/fit_context.h"
+#include "core/adapt/ways/fit_context.h"
 
 namespace homolog {
 

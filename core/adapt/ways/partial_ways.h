@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/adapt/fit_context.h"
+#include "core/adapt/ways/fit_context.h"
 
 namespace homolog {
 

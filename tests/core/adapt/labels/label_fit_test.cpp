@@ -1,4 +1,4 @@
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 
 #include <doctest/doctest.h>
 

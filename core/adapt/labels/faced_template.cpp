@@ -1,4 +1,4 @@
-#include "core/adapt/faced_template.h"
+#include "core/adapt/labels/faced_template.h"
 
 #include <utility>
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/adapt/choose_closing.h"
+#include "core/adapt/labels/choose_closing.h"
 #include "core/measure/compare.h"
 #include "core/mesh/voxels/isosurface.h"
 #include "core/volume/volume_io.h"

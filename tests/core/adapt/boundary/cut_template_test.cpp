@@ -1,4 +1,4 @@
-#include "core/adapt/cut_template.h"
+#include "core/adapt/boundary/cut_template.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "core/adapt/fit_steps.h"
+#include "core/adapt/ways/fit_steps.h"
 
 #include <cmath>
 

@@ -1,9 +1,9 @@
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "core/adapt/likeliest_part.h"
+#include "core/adapt/labels/likeliest_part.h"
 
 namespace homolog {
 

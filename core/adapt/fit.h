@@ -24,6 +24,7 @@ struct FitOptions {
   /// mean of many whose parts nobody looks at. Not for partial fits. A fit to contours then goes without doubt and
   /// without what is wrong with the mesh, while somebody draws.
   bool rough = false;
+  bool has_side = true;                          ///< else it is its own mirror image, and never looks mirrored
   std::shared_ptr<const AllowedShapes> allowed;  ///< shapes to look among first; null: any
   Progress* progress = nullptr;
   /// Called after each step with the shape so far, on the thread that fits.

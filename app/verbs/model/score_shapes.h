@@ -27,8 +27,9 @@ struct NewShapes {
 struct NewShape {
   std::string name;  ///< the file's
   MeshFile mesh;
-  std::string doubt;     ///< why the fit is in doubt; empty: it is not, or it was none
-  std::size_t from = 0;  ///< which of the files that were named
+  std::string doubt;        ///< why the fit is in doubt; empty: it is not, or it was none
+  std::size_t from = 0;     ///< which of the files that were named
+  double beyond_share = 0;  ///< of a fit: the share of its area beyond the scan's borders, where it follows the model
 };
 
 /// The same with folders of label maps opened; folders with shapes stay.

@@ -57,6 +57,7 @@ Json row_of_repair(const TemplateOfSet& structure, const RepairedStructure& foun
             {"holes", signs.holes},
             {"tunnels", signs.tunnels},
             {"bars", signs.bars},
+            {"bar_reach", signs.bar_reach},
             {"bridges", signs.bridges},
             {"volume", signs.volume},
             {"lacking", signs.lacking},
@@ -224,8 +225,14 @@ Result<Report> repair_one(const MapRepairJob& job, const SetOfTemplates& set, co
   if (!absent.empty())
     report.warnings.push_back(path.string() + ": has no voxel of " + some_of(absent) +
                               ", and nothing tells that it should; they are not filled in");
-  if (!subject.without_template.empty())
-    report.warnings.push_back(path.string() + ": has " + some_of(subject.without_template) +
+  std::vector<std::string> without = subject.without_template;
+  for (const auto& [name, now] : repaired->renamed_without) {
+    report.warnings.push_back(path.string() + ": " + name + ", for which the set has no template, is called " + now +
+                              " with the levels beside it");
+    std::erase(without, name);
+  }
+  if (!without.empty())
+    report.warnings.push_back(path.string() + ": has " + some_of(without) +
                               ", for which the set has no template; left as they are");
   const auto record = record_of(job.command.with("MAP", {path}), progress);
   if (!record) return fail(record.error());

@@ -76,7 +76,8 @@ FitResult Fitting::finish() {
   const bool told = result.landmarks_place || options_.allowed;
   VertexScalars spread = spread_mm2();
   const bool axes_count = options_.orientation == Orientation::patient && !options_.placement;
-  if (const auto other = other_lie(template_, target_.boundary(), options_.orientation, axes_count, options_.partial)) {
+  const auto other = other_lie(template_, target_.boundary(), options_.orientation, axes_count, options_.partial);
+  if (other && (options_.has_side || other->half_turned)) {
     result.half_turned = other->half_turned;
     result.mirrored = !other->half_turned;
     spread += (other->points - mesh.points).rowwise().squaredNorm();

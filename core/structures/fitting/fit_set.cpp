@@ -14,12 +14,18 @@
 #include "core/structures/fitting/neighbours_say.h"
 #include "core/structures/fitting/share_vertices.h"
 #include "core/structures/fitting/structure_confidence.h"
+#include "core/structures/naming/level_names.h"
 
 namespace homolog {
 
 namespace {
 
 constexpr double much_off_place = 0.25;  ///< of the size: then its neighbours have a say in where it starts
+
+/// What has a level lies in the middle of the body, and is about its own mirror image.
+bool has_side(const TemplateOfSet& structure) {
+  return structure.side != Side::none || !structure.partner.empty() || !level_in_name(structure.name);
+}
 
 /// `structure`: by its place in the set. `chosen_mm`: a closing that was chosen; none: the usual one, and wider ones
 /// where they may help.
@@ -172,6 +178,7 @@ Result<FittedSet> fit_set(const SetOfTemplates& set, const SetInMap& subject, co
       Progress own(progress, share / static_cast<double>(which.size()));
       FitOptions fitting;
       fitting.progress = &own;
+      fitting.has_side = has_side(set.set.structures[which[k]]);
       if (!own.cancelled()) work(which[k], fitting);
       own.part(0, 1);
       own.report(1);

@@ -151,7 +151,7 @@ LevelFound found_of(const SetOfTemplates& set, const LevelChain& chain, const Ch
   if (moved) return {apart, 0, apart == 0 ? p_shift : 1 - p_shift};
   if (!shift.some_say_so || shift.evidence < -clearly) {
     const int maybe = apart == 0 && shift.evidence > 0 ? shift.by : 0;
-    return {apart, maybe, apart == 0 ? 1 - p_shift : own != chain.apart.end() ? chain.share(apart) : 1};
+    return {apart, maybe, apart == 0 ? 1 - p_shift : chain.share(apart)};
   }
   // Some are off, and nothing tells which.
   if (apart == 0) return {0, shift.by, 1 - p_shift};

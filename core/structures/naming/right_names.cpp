@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "core/base/numbers/statistics.h"
@@ -79,10 +82,11 @@ void find_shifted_levels(const SetOfTemplates& set, const SetInMap& subject, con
   const auto levels = find_levels(set, subject, fitted, placed, sound, progress);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     names[k].p_named = std::min(names[k].p_named, levels[k].p_named);
-    if (levels[k].maybe != 0)
-      names[k].defects.push_back(
-          {DefectKind::level_shifted,
-           name_at_level(names[k].proposed, *level_of_name(names[k].proposed) + levels[k].maybe)});
+    if (levels[k].maybe != 0) {
+      const std::string maybe = name_at_level(names[k].proposed, *level_of_name(names[k].proposed) + levels[k].maybe);
+      // Beyond the set's last level there may be no such structure.
+      names[k].defects.push_back({DefectKind::level_shifted, set.set.find(maybe) != nullptr ? maybe : std::string()});
+    }
     if (levels[k].shift == 0) continue;
     // Of the other side, where the sides are exchanged too.
     names[k].proposed = name_at_level(names[k].proposed, *level_of_name(names[k].proposed) + levels[k].shift);
@@ -101,6 +105,26 @@ std::optional<int> value_of_name(const SetOfTemplates& set, const SetInMap& subj
   const Segment segment{name, free_value(map, frame, subject), 0, colour_by_name(name), {}};
   map.segmentation.add(segment);
   return segment.value;
+}
+
+/// The new name of a label that the set lacks: it is as many levels off as the nearest structure of its kind. Empty: it
+/// keeps its own.
+std::string name_of_other(const SetOfTemplates& set, const SetInMap& subject, const std::vector<NameFound>& names,
+                          const std::string& name) {
+  const auto own = level_in_name(name);
+  if (!own || own->sacral) return {};
+  int nearest = std::numeric_limits<int>::max(), by = 0;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto level = level_in_name(set.set.structures[k].name);
+    if (!subject.structures[k].is_there() || !level || level->sacral || level->family != own->family) continue;
+    const int away = std::abs(level->level - own->level);
+    if (away >= nearest) continue;
+    nearest = away;
+    by = level_of_name(names[k].proposed).value_or(level->level) - level->level;
+  }
+  if (by == 0) return {};
+  std::string moved = name_at_level(name, own->level + by);
+  return set.set.find(moved) != nullptr ? moved : std::string();
 }
 
 }  // namespace
@@ -173,12 +197,12 @@ bool any_renamed(const SetOfTemplates& set, const std::vector<NameFound>& names)
   return false;
 }
 
-std::vector<std::size_t> rename_labels(const SetOfTemplates& set, const SetInMap& subject,
-                                       const std::vector<NameFound>& names, VolumeRead& map, int frame) {
-  std::vector<std::size_t> changed(names.size());
+RenamedLabels rename_labels(const SetOfTemplates& set, const SetInMap& subject, const std::vector<NameFound>& names,
+                            VolumeRead& map, int frame) {
+  RenamedLabels renamed{std::vector<std::size_t>(names.size()), {}};
   struct To {
     int value = 0;
-    std::size_t k = 0;
+    std::optional<std::size_t> k;  ///< none: the set lacks it
   };
   std::map<std::size_t, std::map<int, To>> layers;  // all are known before one is changed: two may exchange their names
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -186,6 +210,14 @@ std::vector<std::size_t> rename_labels(const SetOfTemplates& set, const SetInMap
     if (names[k].proposed == set.set.structures[k].name || !one.is_there()) continue;
     if (const auto value = value_of_name(set, subject, names[k].proposed, map, frame))
       layers[one.segment.layer][one.segment.value] = {*value, k};
+  }
+  for (const LabelOfMap& other : subject.others) {
+    const std::string name = name_of_other(set, subject, names, other.segment.name);
+    if (name.empty()) continue;
+    const auto value = value_of_name(set, subject, name, map, frame);
+    if (!value) continue;
+    layers[other.segment.layer][other.segment.value] = {*value, {}};
+    renamed.without.emplace_back(other.segment.name, name);
   }
   for (const auto& [layer, values] : layers) {
     Volume& volume = layer == 0 ? map.volume : map.other_layers[layer - 1];
@@ -198,13 +230,13 @@ std::vector<std::size_t> rename_labels(const SetOfTemplates& set, const SetInMap
             const auto found = to.find(rounded_label(data[v]));
             if (found == to.end()) continue;
             data[v] = static_cast<Voxel>(found->second.value);
-            ++changed[found->second.k];
+            if (found->second.k) ++renamed.voxels[*found->second.k];
           }
         },
         volume.data);
     for (const auto& [value, to] : values) volume.range_max = std::max(volume.range_max, static_cast<double>(to.value));
   }
-  return changed;
+  return renamed;
 }
 
 }  // namespace homolog

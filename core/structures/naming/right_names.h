@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/structures/fitting/fit_set.h"
@@ -37,8 +38,13 @@ bool any_renamed(const SetOfTemplates& set, const std::vector<NameFound>& names)
 
 /// Gives the labels of a map, in one of its frames, the names that are proposed: their voxels get the values of those
 /// names. Names that the map lacks are added with a free value; a map without names keeps the labels whose new name the
-/// set lacks. Returns how many voxels of each structure changed.
-std::vector<std::size_t> rename_labels(const SetOfTemplates& set, const SetInMap& subject,
-                                       const std::vector<NameFound>& names, VolumeRead& map, int frame);
+/// set lacks. Labels of levels that the set lacks, as a sixth lumbar vertebra, go along with the nearest one, where
+/// that gives them a name of the set.
+struct RenamedLabels {
+  std::vector<std::size_t> voxels;                           ///< that changed, of each structure
+  std::vector<std::pair<std::string, std::string>> without;  ///< the labels that the set lacks, and their new names
+};
+RenamedLabels rename_labels(const SetOfTemplates& set, const SetInMap& subject, const std::vector<NameFound>& names,
+                            VolumeRead& map, int frame);
 
 }  // namespace homolog

@@ -29,6 +29,7 @@ constexpr double some_bridges = 0.0025;   ///< `bridges`: from here on it has so
 constexpr double no_bridge = 0.15;        ///< `bridges`: from here on it is something else
 constexpr double bridges_more = 0.004;    ///< `bridges`: from here on, it may have something of a neighbour
 constexpr double some_bars = 0.004;       ///< `bars`: from here on it has bridges
+constexpr double long_bar = 0.22;         ///< `bar_reach`: from here on it has one, however thin; sound ones reach 0.13
 constexpr double much_lost = 0.04;        ///< `lost_to`: from here on the neighbour has what it lost, if it shows it
 constexpr double surely_lost = 0.1;       ///< `lost_to`: from here on it has; sound ones reach 0.051
 constexpr double much_lacking = 0.15;     ///< `lacking`: from here on a part is missing, if it is much_smaller too
@@ -94,7 +95,8 @@ void Mending::find_in(std::size_t k) {
   const double holes = share_left(k, signs.holes, signs.without_holes),
                bridges = share_left(k, signs.bridges, signs.without_bridges);
   const bool is_pierced = share_left(k, signs.tunnels, signs.without_holes) >= some_tunnels,
-             has_bars = share_left(k, signs.bars, signs.without_bars) >= some_bars;
+             has_bars = share_left(k, signs.bars, signs.without_bars) >= some_bars ||
+                        share_left(k, signs.bar_reach, signs.without_bars) >= long_bar;
   if ((holes >= holes_from || is_pierced) && holes < no_hole) {
     add(k, DefectKind::hole);
     change(k, signs.without_holes);
@@ -118,7 +120,9 @@ std::vector<std::size_t> Mending::takers_of(std::size_t k) const {
   std::vector<std::size_t> takers;
   if (!is_compared(k)) return takers;
   for (const auto& [other, share] : signs.lost_to)
-    if ((share >= surely_lost && expected_[other]) || (share >= much_lost && has_too_much(other)))
+    // What one of two bodies has too much is not this one's.
+    if (!has(other, DefectKind::doubled) &&
+        ((share >= surely_lost && expected_[other]) || (share >= much_lost && has_too_much(other))))
       takers.push_back(other);
   return takers;
 }
@@ -135,7 +139,8 @@ bool Mending::lacks_a_part(std::size_t k) const {
 }
 
 void Mending::find_lost(std::size_t k) {
-  if (!is_asked(k)) return;
+  // Of two bodies nobody knows yet which lacks what.
+  if (!is_asked(k) || has(k, DefectKind::doubled)) return;
   auto takers = takers_of(k);
   if (takers.empty()) takers = takers_of_bent(k);
   for (const std::size_t other : takers) {
@@ -177,7 +182,7 @@ bool Mending::is_segmented(std::size_t k) const {
 
 void Mending::find_missing(std::size_t k) {
   constexpr double whole = 0.6, much_of_it = 0.25, some_of_it = 0.05, two_bodies = 0.3, much_larger = 0.3,
-                   much_beside = 0.15, much_beyond_itself = 0.5, room = 0.4;
+                   much_beside = 0.15, much_beyond_itself = 0.5, room = 0.4, sound_dice = 0.93;
   if (!result_.subject.structures[k].why_left_out.empty() || is_absent(result_.variants, k) || !is_segmented(k)) return;
   for (std::size_t other = 0; other < result_.structures.size(); ++other) {
     if (result_.signs[other].islands < two_bodies) continue;
@@ -206,8 +211,10 @@ void Mending::find_missing(std::size_t k) {
     const StructureSigns& signs = result_.signs[other];
     const double enough = signs.islands >= two_bodies ? some_of_it : much_of_it;
     if (!result_.subject.structures[other].is_there() || held[label] < enough) continue;
-    const bool is_too_large = result_.fitted.structures[other].judgement.doubtful || signs.volume > much_larger ||
-                              signs.bridges > much_beside;
+    // A template lies well on one body, however large that is, and on no two.
+    const FitJudgement& fit = result_.fitted.structures[other].judgement;
+    const bool is_too_large = fit.doubtful || signs.bridges > much_beside ||
+                              (signs.volume > much_larger && fit.inside_scan.dice < sound_dice);
     if (!is_too_large && share_beyond(other, label, there, inside) * voxels < much_beyond_itself * all) continue;
     if (doubled == k || held[label] > held[label_around(result_.subject, k, doubled)]) doubled = other;
   }

@@ -92,7 +92,9 @@ Result<RepairedMap> repair_map(const SetOfTemplates& set, VolumeRead& map, int f
   if (auto goes = go_on(options); !goes) return fail(goes.error());
   std::vector<std::size_t> changed(names.size());
   if (any_renamed(set, names)) {
-    changed = rename_labels(set, result->subject, names, map, frame);
+    auto renamed = rename_labels(set, result->subject, names, map, frame);
+    changed = std::move(renamed.voxels);
+    result->renamed_without = std::move(renamed.without);
     MapRepairOptions again = options;
     again.progress = &second;
     if (auto repaired = repair_renamed(set, map, frame, again, names, *result); !repaired)

@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/structures/fitting/fit_set.h"
@@ -33,6 +34,8 @@ struct RepairedMap {
                                               ///< is filled in, the shape that it got
   SetInMap subject;                           ///< as it was
   std::vector<Variant> variants;              ///< of its levels, which are no defects
+  /// Labels without a template that were renamed with the others, and their new names.
+  std::vector<std::pair<std::string, std::string>> renamed_without;
 };
 
 struct MapRepairOptions {

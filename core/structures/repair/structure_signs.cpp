@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 #include <utility>
@@ -43,7 +44,9 @@ class Signs {
         there_(around_structure(subject, map, frame, of, reach(fit), margin(fit, map_))),
         own_(voxels_with(there_.labels, value_), there_.grid),
         fit_(voxelise(fit, there_.grid), there_.grid),
-        size_mm_(std::cbrt(static_cast<double>(own_.voxels) * there_.grid.voxel_volume_mm3())) {}
+        size_mm_(std::cbrt(static_cast<double>(own_.voxels) * there_.grid.voxel_volume_mm3())) {
+    if (own_.voxels > 0 && expected_[of_]) here_.emplace(voxelise(*expected_[of_], there_.grid), there_.grid);
+  }
 
   StructureSigns find() {
     if (own_.voxels == 0) return {};
@@ -150,16 +153,58 @@ class Signs {
     return around;
   }
 
-  /// Leaves holes that the label encloses. One that is open may be the organ's own form that the fit bridges, as the
-  /// sinus of a kidney is.
+  /// Whether each part of a hole goes through the structure: its two largest mouths, which are the empty voxels beside
+  /// it as far as they hang together, are about as wide and lie at opposite ends.
+  std::vector<char> go_through(const VoxelComponents& parts) const {
+    constexpr double as_wide = 0.25;
+    std::vector<std::uint8_t> beside(parts.part.size());
+    for (std::size_t v = 0; v < beside.size(); ++v)
+      if (parts.part[v] >= 0)
+        for_each_beside(v, [&](std::size_t other) {
+          if (parts.part[other] < 0 && there_.labels[other] == 0) beside[other] = 1;
+        });
+    const auto mouths = connected_components(beside, there_.grid.dims, Touching::faces_and_edges);
+    std::vector<std::map<std::int32_t, std::set<std::size_t>>> of_part(parts.sizes.size());
+    std::vector<Vec3> middles(parts.sizes.size(), Vec3::Zero());
+    for (std::size_t v = 0; v < beside.size(); ++v) {
+      if (parts.part[v] < 0) continue;
+      const std::size_t part = index(parts.part[v]);
+      middles[part] += place_of_voxel(there_.grid, v) / static_cast<double>(parts.sizes[part]);
+      for_each_beside(v, [&](std::size_t other) {
+        if (mouths.part[other] >= 0) of_part[part][mouths.part[other]].insert(other);
+      });
+    }
+    std::vector<char> through(parts.sizes.size());
+    for (std::size_t part = 0; part < through.size(); ++part) {
+      std::vector<std::set<std::size_t>> all;
+      for (auto& [mouth, voxels] : of_part[part]) all.push_back(std::move(voxels));
+      if (all.size() < 2) continue;
+      std::ranges::stable_sort(all, std::ranges::greater{}, &std::set<std::size_t>::size);
+      const auto towards = [&](const std::set<std::size_t>& mouth) {
+        Vec3 sum = Vec3::Zero();
+        for (const std::size_t v : mouth) sum += place_of_voxel(there_.grid, v) - middles[part];
+        return sum;
+      };
+      through[part] = static_cast<double>(all[1].size()) >= as_wide * static_cast<double>(all[0].size()) &&
+                      towards(all[0]).dot(towards(all[1])) < 0;
+    }
+    return through;
+  }
+
+  /// Leaves holes that the label encloses, and those that go through it. One that is open to one side alone may be the
+  /// organ's own form that the fit bridges, as the sinus of a kidney is.
   void leave_cavities(std::vector<std::uint8_t>& hole) const {
     const auto empty = voxels_where([&](std::size_t v) { return there_.labels[v] == 0; });
     const auto rooms = connected_components(empty, there_.grid.dims, Touching::faces);
     std::vector<char> is_outside(rooms.sizes.size());
     for (std::size_t v = 0; v < empty.size(); ++v)
       if (rooms.part[v] >= 0 && for_each_beside(v, [](std::size_t) {})) is_outside[index(rooms.part[v])] = 1;
-    for (std::size_t v = 0; v < hole.size(); ++v)
-      if (hole[v] != 0 && is_outside[index(rooms.part[v])] != 0) hole[v] = 0;
+    const auto parts = connected_components(hole, there_.grid.dims, Touching::faces);
+    const auto through = go_through(parts);
+    for (std::size_t v = 0; v < hole.size(); ++v) {
+      if (hole[v] == 0 || is_outside[index(rooms.part[v])] == 0) continue;
+      if (!expected_[of_] || through[index(parts.part[v])] == 0) hole[v] = 0;
+    }
   }
 
   void find_holes_and_bridges() {
@@ -169,12 +214,12 @@ class Signs {
         [&](std::size_t v) { return there_.labels[v] == 0 && fit_.inside[v] != 0 && fit_.depth[v] > deep_mm; });
     auto bridge =
         voxels_where([&](std::size_t v) { return main_[v] != 0 && fit_.inside[v] == 0 && fit_.to[v] > far_mm; });
-    if (!expected_[of_]) leave_cavities(hole);
+    leave_cavities(hole);
     signs_.holes = share_of_large(hole);
     signs_.bridges = share_of_large(bridge);
     std::vector<std::uint8_t> filled(main_.size());  // where a hole may be filled beyond the fit
-    std::vector<std::uint8_t> bar(main_.size());
-    if (expected_[of_]) find_tunnels_and_bars(hole, bar, filled);
+    std::vector<std::uint8_t> bar(main_.size()), line(main_.size());
+    if (expected_[of_]) find_tunnels_and_bars(hole, bar, line, filled);
     for (std::size_t v = 0; v < main_.size(); ++v) bridge[v] |= bar[v];
     // The rest of each hole reaches up to the surface, and that of each bridge back to it.
     if (const Body core(std::move(hole), there_.grid); core.voxels > 0)
@@ -186,6 +231,11 @@ class Signs {
       if (const Body core(std::move(*cores), there_.grid); core.voxels > 0)
         for (std::size_t v = 0; v < main_.size(); ++v)
           if (own_.inside[v] != 0 && fit_.inside[v] == 0 && core.to[v] <= 1.5 * far_mm) change(v, 0, *changes);
+    // A thin line is taken away alone: what lies about its root is the organ's.
+    if (const Body core(std::move(line), there_.grid); core.voxels > 0)
+      for (std::size_t v = 0; v < main_.size(); ++v)
+        if (own_.inside[v] != 0 && fit_.inside[v] == 0 && here_->inside[v] == 0 && core.to[v] <= 1.5 * coarse_mm())
+          change(v, 0, signs_.without_bars);
   }
 
   /// Leaves the large parts alone. Gives what share of the structure they are.
@@ -196,16 +246,17 @@ class Signs {
   }
 
   /// A fit follows a narrow tunnel, and leaves thin bars out. A ball that does not enter the one, and has no room in
-  /// the other, tells them from the expected shape's own. Adds the tunnels to `hole`.
+  /// the other, tells them from the expected shape's own. Adds the tunnels to `hole`. `line`: parts of bars that are
+  /// long, however thin.
   void find_tunnels_and_bars(std::vector<std::uint8_t>& hole, std::vector<std::uint8_t>& bar,
-                             std::vector<std::uint8_t>& filled) {
+                             std::vector<std::uint8_t>& line, std::vector<std::uint8_t>& filled) {
     constexpr double ball = 0.14, deep_in_closed = 0.08, deep_in_expected = 0.03,
                      off_both = 0.06;  // shares of the size
     const double ball_mm = ball * size_mm_, off_mm = std::max(off_both * size_mm_, coarse_mm());
     // The outermost voxels are a voxel deep, and say nothing.
     const double closed_mm = std::max(deep_in_closed * size_mm_, coarse_mm()),
                  expected_mm = std::max(deep_in_expected * size_mm_, coarse_mm());
-    const Body expected(voxelise(*expected_[of_], there_.grid), there_.grid);
+    const Body& expected = *here_;
     const Body wide(voxels_where([&](std::size_t v) { return own_.to[v] <= ball_mm; }), there_.grid);
     const Body closed(voxels_where([&](std::size_t v) {
                         return own_.inside[v] != 0 || (wide.inside[v] != 0 && wide.depth[v] > ball_mm);
@@ -215,6 +266,7 @@ class Signs {
     auto tunnel = voxels_where([&](std::size_t v) {
       return there_.labels[v] == 0 && filled[v] != 0 && closed.depth[v] > closed_mm && expected.depth[v] > expected_mm;
     });
+    leave_cavities(tunnel);
     signs_.tunnels = share_of_large(tunnel);
     const Body thick(voxels_where([&](std::size_t v) { return own_.inside[v] != 0 && own_.depth[v] > ball_mm; }),
                      there_.grid);
@@ -222,14 +274,29 @@ class Signs {
       return main_[v] != 0 && thick.to[v] > ball_mm && fit_.inside[v] == 0 && fit_.to[v] > off_mm &&
              expected.inside[v] == 0 && expected.to[v] > off_mm;
     });
+    line = long_parts(bar);
     signs_.bars = share_of_large(bar);
+    for (std::size_t v = 0; v < bar.size(); ++v) line[v] = bar[v] != 0 ? 0 : line[v];
     for (std::size_t v = 0; v < main_.size(); ++v) hole[v] |= tunnel[v];
   }
 
+  /// The parts of bars that jut far out of the fit and of the expected shape. Notes how far the longest does.
+  std::vector<std::uint8_t> long_parts(const std::vector<std::uint8_t>& bars) {
+    constexpr double far = 0.15;  // of the size
+    const auto parts = connected_components(bars, there_.grid.dims, Touching::faces_and_edges);
+    std::vector<double> reach(parts.sizes.size());
+    for (std::size_t v = 0; v < bars.size(); ++v)
+      if (parts.part[v] >= 0) {
+        double& farthest = reach[index(parts.part[v])];
+        farthest = std::max(farthest, static_cast<double>(std::min(fit_.to[v], here_->to[v])) / size_mm_);
+      }
+    for (const double one : reach) signs_.bar_reach = std::max(signs_.bar_reach, one);
+    return voxels_where([&](std::size_t v) { return parts.part[v] >= 0 && reach[index(parts.part[v])] >= far; });
+  }
+
   void compare_with_expected() {
-    const Mesh& mesh = *expected_[of_];
-    const Body expected(voxelise(mesh, there_.grid), there_.grid);
-    const double all = volume_mm3(mesh) / there_.grid.voxel_volume_mm3();
+    const Body& expected = *here_;
+    const double all = volume_mm3(*expected_[of_]) / there_.grid.voxel_volume_mm3();
     signs_.beyond = std::max(0.0, 1 - static_cast<double>(expected.voxels) / all);
     signs_.volume = std::log(static_cast<double>(own_.voxels) / std::max(1.0, all));
     const double far_mm = std::max(far_from_expected * size_mm_, coarse_mm());
@@ -279,6 +346,7 @@ class Signs {
   bool empty_beyond_;  ///< Volume::empty_beyond_slices
   Neighbourhood there_;
   Body own_, fit_;
+  std::optional<Body> here_;  ///< the expected shape, where there is one
   double size_mm_;
   std::vector<std::uint8_t> main_;  ///< its largest part
   StructureSigns signs_;

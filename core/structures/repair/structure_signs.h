@@ -51,6 +51,7 @@ struct StructureSigns {
   double bridges = 0;      ///< far outside of the fit, but joined to the structure
   /// Narrow ways into the expected shape, which a fit may follow, and thin parts outside of it and of the fit.
   double tunnels = 0, bars = 0;
+  double bar_reach = 0;  ///< how far the longest such part juts out of both, as a share of its size
   double volume = 0;     ///< logarithm of the volume against the expected one, less the median of that of all
   double lacking = 0;    ///< of the expected shape: without a label, far from the structure
   double gap = 0;        ///< how far from the structure a large part that lacks reaches, as a share of its size

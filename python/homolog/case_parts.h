@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/case/action.h"
+#include "core/case/document.h"
+#include "python/homolog/binding.h"
+#include "python/homolog/held_case.h"
+
+namespace homolog::python {
+
+// What the sources of homolog.Case share.
+
+using CaseType = py::class_<HeldCase, std::shared_ptr<HeldCase>>;
+
+/// A structure of a case at the shown frame. `of`: its id; empty: the first. Errors: it has no mesh there.
+ShapeView shown(const Document& document, const std::string& of);
+
+/// Does an edit. Gives moved_mm, stopped_by_guard, on (LPS mm or None) and message. Errors: the case is closed, or in
+/// use; the edit is refused.
+py::dict apply(HeldCase& self, EditStep step);
+
+// Each source adds its part.
+void add_case_files(CaseType& type);
+void add_case_edits(CaseType& type);
+void add_case_fits(CaseType& type);
+void add_case_views(CaseType& type);
+
+}  // namespace homolog::python

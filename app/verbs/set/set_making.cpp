@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <map>
 #include <optional>
-#include <set>
 
 #include "app/verbs/case_pool.h"
 #include "app/verbs/set/set_cases.h"
 #include "app/verbs/template/template_job.h"
-#include "core/base/files/file_record.h"
+#include "core/base/files/file_stem.h"
 #include "core/base/files/files.h"
-#include "core/base/files/paths.h"
-#include "core/base/text/listed.h"
 #include "core/base/text/text.h"
-#include "core/catalogue/catalogue.h"
 #include "core/structures/fitting/fit_set.h"
 #include "core/structures/fitting/neighbours_say.h"
 
@@ -24,75 +20,6 @@ namespace homolog {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr double near_mm = 5;  ///< structures whose surfaces come nearer are neighbours
-
-/// The labels between the commas.
-std::vector<std::string> labels_between_commas(const std::string& labels) {
-  std::vector<std::string> parts;
-  std::size_t from = 0;
-  while (from <= labels.size()) {
-    const std::size_t to = std::min(labels.find(',', from), labels.size());
-    parts.emplace_back(trimmed(std::string_view(labels).substr(from, to - from)));
-    from = to + 1;
-  }
-  return parts;
-}
-
-/// Labels that are asked for, and which of them a map so far had; why not, of the first.
-struct AskedLabels {
-  std::vector<std::string> parts;
-  std::vector<char> found;
-  std::vector<std::optional<Error>> why_not;
-};
-
-/// Those that the map has. Errors: that it has none is none.
-std::vector<Segment> named_in(const VolumeRead& read, const std::string& labels, const fs::path& map,
-                              AskedLabels& asked) {
-  std::vector<Segment> segments;
-  const auto add = [&](const std::vector<Segment>& more) {  // two names may mean one label
-    for (const Segment& segment : more) {
-      const auto same = [&](const Segment& s) { return s.value == segment.value && s.layer == segment.layer; };
-      if (std::ranges::none_of(segments, same)) segments.push_back(segment);
-    }
-  };
-  if (const auto whole = asked_segments(labels, read.segmentation)) {
-    std::ranges::fill(asked.found, 1);
-    add(*whole);
-    return segments;
-  }
-  for (std::size_t k = 0; k < asked.parts.size(); ++k) {
-    auto one = asked_segments(asked.parts[k], read.segmentation);
-    if (one) add(*one);
-    if (one) asked.found[k] = 1;
-    if (!one && !asked.why_not[k]) asked.why_not[k] = Error{map.string(), one.error().what};
-  }
-  return segments;
-}
-
-std::vector<Segment> all_of(const VolumeRead& read) {
-  std::vector<Segment> segments = read.segmentation.segments;
-  for (const auto& [value, voxels] : labels_of(read.volume, 0))
-    if (value != 0 && read.segmentation.find(value) == nullptr) segments.push_back({{}, value});
-  return segments;
-}
-
-/// Takes out the segments whose name others have too, as the set would give it, and tells of each such name.
-std::vector<std::string> take_doubled(std::vector<Segment>& segments, bool has_layers) {
-  std::map<std::string, std::vector<Segment>> by_name;
-  const auto key = [](const Segment& segment) { return lower_case(file_name_of_structure(name_in_set(segment))); };
-  for (const Segment& segment : segments) by_name[key(segment)].push_back(segment);
-  std::vector<std::string> words;
-  for (const auto& [name, doubled] : by_name) {
-    if (doubled.size() < 2) continue;
-    std::vector<std::string> labels;
-    for (const Segment& segment : doubled) labels.push_back(value_and_layer(segment, has_layers));
-    words.push_back("has " + std::to_string(doubled.size()) + " structures named \"" + name_in_set(doubled.front()) +
-                    "\", the labels " + listed(labels, " and "));
-  }
-  std::erase_if(segments, [&](const Segment& segment) { return by_name[key(segment)].size() > 1; });
-  return words;
-}
 
 /// What a structure's template is made of alone.
 Result<MadeTemplate> template_of_one(const SetJob& job, const fs::path& map, const Segment& segment,
@@ -192,102 +119,11 @@ fs::path free_file(const TemplateSet& set, const fs::path& file) {
   };
   fs::path free = file;
   for (int number = 2; taken(free); ++number)
-    free = file.parent_path() / (file.stem().string() + "-" + std::to_string(number) + file.extension().string());
+    free = file.parent_path() / (file_stem(file) + "-" + std::to_string(number) + file.extension().string());
   return free;
 }
 
-fs::path file_of_template(const SetJob& job, const std::string& structure) {
-  return absolute_path(job.folder() / (file_name_of_structure(structure) + ".ply"));
-}
-
-bool is_same_file(const fs::path& a, const fs::path& b) {
-  std::error_code not_there;
-  return a == b || fs::equivalent(a, b, not_there);
-}
-
-/// The templates that the set has which is there already under the name that is to be written.
-std::vector<fs::path> templates_of_old_set(const SetJob& job) {
-  std::vector<fs::path> files;
-  if (const auto old = read_template_set(job.out))
-    for (const TemplateOfSet& one : old->structures)
-      if (names_file(one.file.string())) files.push_back(absolute_path(one.file));
-  return files;
-}
-
-/// Whether the same command made a file before, and was stopped before it wrote its set.
-bool is_of_same_command(const SetJob& job, const fs::path& file, Progress& progress) {
-  const auto there = read_record(file);
-  if (!there || !*there) return false;
-  const auto record = record_of(job.command, progress);
-  return record && **there == record_of_made(*record, job.out, file);
-}
-
-/// Errors: a file that is to be written is there, and is no template of the old set.
-Result<void> check_own(const SetJob& job, const std::vector<fs::path>& to_write, Progress& progress) {
-  const auto own = templates_of_old_set(job);
-  for (const fs::path& file : to_write) {
-    std::error_code ignored;
-    if (!fs::exists(fs::symlink_status(file, ignored))) continue;
-    if (std::ranges::none_of(own, [&](const fs::path& one) { return is_same_file(one, file); }) &&
-        !is_of_same_command(job, file, progress))
-      return fail(file.string(), "is there, is no template of " + job.out.string() +
-                                     ", and would be written over; move it away, or give the set another name");
-  }
-  return {};
-}
-
-/// Files of one run that were not there before: gone again, unless the run keeps them in the end.
-struct FilesOfRun {
-  std::vector<fs::path> files;
-
-  FilesOfRun() = default;
-  FilesOfRun(const FilesOfRun&) = delete;
-  FilesOfRun& operator=(const FilesOfRun&) = delete;
-  ~FilesOfRun() {
-    std::error_code ignored;
-    for (const fs::path& file : files) fs::remove(file, ignored);
-  }
-};
-
-/// Names the templates in the set's folder that only the old set had. They stay: cases and other sets may need them.
-void name_left_over(const SetJob& job, const std::vector<fs::path>& old_files, const TemplateSet& set,
-                    std::vector<std::string>& warnings) {
-  const fs::path folder = absolute_path(job.folder() / "x").parent_path();
-  std::vector<std::string> left;
-  for (const fs::path& file : old_files) {
-    const bool is_used = std::ranges::any_of(
-        set.structures, [&](const TemplateOfSet& one) { return is_same_file(absolute_path(one.file), file); });
-    if (!is_used && file.parent_path() == folder && fs::exists(file)) left.push_back(file.filename().string());
-  }
-  if (!left.empty())
-    warnings.push_back(job.folder().string() + ": holds " + some_of(left) +
-                       ", which only the set before had; delete them if no case and no other set has them");
-}
-
 }  // namespace
-
-fs::path SetJob::folder() const {
-  const std::string name = out.filename().string();
-  return out.parent_path() / name.substr(0, name.size() - std::string_view(".set.json").size());
-}
-
-void add_structure_options(CLI::App& verb, SetJob& job) {
-  auto* labels = verb.add_option("--labels", job.labels, "Which structures, by name or number: liver,spleen,3");
-  verb.add_flag("--all", job.all, "All structures of the maps")->excludes(labels);
-  verb.add_option("--vertices", job.vertices, "How many vertices each template has")
-      ->check(CLI::Range(100, 200000))
-      ->capture_default_str();
-}
-
-CLI::Option* is_name_of_set(CLI::Option* output) {
-  return output->check([](const std::string& text) {
-    return is_template_set(text) ? std::string() : text + " is no name of a set; use NAME.set.json";
-  });
-}
-
-std::string name_in_set(const Segment& segment) {
-  return segment.name.empty() ? "label " + std::to_string(segment.value) : segment.name;
-}
 
 MadeStructure without_template(const Segment& segment) {
   MadeStructure made;
@@ -338,46 +174,6 @@ void append(MadeStructure made, SetInMaking& making) {
   making.rows.push_back(std::move(made.row));
 }
 
-Result<std::vector<std::vector<Segment>>> structures_asked(const SetJob& job, SetInMaking& making, Progress& progress) {
-  AskedLabels labels;
-  labels.parts = labels_between_commas(job.labels);
-  labels.found.resize(labels.parts.size());
-  labels.why_not.resize(labels.parts.size());
-  std::vector<std::vector<Segment>> asked;
-  std::set<fs::path> met;
-  for (const fs::path& map : job.maps) {
-    std::error_code ignored;
-    if (!met.insert(fs::weakly_canonical(map, ignored)).second)
-      return fail(map.string(), "is given twice, and would count as two subjects; name each map once");
-    const auto subject = read_subject(map, std::nullopt, progress, false);
-    if (!subject) return fail(subject.error());
-    const VolumeRead& read = subject->read;
-    making.warnings.insert(making.warnings.end(), read.warnings.begin(), read.warnings.end());
-    for (const Segment& segment : all_of(read)) making.highest_value = std::max(making.highest_value, segment.value);
-    asked.push_back(job.all ? all_of(read) : named_in(read, job.labels, map, labels));
-    if (job.all && asked.back().empty()) return fail(map.string(), "holds no label; give a label map");
-    for (const std::string& what : take_doubled(asked.back(), !read.other_layers.empty())) {
-      if (!job.all) return fail(map.string(), what + "; name them apart");
-      making.warnings.push_back(map.string() + ": " + what + "; they are left out; give one of them another name");
-    }
-    if (job.all && asked.back().empty())
-      return fail(map.string(), "has no structure with a name of its own; give each another name");
-  }
-  for (std::size_t k = 0; k < labels.parts.size() && !job.all; ++k)
-    if (labels.found[k] == 0) return fail(*labels.why_not[k]);
-  return asked;
-}
-
-Result<void> check_templates_free(const SetJob& job, const std::vector<std::vector<Segment>>& asked,
-                                  const TemplateSet& known, Progress& progress) {
-  std::vector<fs::path> to_write;
-  for (const auto& segments : asked)
-    for (const Segment& segment : segments)
-      if (const std::string name = name_in_set(segment); known.find(name) == nullptr)
-        to_write.push_back(file_of_template(job, name));
-  return check_own(job, to_write, progress);
-}
-
 Result<void> add_map(const SetJob& job, const fs::path& map, const std::vector<Segment>& asked, SetInMaking& making,
                      Progress& progress) {
   if (making.made.templates.empty()) {
@@ -405,55 +201,6 @@ Result<void> add_map(const SetJob& job, const fs::path& map, const std::vector<S
   }
   for (MadeStructure& one : *made) append(std::move(one), making);
   return {};
-}
-
-Result<Report> write_set(const SetJob& job, SetInMaking& making, Progress& progress) {
-  SetOfTemplates& made = making.made;
-  for (const Json& row : making.rows)
-    if (row["vertices"] == 0)
-      making.warnings.push_back(row["name"].get<std::string>() + ": has no template in the set (" +
-                                row["warning"].get<std::string>() + ")");
-  if (made.templates.empty())
-    return fail(
-        job.maps.front().string(),
-        "gives no template at all; the first reason: " +
-            (making.rows.empty() ? making.warnings.front() : making.rows.front()["warning"].get<std::string>()));
-  // Of what is there now: the set itself may be changed.
-  const auto record = record_of(job.command, progress);
-  if (!record) return fail(record.error());
-  const auto old_files = templates_of_old_set(job);
-  std::vector<fs::path> to_write;
-  for (std::size_t k = 0; k < made.templates.size(); ++k)
-    if (making.files[k].triangles.rows() > 0) to_write.push_back(made.set.structures[k].file);
-  if (auto own = check_own(job, to_write, progress); !own) return fail(own.error());
-  std::vector<Mesh> meshes;
-  FilesOfRun new_files;
-  for (std::size_t k = 0; k < made.templates.size(); ++k) {
-    const Template& one = *made.templates[k];
-    meshes.push_back({one.topology, one.points});
-    if (making.files[k].triangles.rows() > 0) {
-      making.files[k].record = record_of_made(*record, job.out, made.set.structures[k].file);
-      if (std::error_code ignored; !fs::exists(made.set.structures[k].file, ignored))
-        new_files.files.push_back(made.set.structures[k].file);
-      if (auto written = write_mesh_file(making.files[k], made.set.structures[k].file); !written)
-        return fail(written.error());
-    }
-    if (making.relative[k].empty() || made.templates.size() < 2) continue;
-    made.set.structures[k].pose = relative_pose(making.relative[k], one.points.colwise().mean());
-  }
-  find_partners(made.set);
-  find_neighbours(made.set, meshes, near_mm);
-  if (auto written = write_template_set(made.set, job.out, job.in_place ? "" : *record); !written)
-    return fail(written.error());
-  new_files.files.clear();
-  name_left_over(job, old_files, made.set, making.warnings);
-  for (Json& row : making.rows)
-    if (const TemplateOfSet* one = made.set.find(row["name"].get<std::string>()); one != nullptr && one->pose)
-      row["pose"] = json_of_pose(*one->pose);
-  Report report;
-  report.warnings = std::move(making.warnings);
-  report.values = {{"set", job.out.string()}, {"structures", making.rows}};
-  return report;
 }
 
 Result<Report> make_set(const SetJob& job, Progress& progress) {

@@ -11,7 +11,8 @@
 
 namespace homolog {
 
-// What the verbs share that make templates of several structures.
+// What the verbs share that make templates of several structures: which are asked for (set_asked.cpp), their making
+// (set_making.cpp, set_consensus.cpp), the files of the set (set_files.cpp).
 
 /// The job that `set make` and `set add` are asked for.
 struct SetJob {
@@ -54,6 +55,9 @@ Result<void> check_templates_free(const SetJob& job, const std::vector<std::vect
 
 /// The name of a segment in the set.
 std::string name_in_set(const Segment& segment);
+
+/// Where a structure's template is written, from the root.
+std::filesystem::path file_of_template(const SetJob& job, const std::string& structure);
 
 /// A template that is not in the set yet, and what the report says of it.
 struct MadeStructure {

@@ -6,6 +6,7 @@
 #include "app/verbs/files/write_labels.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/record.h"
+#include "core/base/files/file_stem.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/voxels/label_map.h"
@@ -115,7 +116,7 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
     std::vector<std::string> warnings = like->warnings;
     if (is_dicom_name(options->out)) {
       VolumeRead map{.volume = labels, .warnings = {}, .segmentation = {}, .other_layers = {}};
-      map.segmentation.add({.name = options->mesh.stem().string(), .value = options->value});
+      map.segmentation.add({.name = file_stem(options->mesh), .value = options->value});
       map.resampled = like->resampled;
       const auto written = write_labels(map, options->out, options->like, progress, *record);
       if (!written) return fail(written.error());

@@ -201,7 +201,7 @@ Result<Report> of_playing_mode(const PictureVerb& verb, Progress& progress) {
       if (progress.cancelled()) return fail("", "cancelled");
       const std::string number = std::to_string(10001 + k).substr(1);
       const fs::path file =
-          verb.out.parent_path() / (verb.out.stem().string() + '-' + number + verb.out.extension().string());
+          verb.out.parent_path() / (file_stem(verb.out) + '-' + number + verb.out.extension().string());
       if (auto written = write_picture((*frames)[k], file); !written) return fail(written.error());
       report.made.push_back(file);
     }

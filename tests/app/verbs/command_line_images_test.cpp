@@ -270,6 +270,15 @@ TEST_CASE("all structures of a case become a label map and a DICOM segmentation 
   CHECK(labels_of(read->volume).at(1) == 3 * 2 * 4);
   CHECK(read->referenced.series == std::vector<std::string>{"1.2.3"});
   CHECK(read->referenced.instances.size() == 8);  // of the series, and of each frame
+
+  // A mesh names its segment by its file without what says the format.
+  REQUIRE(write_mesh(icosphere(3, 40), folder.path / "left.surf.gii"));
+  const Ran of_mesh = run(folder, "label-map left.surf.gii --like ct -o left.dcm");
+  REQUIRE_MESSAGE(of_mesh.status == 0, of_mesh.errors);
+  const auto left = read_volume(folder.path / "left.dcm");
+  REQUIRE(left);
+  REQUIRE(left->segmentation.find(1) != nullptr);
+  CHECK(left->segmentation.find(1)->name == "left");
 }
 
 TEST_CASE("--resample is refused where there are no DICOM slices") {

@@ -4,19 +4,15 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <set>
 #include <string_view>
 #include <utility>
 
-#include "core/base/files/file_stem.h"
 #include "core/base/numbers/statistics.h"
 #include "core/base/text/listed.h"
 #include "core/base/text/text.h"
 #include "core/mesh/construction/mirror.h"
 #include "core/mesh/repair/inside_out.h"
 #include "core/model/alignment/numbering.h"
-#include "core/model/shapes/shape_files.h"
-#include "core/model/shapes/study.h"
 #include "core/placement/similarity_fit.h"
 #include "core/template/other_side.h"
 
@@ -28,13 +24,6 @@ namespace {
 
 /// How much better the mirror image has to fit before a shape is said to be mirrored.
 constexpr double mirrored_gain = 2;
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size() && i < 5; ++i) text += (i > 0 ? ", " : "") + names[i];
-  if (names.size() > 5) text += " and " + std::to_string(names.size() - 5) + " more";
-  return text;
-}
 
 void find_twins(const TrainingSet& set, std::vector<std::string>& found) {
   std::map<std::string_view, std::size_t> seen;
@@ -57,7 +46,7 @@ void find_sizes(const TrainingSet& set, std::vector<std::string>& found) {
     if (const int power = power_of_ten(sizes[i] / usual); power != 0) by_power[power].push_back(set.names[i]);
   }
   for (const auto& [power, names] : by_power) {
-    found.push_back(joined(names) + ": about " + std::to_string(std::lround(std::pow(10, std::abs(power)))) +
+    found.push_back(some_of(names, 5) + ": about " + std::to_string(std::lround(std::pow(10, std::abs(power)))) +
                     " times as " + (power > 0 ? "large" : "small") +
                     " as the other shapes; its lengths may not be in mm, so convert it first");
   }
@@ -81,7 +70,7 @@ void find_half_turns(const TrainingSet& set, std::vector<std::string>& found) {
   const auto& fewer = turned.size() > upright.size() ? upright : turned;
   if (fewer.empty() || upright.size() + turned.size() < set.names.size()) return;  // they lie anyhow
   found.push_back(
-      joined(fewer) +
+      some_of(fewer, 5) +
       ": turned by half a turn against the other shapes, as RAS is against LPS; if its coordinates are RAS, "
       "turn it by convert --from-ras");
 }
@@ -132,7 +121,7 @@ Result<void> check_order(const TrainingSet& set) {
   const std::string first = names.front();
   names.erase(names.begin());
   return fail(first, "has its vertices in another order than " + set.names[static_cast<std::size_t>(other.example)] +
-                         (names.empty() ? "" : " (so has " + joined(names) + ")") +
+                         (names.empty() ? "" : " (so has " + some_of(names, 5) + ")") +
                          ": what lies side by side there lies far apart here; only shapes in correspondence make a "
                          "model, so leave it out or make it from the same template");
 }
@@ -292,136 +281,9 @@ Result<TrainingSetRead> TrainingSetBuilder::finish(bool flip_mirrored) {
       for (Eigen::Index x = 0; x < read.set.shapes.rows(); x += 3) read.set.shapes(x, i) *= -1;
   }
   if (!inside_out.empty())
-    read.warnings.push_back(joined(inside_out) +
+    read.warnings.push_back(some_of(inside_out, 5) +
                             ": its faces look inward, unlike those of the other shapes; they were turned outward");
   read.set.faced = faced_by_all(read.set.names, faced_, mirrored, read.warnings);
-  return read;
-}
-
-Error too_small(Error error, const std::vector<std::string>& warnings) {
-  if (!warnings.empty()) error.what += "; " + warnings.front();
-  return error;
-}
-
-namespace {
-
-/// Takes shapes off a set again, as left out for this reason.
-void leave_out(const std::vector<std::string>& names, const std::string& reason, TrainingSetRead& read) {
-  TrainingSet& set = read.set;
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < set.names.size(); ++k) {
-    if (std::find(names.begin(), names.end(), set.names[k]) != names.end()) {
-      read.left_out.push_back({set.names[k], reason, read.study_keys[k]});
-      continue;
-    }
-    if (kept != k) {
-      set.names[kept] = std::move(set.names[k]);
-      set.shapes.col(static_cast<Eigen::Index>(kept)) = set.shapes.col(static_cast<Eigen::Index>(k)).eval();
-      read.study_keys[kept] = std::move(read.study_keys[k]);
-      if (!read.groups.empty()) read.groups[kept] = std::move(read.groups[k]);
-    }
-    ++kept;
-  }
-  set.names.resize(kept);
-  set.shapes.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(kept));
-  read.study_keys.resize(kept);
-  if (!read.groups.empty()) read.groups.resize(kept);
-}
-
-}  // namespace
-
-/// The domains of ShapeWorks' files SUBJECT_DOMAIN_local.particles, where each subject has the same two or more.
-std::set<std::string> domains_among(const std::vector<ShapeSource>& sources) {
-  std::map<std::string, std::set<std::string>> subjects_of;
-  std::size_t files = 0;
-  for (const ShapeSource& source : sources) {
-    std::string stem = file_stem(source.file);
-    if (source.file.extension() != ".particles" || !(stem.ends_with("_local") || stem.ends_with("_world"))) continue;
-    stem.resize(stem.size() - std::string_view("_local").size());
-    ++files;
-    for (std::size_t at = stem.find('_'); at != stem.npos; at = stem.find('_', at + 1))
-      subjects_of[stem.substr(at + 1)].insert(stem.substr(0, at));
-  }
-  for (const auto& [domain, subjects] : subjects_of) {
-    std::set<std::string> alike;
-    for (const auto& [other, others] : subjects_of)
-      if (others == subjects) alike.insert(other);
-    if (subjects.size() > 1 && alike.size() > 1 && alike.size() * subjects.size() == files) return alike;
-  }
-  return {};
-}
-
-/// What may be meant otherwise, where files have several structures and none is named.
-std::vector<std::string> structure_warnings(const std::vector<ShapeSource>& sources,
-                                            const std::map<std::string, std::vector<std::string>>& taken) {
-  std::vector<std::string> found;
-  if (const auto domains = domains_among(sources); !domains.empty()) {
-    const std::vector<std::string> names(domains.begin(), domains.end());
-    found.push_back(sources.front().file.parent_path().string() + ": each subject has files of " +
-                    listed(names, " and ") +
-                    ", which are mixed here; where they are structures, join them by --structures");
-  }
-  for (const auto& [structure, files] : taken)
-    found.push_back(joined(files) + (files.size() == 1 ? ": has" : ": have") +
-                    " several structures, of which the first is taken" + (structure.empty() ? "" : ", " + structure) +
-                    "; name others by --structures");
-  return found;
-}
-
-Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, const TrainingOptions& options,
-                                          Progress* progress) {
-  const auto sources = shape_sources(files, options.group);
-  if (!sources) return fail(sources.error());
-  TrainingSetBuilder builder(sources->size());
-  std::vector<DoubtfulShape> doubtful;
-  std::vector<std::string> groups;
-  std::vector<std::vector<std::string>> study_keys;
-  std::map<std::string, VertexScalars> vertex_doubts;
-  std::map<std::string, std::vector<std::string>> first_taken;
-  const bool of_study = std::any_of(files.begin(), files.end(), is_study_file);
-  const auto take = [&](ReadShape shape) {
-    if (!of_study && !shape.others.empty() && shape.name.find(" structure ") == std::string::npos)
-      first_taken[shape.structure].push_back(shape.name);
-    const bool is_left_out = options.without_doubtful && !shape.doubt.empty();
-    if (options.vertex_doubts && shape.mesh->doubt_mm) vertex_doubts[shape.name] = *shape.mesh->doubt_mm;
-    if (!shape.doubt.empty()) doubtful.push_back({shape.name, std::move(shape.doubt), {shape.of->study_key()}});
-    if (is_left_out) return Result<void>();
-    groups.push_back(shape.of->group);
-    study_keys.push_back({shape.of->study_key()});
-    builder.add(std::move(shape.name), *shape.mesh);
-    return Result<void>();
-  };
-  const auto warnings = read_shapes(*sources, {options.all_frames, true}, take, progress);
-  if (!warnings) return fail(warnings.error());
-  if (options.without_doubtful && builder.shapes() < 2 && !doubtful.empty())
-    return fail(doubtful.front().name,
-                "is in doubt" +
-                    (doubtful.size() == 1 ? std::string()
-                                          : " with " + std::to_string(doubtful.size() - 1) + " of the other shapes") +
-                    ", so that fewer than two are left; repair some, or leave --without-doubtful out");
-  auto read = builder.finish(options.flip_mirrored);
-  if (!read) return fail(too_small(read.error(), *warnings));
-  (options.without_doubtful ? read->left_out : read->doubtful) = std::move(doubtful);
-  read->vertex_doubts = std::move(vertex_doubts);
-  const bool any_group = std::ranges::any_of(groups, [](const std::string& group) { return !group.empty(); });
-  if (any_group) read->groups = std::move(groups);
-  read->study_keys = std::move(study_keys);
-  for (std::string& sentence : structure_warnings(*sources, first_taken)) read->warnings.push_back(std::move(sentence));
-  read->warnings.insert(read->warnings.begin(), warnings->begin(), warnings->end());
-  if (options.without_doubtful && !options.flip_mirrored && !read->mirrored.empty()) {
-    if (read->set.shapes.cols() - std::ssize(read->mirrored) < 2)
-      return fail(read->mirrored.front(),
-                  "is a mirror image of the other shapes, without which fewer than two are left; use --flip-mirrored");
-    leave_out(read->mirrored, "a mirror image of the other shapes (left and right exchanged)", *read);
-    read->mirrored.clear();
-  }
-  for (std::string& sentence : doubt_warnings(read->left_out, true)) read->warnings.push_back(std::move(sentence));
-  for (std::string& sentence : doubt_warnings(read->doubtful, false)) read->warnings.push_back(std::move(sentence));
-  if (!read->mirrored.empty())
-    read->warnings.push_back(joined(read->mirrored) + (options.flip_mirrored
-                                                           ? ": a mirror image of the other shapes; flipped"
-                                                           : ": a mirror image of the other shapes (left and right "
-                                                             "exchanged); use --flip-mirrored to flip it"));
   return read;
 }
 

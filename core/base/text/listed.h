@@ -17,9 +17,8 @@ inline std::string listed(const std::vector<std::string>& words, std::string_vie
   return list;
 }
 
-/// The first words with commas between them, and how many more there are.
-inline std::string some_of(const std::vector<std::string>& words) {
-  constexpr std::size_t most = 6;
+/// The first `most` words with commas between them, and how many more there are.
+inline std::string some_of(const std::vector<std::string>& words, std::size_t most = 6) {
   std::string text;
   for (std::size_t k = 0; k < std::min(most, words.size()); ++k) text += (k > 0 ? ", " : "") + words[k];
   return words.size() > most ? text + " and " + std::to_string(words.size() - most) + " more" : text;

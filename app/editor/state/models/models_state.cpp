@@ -154,8 +154,13 @@ const StudyCase* find_case(const ModelsState& state, const fs::path& file, const
 }
 
 void flip_cases(ModelsState& state, const std::vector<std::string>& names) {
+  const CasesByName by_name(state.study);
+  auto& cases = state.study.cases;
   for (const std::string& name : names)
-    if (StudyCase* one = find_case(state.study, name)) one->flipped = !one->flipped;
+    if (const StudyCase* one = by_name.find(name)) {
+      StudyCase& flipped = cases[static_cast<std::size_t>(one - cases.data())];
+      flipped.flipped = !flipped.flipped;
+    }
   ++state.kept.shapes_revision;
   ++state.kept.revision;
 }

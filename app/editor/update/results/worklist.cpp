@@ -1,6 +1,7 @@
 #include "app/editor/update/results/worklist.h"
 
 #include <algorithm>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -25,15 +26,20 @@ StudyCase* case_on_screen(Editing& editing) {
 void take_added(EditorState& state, std::vector<StudyCase> added) {
   ModelsState& models = state.models;
   std::size_t count = 0, known_already = 0;
+  auto& cases = models.study.cases;
+  std::set<std::string> names;
+  std::set<std::filesystem::path> files;
+  for (const StudyCase& one : cases) {
+    names.insert(one.name);
+    files.insert(one.file);
+  }
   for (StudyCase& one : added) {
-    auto& cases = models.study.cases;
-    if (std::any_of(cases.begin(), cases.end(), [&](const StudyCase& known) { return known.file == one.file; })) {
+    if (!files.insert(one.file).second) {
       ++known_already;
       continue;
     }
     const std::string stem = one.name;
-    for (int number = 2; find_case(models.study, one.name) != nullptr; ++number)
-      one.name = stem + "-" + std::to_string(number);
+    for (int number = 2; !names.insert(one.name).second; ++number) one.name = stem + "-" + std::to_string(number);
     cases.push_back(std::move(one));
     ++count;
   }

@@ -7,45 +7,26 @@
 #include <set>
 
 #include "app/verbs/case_landmarks.h"
-#include "app/verbs/read_image.h"
+#include "app/verbs/measure/recipe_files.h"
+#include "app/verbs/measure/recipe_report.h"
 #include "core/base/files/files.h"
 #include "core/base/text/listed.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/files/landmark_io.h"
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/repair/inside_out.h"
 #include "core/model/files/model_files.h"
 #include "core/model/files/statismo.h"
 #include "core/model/joint_models/structure_files.h"
-#include "core/model/measures/sizes.h"
 #include "core/model/shapes/recipe_shapes.h"
 
 namespace homolog {
 
 namespace {
 
-/// One shape, measured.
-struct MeasuredCase {
-  std::string name;
-  std::string file;   ///< as OfCase has it
-  std::string group;  ///< of a study's case; empty: none
-  std::optional<int> frame;
-  std::vector<MeasuredNumber> values;
-};
-
-/// Which shape is measured.
-struct OfCase {
-  std::string file;                ///< as ReadShape names it
-  std::vector<std::string> stems;  ///< what files of its own may be called
-  std::string group;
-  std::optional<int> frame{};
-  std::filesystem::path source{};  ///< the file that it was read from, or the folder of several
-};
-
 /// Measures shapes one after the other, as they are read.
 class RecipeWork {
  public:
-  RecipeWork(const RecipeJob& job, Recipe recipe) : job_(job), recipe_(std::move(recipe)) {}
+  RecipeWork(const RecipeJob& job, Recipe recipe) : job_(job), files_(job) { measured_.recipe = std::move(recipe); }
 
   Result<Report> run(Progress& progress) {
     if (!job_.the_template.empty()) {
@@ -56,19 +37,19 @@ class RecipeWork {
     progress.part(0, job_.model.empty() ? 1 : 0.8);
     if (auto read = read_all(progress); !read) return fail(read.error());
     name_cases();
-    for (const MeasuredCase& one : cases_) note_missing(one.name, one.values);
+    for (const MeasuredCase& one : measured_.cases) note_missing(one.name, one.values);
     if (!job_.model.empty()) {
       progress.part(0.8, 1);
       if (auto along = measure_model(progress); !along) return fail(along.error());
     }
     say_missing();
-    return report();
+    return report_of_measured(job_, measured_, std::move(warnings_));
   }
 
  private:
   /// Folders of cases with a mesh for each structure, where the recipe names structures; all else as shapes.
   Result<void> read_all(Progress& progress) {
-    const std::vector<std::string> structures = recipe_.structures();
+    const std::vector<std::string> structures = measured_.recipe.structures();
     std::vector<std::filesystem::path> files, folders;
     std::error_code ignored;
     for (const auto& file : job_.files)
@@ -160,78 +141,20 @@ class RecipeWork {
   Result<void> measure_one(const OfCase& of, MeasuredShape shape) {
     const std::string name = names_.next(of.file);
     if (shape.lacks_first.empty())
-      if (auto placed = add_landmarks(of, shape.structures.front()); !placed) return placed;
-    if (auto seen = add_image(of, name, shape); !seen) return seen;
+      if (auto placed = files_.add_landmarks(of, alone_, shape.structures.front()); !placed) return placed;
+    if (auto seen = files_.add_image(of, name, shape, warnings_); !seen) return seen;
     template_suits_ = lenders_.lend_to(shape) || template_suits_;
-    if (!job_.model.empty() && cases_.empty()) first_ = shape;
-    cases_.push_back({name, of.file, of.group, of.frame, measure(recipe_, shape)});
+    if (!job_.model.empty() && measured_.cases.empty()) first_ = shape;
+    measured_.cases.push_back({name, of.file, of.group, of.frame, measure(measured_.recipe, shape)});
     return job_.profiles.empty() ? Result<void>() : write_profiles(name, shape);
   }
 
   /// Gives the cases the names that tables have, of equal ones with their folders.
   void name_cases() {
     std::vector<std::string> files;
-    for (const MeasuredCase& one : cases_) files.push_back(one.file);
+    for (const MeasuredCase& one : measured_.cases) files.push_back(one.file);
     const auto names = names_with_folders(files);
-    for (std::size_t k = 0; k < cases_.size(); ++k) cases_[k].name = names[k];
-  }
-
-  /// The folder of a shape's own folder's name in one that holds files of shapes, and then that one.
-  static std::vector<std::filesystem::path> folders_for(const OfCase& of, const std::filesystem::path& folder) {
-    std::error_code ignored;
-    const auto own = folder / std::filesystem::absolute(of.source, ignored).parent_path().filename();
-    if (of.source.empty() || !std::filesystem::is_directory(own, ignored)) return {folder};
-    return {own, folder};
-  }
-
-  /// Remembers of which shape a file is; gives another one that it was taken for.
-  static std::optional<std::filesystem::path> taken_for(const OfCase& of, const std::filesystem::path& file,
-                                                        std::map<std::filesystem::path, std::filesystem::path>& taken) {
-    const auto& first = taken.emplace(file, of.source).first->second;
-    return first == of.source ? std::nullopt : std::optional(first);
-  }
-
-  /// The image of one of these names in a folder; of several the last. Empty: there is none.
-  static std::filesystem::path image_in(const std::filesystem::path& folder, const std::vector<std::string>& stems) {
-    std::filesystem::path file;
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
-      if (std::ranges::count(stems, case_name_of(entry.path())) > 0 && looks_like_volume(entry.path()))
-        file = std::max(file, entry.path());
-    return file;
-  }
-
-  /// The image that is sampled along normals: one for all, or of the shape's name.
-  Result<void> add_image(const OfCase& of, const std::string& name, MeasuredShape& shape) {
-    if (job_.image.empty()) return {};
-    const int frame = of.frame.value_or(0);
-    std::filesystem::path file = job_.image;
-    std::error_code ignored;
-    if (std::filesystem::is_directory(file, ignored)) {
-      file.clear();
-      for (const auto& folder : folders_for(of, job_.image))
-        if (file.empty()) file = image_in(folder, of.stems);
-      if (file.empty()) {
-        warnings_.push_back(name + ": has no image in " + job_.image.string() + " (" + listed(of.stems, " or ") +
-                            ".nii.gz); call it so");
-        return {};
-      }
-      if (const auto other = taken_for(of, file, images_taken_))
-        warnings_.push_back(file.string() + ": is sampled for " + other->string() + " and for " + of.source.string() +
-                            "; if it is not the image of both, put each image into a folder of its shape's folder's "
-                            "name");
-    }
-    if (file != image_file_) {
-      Progress unseen;
-      auto read = read_image(file, frame, unseen);
-      if (!read) return fail(read.error());
-      image_ = std::move(read->volume);
-      image_file_ = file;
-    }
-    if (frame >= image_.frames) return fail(file.string(), "has no frame " + std::to_string(frame));
-    shape.image = &image_;
-    shape.frame = frame;
-    return {};
+    for (std::size_t k = 0; k < measured_.cases.size(); ++k) measured_.cases[k].name = names[k];
   }
 
   /// The first structure of a shape with the image along its normals, an array for each offset and one of their mean.
@@ -241,8 +164,8 @@ class RecipeWork {
     MeshFile file;
     file.points = structure.mesh.points;
     file.triangles = structure.mesh.topology;
-    for (const std::size_t k : recipe_.measurements) {
-      const RecipeStep& step = recipe_.steps[k];
+    for (const std::size_t k : measured_.recipe.measurements) {
+      const RecipeStep& step = measured_.recipe.steps[k];
       if (step.unit != "image") continue;
       const auto offset_mm = [&](const char* key) {
         const auto found = step.given.find(key);
@@ -264,30 +187,6 @@ class RecipeWork {
     return write_mesh_file(file, job_.profiles / (name + ".vtp"));
   }
 
-  /// Landmarks that lie in files of their own; they count before those of the mesh.
-  Result<void> add_landmarks(const OfCase& of, MeasuredStructure& structure) {
-    if (job_.landmarks.empty()) return {};
-    std::filesystem::path file = job_.landmarks;
-    std::error_code ignored;
-    if (std::filesystem::is_directory(file, ignored)) {
-      file.clear();
-      for (const auto& folder : folders_for(of, job_.landmarks))
-        for (const std::string& stem : of.stems)
-          if (file.empty()) file = landmark_file_in(folder, stem);
-      if (const auto other = file.empty() ? std::nullopt : taken_for(of, file, landmarks_taken_))
-        return fail(file.string(), "may be of " + other->string() + " or of " + of.source.string() +
-                                       "; put each shape's landmarks into a folder of its folder's name");
-    } else if (!alone_)
-      return fail(file.string(), "is one file for several shapes; give the folder with a file of each shape's name");
-    if (file.empty()) return {};
-    auto read = read_landmarks(file);
-    if (!read) return fail(read.error());
-    for (const Landmark& placed : *read)
-      std::erase_if(structure.landmarks, [&](const Landmark& own) { return own.name == placed.name; });
-    structure.landmarks.insert(structure.landmarks.end(), read->begin(), read->end());
-    return {};
-  }
-
   Result<void> measure_model(Progress& progress) {
     const auto model = read_model(job_.model);
     if (!model) return fail(model.error());
@@ -296,17 +195,17 @@ class RecipeWork {
       warnings_.push_back(job_.model.string() + ": has " + std::to_string(there) + " modes, so these are measured");
     Lenders lenders = lenders_;
     if (first_) lenders.add(*first_);  // the model's shapes have no landmarks of their own
-    auto along = measure_modes(recipe_, *model, std::min(job_.modes, there), lenders, progress);
+    auto along = measure_modes(measured_.recipe, *model, std::min(job_.modes, there), lenders, progress);
     if (!along) return fail(along.error());
-    modes_ = std::move(*along);
-    if (!modes_.empty()) note_missing("the model", modes_.front().values);
+    measured_.modes = std::move(*along);
+    if (!measured_.modes.empty()) note_missing("the model", measured_.modes.front().values);
     return {};
   }
 
   /// Remembers why a shape lacks measurements, by the reason.
   void note_missing(const std::string& name, const std::vector<MeasuredNumber>& values) {
     for (std::size_t k = 0; k < values.size(); ++k) {
-      const RecipeStep& step = recipe_.steps[recipe_.measurements[k]];
+      const RecipeStep& step = measured_.recipe.steps[measured_.recipe.measurements[k]];
       if (values[k].value || step.optional) continue;
       missing_[name][values[k].missing].push_back(step.name);
     }
@@ -320,7 +219,7 @@ class RecipeWork {
     for (const auto& [name, reasons] : missing_)
       for (const auto& [reason, unused] : reasons) ++shapes_without[reason];
     std::set<std::string> said;
-    const std::size_t all = cases_.size() + (modes_.empty() ? 0 : 1);
+    const std::size_t all = measured_.cases.size() + (measured_.modes.empty() ? 0 : 1);
     for (const auto& [name, reasons] : missing_)
       for (const auto& [reason, measurements] : reasons) {
         const bool of_all = all > 1 && shapes_without[reason] == all;
@@ -331,82 +230,15 @@ class RecipeWork {
       }
   }
 
-  Json values_of(const std::vector<MeasuredNumber>& values) const {
-    Json by_name = Json::object();
-    for (std::size_t k = 0; k < values.size(); ++k)
-      by_name[recipe_.steps[recipe_.measurements[k]].name] = values[k].value ? Json(*values[k].value) : Json();
-    return by_name;
-  }
-
-  Result<Report> report() {
-    Json measurements = Json::array(), cases = Json::array(), modes = Json::array();
-    for (std::size_t k = 0; k < recipe_.measurements.size(); ++k) {
-      std::vector<std::optional<double>> values;
-      for (const MeasuredCase& one : cases_) values.push_back(one.values[k].value);
-      const Spread spread = spread_of(values);
-      const RecipeStep& step = recipe_.steps[recipe_.measurements[k]];
-      Json row{{"name", step.name}, {"unit", step.unit}, {"kind", kind_word(step)}, {"count", spread.count}};
-      row["mean"] = spread.count > 0 ? Json(spread.mean) : Json();
-      row["sd"] = spread.count > 0 ? Json(spread.sd) : Json();
-      measurements.push_back(std::move(row));
-    }
-    for (const MeasuredCase& one : cases_) {
-      Json row{{"name", one.name}};
-      if (one.frame) row["frame"] = *one.frame;
-      if (!one.group.empty()) row["group"] = one.group;
-      row["values"] = values_of(one.values);
-      cases.push_back(std::move(row));
-    }
-    for (const ModeValues& one : modes_)
-      modes.push_back({{"mode", one.mode}, {"sd", one.sd}, {"values", values_of(one.values)}});
-    Report report;
-    report.warnings = std::move(warnings_);
-    report.values = {{"recipe", recipe_.name}, {"measurements", std::move(measurements)}, {"cases", std::move(cases)}};
-    if (!job_.model.empty()) report.values["modes"] = std::move(modes);
-    if (!job_.profiles.empty()) report.values["profiles"] = job_.profiles.string();
-    if (job_.out.empty()) return report;
-    if (auto written = write_whole_file(job_.out, table()); !written) return fail(written.error());
-    report.values["table"] = job_.out.string();
-    report.made = {job_.out};
-    return report;
-  }
-
-  std::string table() const {
-    const auto any = [&](const auto& has) { return std::ranges::any_of(cases_, has); };
-    const bool frames = any([](const MeasuredCase& one) { return one.frame.has_value(); });
-    const bool groups = any([](const MeasuredCase& one) { return !one.group.empty(); });
-    std::string text = "name";
-    for (const auto& [there, column] : {std::pair(frames, ",frame"), {groups, ",group"}, {!modes_.empty(), ",mode,sd"}})
-      if (there) text += column;
-    text += measurement_columns(recipe_) + '\n';
-    for (const MeasuredCase& one : cases_) {
-      text += csv_field(one.name);
-      if (frames) text += ',' + (one.frame ? std::to_string(*one.frame) : "");
-      if (groups) text += ',' + csv_field(one.group);
-      if (!modes_.empty()) text += ",,";
-      text += measurement_cells(one.values) + '\n';
-    }
-    for (const ModeValues& one : modes_) {
-      text += std::string("model") + (frames ? "," : "") + (groups ? "," : "");
-      text += ',' + std::to_string(one.mode) + ',' + std::to_string(static_cast<int>(one.sd));
-      text += measurement_cells(one.values) + '\n';
-    }
-    return text;
-  }
-
   const RecipeJob& job_;
-  Recipe recipe_;
+  MeasuredByRecipe measured_;
   Lenders lenders_;
   std::optional<MeasuredShape> first_;  ///< where a model is measured too
   ShapeNames names_;
-  std::map<std::filesystem::path, std::filesystem::path> landmarks_taken_, images_taken_;  ///< the shape by the file
+  FilesOfShapes files_;
   bool template_suits_ = false;            ///< a shape has its vertices and faces
   std::shared_ptr<const Topology> faces_;  ///< of the mesh before
-  Volume image_;                           ///< of `image_file_`
-  std::filesystem::path image_file_;
-  bool alone_ = false;  ///< one shape is measured
-  std::vector<MeasuredCase> cases_;
-  std::vector<ModeValues> modes_;
+  bool alone_ = false;                     ///< one shape is measured
   std::map<std::string, std::map<std::string, std::vector<std::string>>>
       missing_;  ///< measurements by shape and reason
   std::vector<std::string> warnings_;

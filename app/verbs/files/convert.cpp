@@ -29,18 +29,49 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// What `convert` is asked for.
+struct ConvertJob {
+  fs::path in, out;
+  std::string series;
+  std::vector<double> spacing_mm;
+  double times = 1;
+  bool from_ras = false;
+  std::string structure;
+  fs::path like;
+  std::optional<std::uint64_t> sample;
+  bool resample = false;
+  GivenCommand command;
+  const CLI::App* verb = nullptr;  ///< whose options these are
+
+  bool has(const char* option) const { return verb->count(option) > 0; }
+};
+
+// Each kind of input first refuses what has no effect on it, then does its work. `record`: for the file that is
+// written.
+
+/// Errors: an option was given that is for meshes and images alone. `what`: what the input is, as "is a model".
+Result<void> refuse_reading(const ConvertJob& job, const std::string& what) {
+  for (const char* name : {"--times", "--from-ras", "--spacing", "--series"})
+    if (job.has(name)) return fail(job.in.string(), what + ", so that " + name + " has no effect; leave it out");
+  return {};
+}
+
 /// A model's mean or random shape as a mesh.
-Result<Report> convert_model(const fs::path& in, const fs::path& out, const std::string& structure,
-                             std::optional<std::uint64_t> seed, const std::string& record) {
-  if (!is_mesh_name(out)) return fail(out.string(), "is no mesh's name; a model's shape is one, so use .ply or .vtk");
-  auto mesh = mesh_of_model(in, structure, seed);
+Result<Report> convert_model(const ConvertJob& job, const std::string& record) {
+  if (auto refused = refuse_reading(job, "is a model"); !refused) return fail(refused.error());
+  if (!job.like.empty() || job.resample)
+    return fail(job.in.string(), "is a model, so that --like and --resample have no effect; leave them out");
+  if (!is_mesh_name(job.out))
+    return fail(job.out.string(), "is no mesh's name; a model's shape is one, so use .ply or .vtk");
+  auto mesh = mesh_of_model(job.in, job.structure, job.sample);
   if (!mesh) return fail(mesh.error());
-  if (mesh->triangles.rows() == 0 && out.extension() != ".particles")
-    return fail(out.string(), "needs faces, and " + in.string() + " is a model of points alone; use .particles");
-  auto report = describe(*mesh, in);
+  if (mesh->triangles.rows() == 0 && job.out.extension() != ".particles")
+    return fail(job.out.string(),
+                "needs faces, and " + job.in.string() + " is a model of points alone; use .particles");
+  auto report = describe(*mesh, job.in);
   if (!report) return report;
   mesh->record = record;
-  if (auto written = write_mesh_file(*mesh, out); !written) return fail(written.error());
+  if (auto written = write_mesh_file(*mesh, job.out); !written) return fail(written.error());
   return report;
 }
 
@@ -50,27 +81,27 @@ bool is_mask(const Volume& volume) {
 }
 
 /// Contours as a label map on the grid of an image.
-Result<Report> convert_contours(const fs::path& in, const fs::path& out, const fs::path& like,
-                                const std::string& structure, bool resample, Progress& progress,
-                                const std::string& record) {
+Result<Report> convert_contours(const ConvertJob& job, const std::string& record, Progress& progress) {
+  const fs::path &in = job.in, &like = job.like;
+  if (auto refused = refuse_reading(job, "holds contours"); !refused) return fail(refused.error());
   if (like.empty())
     return fail(in.string(),
                 "holds contours, which become a label map on the grid of an image; name the series that "
                 "they were drawn on by --like");
   auto contours = read_contours(in);
   if (!contours) return fail(contours.error());
-  if (!structure.empty()) {
-    const auto roi = roi_of(*contours, structure);
+  if (!job.structure.empty()) {
+    const auto roi = roi_of(*contours, job.structure);
     if (!roi) return fail(in.string(), roi.error().what);
     contours->rois = {ContourRoi(**roi)};
     contours->warnings = doubts_about(in, contours->rois);
   }
-  const auto image = read_like(like, resample, progress);
+  const auto image = read_like(like, job.resample, progress);
   if (!image) return fail(image.error());
   auto map = labels_of_contours(in, *contours, like, image->volume, &progress, image->resampled);
   if (!map) return fail(map.error());
   map->resampled = image->resampled;
-  const auto written = write_labels(*map, out, like, progress, record);
+  const auto written = write_labels(*map, job.out, like, progress, record);
   if (!written) return fail(written.error());
   std::vector<std::string> warnings = image->warnings;
   warnings.insert(warnings.end(), map->warnings.begin(), map->warnings.end());
@@ -127,22 +158,73 @@ Result<Report> describe_and_write(const fs::path& in, const fs::path& out, const
   return report;
 }
 
+/// Errors: meshes and volumes do not become each other here; options that have no effect on either.
+Result<void> check_kinds(const ConvertJob& job, bool is_mesh) {
+  if (job.has("--structure") || job.has("--sample"))
+    return fail(job.in.string(), "is no model, so --structure and --sample have no effect; leave them out");
+  if (!job.like.empty() && is_mesh)
+    return fail(job.in.string(), "is a mesh, so that --like has no effect; label-map makes voxels of it");
+  if (is_mesh && !is_mesh_name(job.out) && !looks_like_volume(job.out))
+    return fail(job.out.string(), "is not a kind of mesh that can be written; end its name in " +
+                                      listed(mesh_format_extensions(&MeshFormat::keeps_template), " or ") +
+                                      ", or in that of another mesh format (docs/formats.md)");
+  if (is_mesh == is_mesh_name(job.out)) return {};
+  return fail(job.out.string(),
+              "is not of the same kind as " + job.in.string() +
+                  "; use label-map to make a volume of a mesh, and template to make a mesh of a volume");
+}
+
+/// A mesh in another format, or its coordinates in other units or axes.
+Result<Report> convert_mesh(const ConvertJob& job, const std::string& record) {
+  const Vec3 times = job.times * (job.from_ras ? Vec3(-1, -1, 1) : Vec3(1, 1, 1));
+  return describe_and_write(job.in, job.out, record, [times](MeshFile mesh) {
+    if (times == Vec3(1, 1, 1)) return mesh;
+    mesh.points *= times.asDiagonal();
+    for (Landmark& landmark : mesh.landmarks) landmark.position = landmark.position.cwiseProduct(times);
+    if (mesh.doubt_mm) *mesh.doubt_mm *= std::abs(times.z());
+    return mesh;
+  });
+}
+
+/// An image or a label map in another format. `warnings`: what is known of its reading already.
+Result<Report> convert_volume(const ConvertJob& job, const std::string& record, std::vector<std::string> warnings,
+                              Progress& progress) {
+  if (job.times != 1 || job.from_ras)
+    return fail(job.in.string(),
+                "is a volume, on which --times and --from-ras have no effect; correct the geometry in its header");
+  const bool on_image = !job.like.empty();
+  const VolumeReadOptions reading = read_options(job.series, job.spacing_mm, progress, job.resample && !on_image);
+  auto read = on_image ? read_on_image(job.in, reading, job.like, job.resample) : read_volume(job.in, reading);
+  if (!read) return fail(read.error());
+  if (is_dicom_name(job.out) && read->segmentation.segments.empty() && !is_mask(read->volume))
+    return fail(job.in.string(),
+                "is no label map, and DICOM files are written of label maps alone; choose another "
+                "format");
+  const auto written = write_labels(*read, job.out, job.like, progress, record);
+  if (!written) return fail(written.error());
+  warnings.insert(warnings.begin(), read->warnings.begin(), read->warnings.end());
+  warnings.insert(warnings.end(), written->begin(), written->end());
+  Report report{describe(read->volume), std::move(warnings)};
+  report_resampled(*read, report.values);
+  return report;
+}
+
+Result<Report> convert(const ConvertJob& job, Progress& progress) {
+  const auto record = record_of(job.command, progress);
+  if (!record) return fail(record.error());
+  if (is_model_name(job.in)) return convert_model(job, *record);
+  if (!job.has("--sample") && holds_contours(job.in)) return convert_contours(job, *record, progress);
+  const bool is_mesh = is_mesh_name(job.in) || is_built_in(job.in.string());
+  if (auto kinds = check_kinds(job, is_mesh); !kinds) return fail(kinds.error());
+  auto warnings = check_reading(job.in, job.series, !job.spacing_mm.empty(), job.resample && job.like.empty());
+  if (!warnings) return fail(warnings.error());
+  return is_mesh ? convert_mesh(job, *record) : convert_volume(job, *record, std::move(*warnings), progress);
+}
+
 }  // namespace
 
 void add_convert(CLI::App& app, CommandLine& asked) {
-  struct Options {
-    fs::path in, out;
-    std::string series;
-    std::vector<double> spacing_mm;
-    double times = 1;
-    bool from_ras = false;
-    std::string structure;
-    fs::path like;
-    std::optional<std::uint64_t> sample;
-    bool resample = false;
-    GivenCommand command;
-  };
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ConvertJob>();
   CLI::App* verb = add_verb(app, "convert", "Any readable volume or mesh to any writable format");
   verb->add_option(
           "IN", options->in,
@@ -156,81 +238,17 @@ void add_convert(CLI::App& app, CommandLine& asked) {
                    "Multiply a mesh's coordinates, which are in another unit than mm: 1000 for metres, 10 for cm")
       ->check(CLI::Range(1e-9, 1e9));
   verb->add_flag("--from-ras", options->from_ras, "A mesh's coordinates are RAS, though its file does not say so");
-  auto* structure =
-      verb->add_option("--structure", options->structure, "Of a joint model or of contours this structure alone");
+  verb->add_option("--structure", options->structure, "Of a joint model or of contours this structure alone");
   verb->add_option(
       "--like", options->like,
       "Of contours (RTSTRUCT) or a label map: the image whose grid it gets; of one that is written as DICOM "
       "(.dcm): the series that it refers to");
   add_resample_option(*verb, options->resample);
-  auto* sample =
-      verb->add_option("--sample", options->sample, "Of a model the random shape of this seed, not the mean");
-  const auto convert = [options, structure, sample, verb](Progress& progress) -> Result<Report> {
-    const auto record = record_of(options->command, progress);
-    if (!record) return fail(record.error());
-    const bool is_model = is_model_name(options->in);
-    const bool is_drawn = !is_model && sample->count() == 0 && holds_contours(options->in);
-    for (const char* name : {"--times", "--from-ras", "--spacing", "--series"})
-      if ((is_model || is_drawn) && verb->count(name) > 0)
-        return fail(options->in.string(), std::string(is_model ? "is a model" : "holds contours") + ", so that " +
-                                              name + " has no effect; leave it out");
-    if (is_model && (!options->like.empty() || options->resample))
-      return fail(options->in.string(), "is a model, so that --like and --resample have no effect; leave them out");
-    if (is_model) return convert_model(options->in, options->out, options->structure, options->sample, *record);
-    if (is_drawn)
-      return convert_contours(options->in, options->out, options->like, options->structure, options->resample, progress,
-                              *record);
-    if (structure->count() + sample->count() > 0)
-      return fail(options->in.string(), "is no model, so --structure and --sample have no effect; leave them out");
-    const bool is_mesh = is_mesh_name(options->in) || is_built_in(options->in.string());
-    if (!options->like.empty() && is_mesh)
-      return fail(options->in.string(), "is a mesh, so that --like has no effect; label-map makes voxels of it");
-    if (is_mesh && !is_mesh_name(options->out) && !looks_like_volume(options->out))
-      return fail(options->out.string(), "is not a kind of mesh that can be written; end its name in " +
-                                             listed(mesh_format_extensions(&MeshFormat::keeps_template), " or ") +
-                                             ", or in that of another mesh format (docs/formats.md)");
-    if (is_mesh != is_mesh_name(options->out)) {
-      return fail(options->out.string(),
-                  "is not of the same kind as " + options->in.string() +
-                      "; use label-map to make a volume of a mesh, and template to make a mesh of a volume");
-    }
-    auto warnings = check_reading(options->in, options->series, !options->spacing_mm.empty(),
-                                  options->resample && options->like.empty());
-    if (!warnings) return fail(warnings.error());
-    if (is_mesh) {
-      const Vec3 times = options->times * (options->from_ras ? Vec3(-1, -1, 1) : Vec3(1, 1, 1));
-      return describe_and_write(options->in, options->out, *record, [times](MeshFile mesh) {
-        if (times == Vec3(1, 1, 1)) return mesh;
-        mesh.points *= times.asDiagonal();
-        for (Landmark& landmark : mesh.landmarks) landmark.position = landmark.position.cwiseProduct(times);
-        if (mesh.doubt_mm) *mesh.doubt_mm *= std::abs(times.z());
-        return mesh;
-      });
-    }
-    if (options->times != 1 || options->from_ras)
-      return fail(options->in.string(),
-                  "is a volume, on which --times and --from-ras have no effect; correct the geometry in its header");
-    const bool on_image = !options->like.empty();
-    const VolumeReadOptions reading =
-        read_options(options->series, options->spacing_mm, progress, options->resample && !on_image);
-    auto read = on_image ? read_on_image(options->in, reading, options->like, options->resample)
-                         : read_volume(options->in, reading);
-    if (!read) return fail(read.error());
-    if (is_dicom_name(options->out) && read->segmentation.segments.empty() && !is_mask(read->volume))
-      return fail(options->in.string(),
-                  "is no label map, and DICOM files are written of label maps alone; choose another "
-                  "format");
-    const auto written = write_labels(*read, options->out, options->like, progress, *record);
-    if (!written) return fail(written.error());
-    warnings->insert(warnings->begin(), read->warnings.begin(), read->warnings.end());
-    warnings->insert(warnings->end(), written->begin(), written->end());
-    Report report{describe(read->volume), std::move(*warnings)};
-    report_resampled(*read, report.values);
-    return report;
-  };
-  verb->callback([options, verb, convert, &asked] {
-    options->command = given_command(*verb);
-    asked.run = convert;
+  verb->add_option("--sample", options->sample, "Of a model the random shape of this seed, not the mean");
+  options->verb = verb;
+  verb->callback([options, &asked] {
+    options->command = given_command(*options->verb);
+    asked.run = [options](Progress& progress) { return convert(*options, progress); };
   });
 }
 

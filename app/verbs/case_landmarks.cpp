@@ -5,6 +5,7 @@
 
 #include "core/base/files/file_record.h"
 #include "core/base/files/file_stem.h"
+#include "core/base/text/in_quotes.h"
 #include "core/mesh/files/landmark_io.h"
 
 namespace homolog {
@@ -18,12 +19,6 @@ constexpr double one_place_share = 1e-4;
 
 fs::path landmark_file_of(const LandmarkFiles& files, const fs::path& path) {
   return fs::is_directory(files.given) ? landmark_file_in(files.given, case_name_of(path)) : files.given;
-}
-
-std::string quoted(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "\"" : ", \"") + name + "\"";
-  return text;
 }
 
 /// Takes out landmarks that lie at one place with another, since nobody knows which of them is right; gives their
@@ -82,13 +77,13 @@ Result<CaseLandmarks> read_case_landmarks(const LandmarkFiles& files, const Temp
       landmarks.places[landmark.name] = landmark.position;
   }
   if (const auto names = take_coincident(the_template, landmarks.places); !names.empty()) {
-    const std::string what = "has " + quoted(names) + " at one place";
+    const std::string what = "has " + in_quotes(names) + " at one place";
     if (!files.several) return fail(file.string(), what + "; place each where it belongs, or keep only one of them");
     landmarks.warnings.push_back("its landmark file " + what + "; they were left out");
   }
   if (unknown.empty()) return landmarks;
-  const std::string what = "names " + quoted(unknown) + ", which the template " + files.template_source + " lacks; " +
-                           (known.empty() ? "it has no landmarks" : "it has " + quoted(known));
+  const std::string what = "names " + in_quotes(unknown) + ", which the template " + files.template_source +
+                           " lacks; " + (known.empty() ? "it has no landmarks" : "it has " + in_quotes(known));
   if (!files.several) return fail(file.string(), what + "; rename each as in the template, or leave it out");
   landmarks.warnings.push_back("its landmark file " + what + "; they were left out");
   return landmarks;
@@ -107,7 +102,7 @@ std::vector<std::string> landmarks_of_no_case(const LandmarkFiles& files, const 
   std::sort(names.begin(), names.end());
   const std::size_t all = names.size(), most = 5;
   names.resize(std::min(all, most));
-  return {files.given.string() + ": holds " + quoted(names) +
+  return {files.given.string() + ": holds " + in_quotes(names) +
           (all > most ? " and " + std::to_string(all - most) + " more" : "") +
           ", which belongs to no case; give each file its case's name"};
 }

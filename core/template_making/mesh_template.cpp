@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/text/lengths.h"
 #include "core/mesh/construction/remesh.h"
 #include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
@@ -19,12 +20,6 @@ namespace {
 constexpr int most_parts = 200;        ///< that are rebuilt together, since each is made voxels by itself
 constexpr double wreck_share = 0.005;  ///< of the faces: so many faults, and the mesh is of no use
 constexpr double far_share = 0.01;     ///< of the diagonal: so far from the surface on average, and it is said
-
-std::string in_mm(double mm) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g mm", mm);
-  return text;
-}
 
 bool is_wreck(const MeshFaults& faults, const Mesh& mesh) {
   const auto faces = static_cast<double>(mesh.topology->triangles().rows());
@@ -99,9 +94,10 @@ class Meshing {
     made_.rebuilt = {voxels.geometry.spacing_mm[0], solid.wall_mm, surface_.topology->genus(), made->closing_mm,
                      made->opening_mm};
     made_.warnings.push_back("the surface of " + count_of_tunnels(made_.rebuilt->genus_before) +
-                             " was rebuilt from voxels of " + in_mm(made_.rebuilt->voxel_mm) + ": clefts below " +
-                             in_mm(2 * made->closing_mm) + " filled, thin walls made " + in_mm(solid.wall_mm) +
-                             " thicker, " + count_of_tunnels(made_.mesh.topology->genus()) + " left");
+                             " was rebuilt from voxels of " + in_mm_by_digits(made_.rebuilt->voxel_mm, 3) +
+                             ": clefts below " + in_mm_by_digits(2 * made->closing_mm, 3) +
+                             " filled, thin walls made " + in_mm_by_digits(solid.wall_mm, 3) + " thicker, " +
+                             count_of_tunnels(made_.mesh.topology->genus()) + " left");
     for (const std::string& warning : made->warnings)
       if (warning.find("voxels from the mesh") == std::string::npos)  // the distance to the surface says that better
         made_.warnings.push_back(of_surface(warning));
@@ -130,8 +126,9 @@ class Meshing {
     }
     const double mean_mm = std::max(made_.to_mesh.mean_mm, made_.from_mesh.mean_mm);
     if (mean_mm <= far_share * diagonal_mm) return;
-    made_.warnings.push_back("the template lies " + in_mm(mean_mm) + " from the surface on average, at most " +
-                             in_mm(std::max(made_.to_mesh.max_mm, made_.from_mesh.max_mm)) +
+    made_.warnings.push_back("the template lies " + in_mm_by_digits(mean_mm, 3) +
+                             " from the surface on average, at most " +
+                             in_mm_by_digits(std::max(made_.to_mesh.max_mm, made_.from_mesh.max_mm), 3) +
                              "; ask for more vertices if you need what is missing");
   }
 

@@ -1,8 +1,8 @@
 #include "app/editor/update/status.h"
 
-#include <cstdio>
-
 #include "app/editor/update/tools/tool.h"
+#include "core/base/text/in_quotes.h"
+#include "core/base/text/lengths.h"
 #include "core/case/held_landmarks.h"
 
 namespace homolog {
@@ -19,11 +19,10 @@ std::string hold_hint(const EditorState& state, const Document& shown) {
     if (name != state.pointer.hover->landmark) continue;
     const LandmarkHold hold = landmark_hold(the_template, l, active->shape);
     if (!hold.placed) return {};
-    if (hold.held) return quoted(name) + " is held: strokes leave the mesh here. The lock in Place releases it.";
-    if (hold.met) return quoted(name) + " is free: strokes may move the mesh here. The lock in Place holds it.";
-    char off[32];
-    std::snprintf(off, sizeof off, "%.1f mm", hold.distance_mm);
-    return "The mesh is " + std::string(off) + " off " + quoted(name) + ". Bring it there with Grab or Slide.";
+    if (hold.held) return in_quotes(name) + " is held: strokes leave the mesh here. The lock in Place releases it.";
+    if (hold.met) return in_quotes(name) + " is free: strokes may move the mesh here. The lock in Place holds it.";
+    return "The mesh is " + in_mm(hold.distance_mm, 1) + " off " + in_quotes(name) +
+           ". Bring it there with Grab or Slide.";
   }
   return {};
 }
@@ -32,7 +31,7 @@ std::string hold_hint(const EditorState& state, const Document& shown) {
 std::string choose_hint(const EditorState& state, const Document& shown) {
   const bool over_other = state.pointer.hover && !state.pointer.hover->structure.empty() && !state.pointer.drag;
   const Structure* other = over_other ? shown.structure(state.pointer.hover->structure) : nullptr;
-  return other != nullptr ? "Click to work on " + quoted(structure_name(*other)) + "." : std::string();
+  return other != nullptr ? "Click to work on " + in_quotes(structure_name(*other)) + "." : std::string();
 }
 
 std::string hint(const EditorState& state, const Document& shown, bool making_shown) {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -14,6 +13,7 @@
 #include "app/verbs/template/subjects.h"
 #include "app/verbs/template/template_job.h"
 #include "app/verbs/verb.h"
+#include "core/base/text/lengths.h"
 #include "core/mesh/files/landmark_io.h"
 #include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_io.h"
@@ -30,12 +30,6 @@ namespace {
 constexpr double far_share = 0.05;  ///< of the diagonal: a landmark farther from the surface is said
 constexpr double away_share = 0.5;  ///< so far from the nearest of them, the landmarks are of another place
 
-std::string whole_mm(double mm) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.0f mm", mm);
-  return text;
-}
-
 /// Gives a template the landmarks of a file; one of a name that it has already takes the other's place. Errors: no
 /// points; all of them far away.
 Result<void> add_landmarks_of(const fs::path& path, MeshFile& file, std::vector<std::string>& warnings) {
@@ -51,13 +45,13 @@ Result<void> add_landmarks_of(const fs::path& path, MeshFile& file, std::vector<
     const double mm = search.nearest(landmark.position).distance_mm;
     nearest_mm = std::min(nearest_mm, mm);
     if (mm > far_share * diagonal_mm)
-      warnings.push_back(path.string() + ": \"" + landmark.name + "\" lies " + whole_mm(mm) +
+      warnings.push_back(path.string() + ": \"" + landmark.name + "\" lies " + in_mm(mm, 0) +
                          " from the template's surface; check its place");
     std::erase_if(file.landmarks, [&](const Landmark& other) { return other.name == landmark.name; });
     file.landmarks.push_back(landmark);
   }
   if (nearest_mm <= away_share * diagonal_mm) return {};
-  return fail(path.string(), "has its points " + whole_mm(nearest_mm) +
+  return fail(path.string(), "has its points " + in_mm(nearest_mm, 0) +
                                  " and more from the surface; check that both are of one scan and in one space (LPS or "
                                  "RAS)");
 }

@@ -10,6 +10,7 @@
 
 #include "core/base/encoding/json.h"
 #include "core/base/files/files.h"
+#include "core/base/text/in_quotes.h"
 #include "core/base/text/listed.h"
 #include "core/base/text/nearest_names.h"
 #include "core/base/text/text.h"
@@ -24,18 +25,14 @@ using RecipeJson = nlohmann::ordered_json;
 constexpr int recipe_version = 1;
 constexpr std::size_t most_steps = 2000;
 
-std::string in_quotes(std::string_view text) {
-  return '"' + excerpt(text) + '"';
-}
-
 /// "the unknown word "raduis"; the nearest that fits is "radius"".
 Error unknown_word(const std::string& where, const std::string& word, const std::vector<std::string>& known) {
   const auto near = nearest_names(word, known, 1);
   std::vector<std::string> all;
-  for (const std::string& one : known) all.push_back(in_quotes(one));
-  return {"", where + " has the unknown word " + in_quotes(word) +
+  for (const std::string& one : known) all.push_back(excerpt_in_quotes(one));
+  return {"", where + " has the unknown word " + excerpt_in_quotes(word) +
                   (near.empty() ? "; use " + listed(all, " or ")
-                                : "; the nearest that fits is " + in_quotes(near.front()))};
+                                : "; the nearest that fits is " + excerpt_in_quotes(near.front()))};
 }
 
 std::string what_it_gives(unsigned accepts) {
@@ -70,7 +67,7 @@ class RecipeReader {
       if (auto fits = check_given(k); !fits) return fail(fits.error());
     for (const std::size_t k : recipe_.measurements)
       if (const StepKind& kind = *recipe_.steps[k].kind; kind.gives != Gives::number)
-        return fail("", in_quotes(recipe_.steps[k].name) + " is " + what_it_gives(bits(kind.gives)) +
+        return fail("", excerpt_in_quotes(recipe_.steps[k].name) + " is " + what_it_gives(bits(kind.gives)) +
                             ", not a number; put it under \"elements\"");
     return std::move(recipe_);
   }
@@ -102,7 +99,7 @@ class RecipeReader {
       RecipeStep step;
       step.name = name->get<std::string>();
       if (!numbers_.try_emplace(step.name, recipe_.steps.size()).second)
-        return fail("", "uses the name " + in_quotes(step.name) + " twice; rename one of them");
+        return fail("", "uses the name " + excerpt_in_quotes(step.name) + " twice; rename one of them");
       if (std::string_view(list) == "measurements") recipe_.measurements.push_back(recipe_.steps.size());
       if (recipe_.steps.size() >= most_steps) return too_many();
       recipe_.steps.push_back(std::move(step));
@@ -116,7 +113,7 @@ class RecipeReader {
   }
 
   Result<void> read_step(std::size_t number, const RecipeJson& json) {
-    const std::string where = in_quotes(recipe_.steps[number].name);
+    const std::string where = excerpt_in_quotes(recipe_.steps[number].name);
     const auto word = json.find("kind");
     if (word == json.end() || !word->is_string())
       return fail("", where + " has no \"kind\"; write what it is, such as \"kind\": \"distance\"");
@@ -154,18 +151,18 @@ class RecipeReader {
       std::string form;
       for (const StepMember& member : kind->members) {
         if (member.least == 0) continue;
-        form += (form.empty() ? "" : " with ") + in_quotes(member.key);
+        form += (form.empty() ? "" : " with ") + excerpt_in_quotes(member.key);
         if (!json.contains(member.key)) missing.emplace_back(member.key);
       }
       if (missing.empty()) return kind;
       forms.push_back(form);
     }
     if (forms.empty()) return fail(unknown_word(where, word, words));
-    return fail("", where + " is a " + in_quotes(word) + " and needs " + listed(forms, ", or "));
+    return fail("", where + " is a " + excerpt_in_quotes(word) + " and needs " + listed(forms, ", or "));
   }
 
   Result<void> read_member(std::size_t number, const StepMember& member, const RecipeJson& json) {
-    const std::string where = in_quotes(member.key) + " of " + in_quotes(recipe_.steps[number].name);
+    const std::string where = excerpt_in_quotes(member.key) + " of " + excerpt_in_quotes(recipe_.steps[number].name);
     StepGiven given;
     if (member.takes == Takes::flag) {
       if (!json.is_boolean()) return fail("", where + " is neither true nor false");
@@ -271,7 +268,7 @@ class RecipeReader {
     std::vector<std::string> way;
     const auto visit = [&](const auto& self, std::size_t step) -> Result<void> {
       if (seen[step] == Seen::done) return {};
-      way.push_back(in_quotes(recipe_.steps[step].name));
+      way.push_back(excerpt_in_quotes(recipe_.steps[step].name));
       if (seen[step] == Seen::above) {
         way.erase(way.begin(), std::ranges::find(way, way.back()));
         std::string sentence = way.front() + " needs ";
@@ -308,12 +305,12 @@ class RecipeReader {
       const unsigned accepts = member.takes == Takes::length ? bits(Gives::number) : member.accepts;
       for (const std::size_t of : given->second.steps) {
         const RecipeStep& other = recipe_.steps[of];
-        const std::string where = in_quotes(member.key) + " of " + in_quotes(step.name);
+        const std::string where = excerpt_in_quotes(member.key) + " of " + excerpt_in_quotes(step.name);
         if ((bits(other.kind->gives) & accepts) == 0)
-          return fail("", where + " is " + what_it_gives(bits(other.kind->gives)) + " (" + in_quotes(other.kind->word) +
-                              "); give " + what_it_gives(accepts));
+          return fail("", where + " is " + what_it_gives(bits(other.kind->gives)) + " (" +
+                              excerpt_in_quotes(other.kind->word) + "); give " + what_it_gives(accepts));
         if (member.takes == Takes::length && other.unit != "mm")
-          return fail("", where + " is a number of " + in_quotes(other.unit) + "; give one of mm");
+          return fail("", where + " is a number of " + excerpt_in_quotes(other.unit) + "; give one of mm");
         if (accepts == bits(Gives::number) && other.unit != recipe_.steps[given->second.steps.front()].unit)
           return fail("", where + " has numbers of different units; give numbers of one");
       }

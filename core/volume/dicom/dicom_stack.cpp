@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <span>
 
 namespace homolog {
@@ -95,12 +94,6 @@ bool is_even_slope(Planes planes, const std::vector<double>& places, double tole
 }
 
 }  // namespace
-
-std::string mm_text(double mm) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f mm", mm);
-  return text;
-}
 
 Result<Vec3> slice_step(const fs::path& path, const std::vector<DicomHeader>& headers,
                         const DicomArrangement& arrangement, const std::pair<Vec3, Vec3>& axes) {

@@ -6,12 +6,15 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/base/text/lengths.h"
 #include "core/volume/dicom/dicom_arrangement.h"
 
 namespace homolog {
 
 /// "2.50 mm".
-std::string mm_text(double mm);
+inline std::string mm_text(double mm) {
+  return in_mm(mm, 2);
+}
 
 /// The step from slice to slice along the normal of `axes` (unit directions of columns and rows) of an arrangement with
 /// several slices; positions may be rounded to a tenth of a millimetre. Errors: a slice that is missing or uneven.

@@ -3,6 +3,7 @@
 
 #include "app/editor/state/icons.h"
 #include "app/editor/update/tools/tool.h"
+#include "core/base/text/in_quotes.h"
 
 namespace homolog {
 
@@ -54,7 +55,7 @@ std::string stiffness_hint(const EditorState& state, const Document& shown) {
   const auto& list = active_structure(state, shown)->paint.regions->list;
   const bool known =
       std::any_of(list.begin(), list.end(), [&](const Region& one) { return one.name == state.hand.brush.region; });
-  const std::string region = quoted(known ? state.hand.brush.region : list.front().name);
+  const std::string region = in_quotes(known ? state.hand.brush.region : list.front().name);
   return state.hand.brush.paints == BrushPaints::fill ? "Click to fill " + region + "; Alt empties."
                                                       : "Paint " + region + "; Alt erases.";
 }

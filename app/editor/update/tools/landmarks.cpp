@@ -2,6 +2,7 @@
 
 #include "app/editor/state/icons.h"
 #include "app/editor/update/tools/tool.h"
+#include "core/base/text/in_quotes.h"
 
 namespace homolog {
 
@@ -58,8 +59,8 @@ std::string landmark_hint(const EditorState& state, const Document& shown) {
     return landmarks == 1 ? "The landmark is placed; drag it to move it."
                           : "All " + std::to_string(landmarks) + " landmarks are placed; drag one to move it.";
   return active_shape(state, shown)->shape.landmarks.contains(wanted)
-             ? "Click where " + quoted(wanted) + " is now, or drag it there."
-             : "Click where " + quoted(wanted) + " is.";
+             ? "Click where " + in_quotes(wanted) + " is now, or drag it there."
+             : "Click where " + in_quotes(wanted) + " is.";
 }
 
 // A landmark of the template: a point of its surface.
@@ -85,7 +86,7 @@ void follow_template_landmark(EditorState& state, const Action& action, const Co
 std::string template_landmark_hint(const EditorState& state, const Document&) {
   return state.hand.template_landmark.empty()
              ? "Type a landmark's name, or choose one in the list to move it (Template)."
-             : "Click the point of the mesh that is " + quoted(state.hand.template_landmark) + ".";
+             : "Click the point of the mesh that is " + in_quotes(state.hand.template_landmark) + ".";
 }
 
 }  // namespace

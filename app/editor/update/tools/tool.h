@@ -122,8 +122,6 @@ inline constexpr std::array tool_kinds{&pull_tool,
 const ToolKind& kind_of(MouseTool tool);
 /// The row of the tool that a drag is of; null where a view is moved, or nothing.
 const ToolKind* dragging_tool(const EditorState& state);
-/// A name in a sentence.
-std::string quoted(const std::string& name);
 /// Tools that paint within a circle.
 bool is_brush(MouseTool tool);
 

@@ -15,10 +15,6 @@ const ToolKind* dragging_tool(const EditorState& state) {
   return &kind_of(state.pointer.begun_with);
 }
 
-std::string quoted(const std::string& name) {
-  return "\"" + name + "\"";
-}
-
 bool is_brush(MouseTool tool) {
   return kind_of(tool).marks == ToolMarks::brush_circle;
 }

@@ -7,6 +7,9 @@
 #include <vector>
 
 #include "core/base/files/file_stem.h"
+#include "core/base/text/in_quotes.h"
+#include "core/base/text/lengths.h"
+#include "core/base/text/listed.h"
 
 namespace homolog {
 
@@ -54,6 +57,23 @@ TEST_CASE("bytes that are no UTF-8 are known as such") {
   for (const char* text :
        {"caf\xe9", "\xc3", "\xc0\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xff", "\xe2\x82", "a\x80"})
     CHECK_FALSE(is_utf8(text));
+}
+
+TEST_CASE("names stand in quotes and lengths with their unit") {
+  CHECK(in_quotes("lower pole") == "\"lower pole\"");
+  CHECK(in_quotes(std::vector<std::string>{"a", "b"}) == "\"a\", \"b\"");
+  CHECK(in_quotes(std::vector<std::string>{}).empty());
+  CHECK(excerpt_in_quotes("a\tb") == "\"a?b\"");
+  CHECK(in_mm(2.5, 2) == "2.50 mm");
+  CHECK(in_mm(12.6, 0) == "13 mm");
+  CHECK(in_mm_by_digits(0.12345, 3) == "0.123 mm");
+  CHECK(in_mm_by_digits(12.5, 3) == "12.5 mm");
+}
+
+TEST_CASE("of many words the first are listed") {
+  const std::vector<std::string> words{"a", "b", "c"};
+  CHECK(some_of(words) == "a, b, c");
+  CHECK(some_of(words, 2) == "a, b and 1 more");
 }
 
 }  // namespace homolog

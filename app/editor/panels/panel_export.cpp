@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "app/editor/panels/sections.h"
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "app/editor/panels/sections.h"
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/widgets/widgets.h"

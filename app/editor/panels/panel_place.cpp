@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/editor/panels/sections.h"
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"

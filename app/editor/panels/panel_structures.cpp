@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/editor/panels/sections.h"
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/state/icons.h"
 #include "app/editor/widgets/widgets.h"

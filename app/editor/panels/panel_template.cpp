@@ -1,3 +1,4 @@
+#include "app/editor/panels/sections.h"
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/update/controls.h"

@@ -137,9 +137,9 @@ std::optional<int> end_with_answers(const Theme& theme, const Answer& first, con
   gap(theme, 4);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   std::optional<int> pressed;
-  if (button(theme, first.label, first.tip, {}, half, first.is_main)) pressed = 0;
+  if (button(theme, first.label, first.tip, ButtonOptions{.width_px = half, .primary = first.is_main})) pressed = 0;
   ImGui::SameLine();
-  if (button(theme, second.label, second.tip, {}, half, second.is_main)) pressed = 1;
+  if (button(theme, second.label, second.tip, ButtonOptions{.width_px = half, .primary = second.is_main})) pressed = 1;
   end_dialog();
   return pressed;
 }
@@ -200,7 +200,9 @@ void draw_unsaved_case(const UiContext& ui, const RecoverDialog::Found& found, b
     if (quiet_button(theme, "Delete it", "The work in it is lost for good", first))
       out.send(DiscardCase{found.journal});
     ImGui::SameLine(0, gap_px);
-    if (button(theme, "Keep it", "It is offered again at the next start", {}, second, true)) ask_for({});
+    if (button(theme, "Keep it", "It is offered again at the next start",
+               ButtonOptions{.width_px = second, .primary = true}))
+      ask_for({});
   } else if (quiet_button(theme, "Discard…", "Asks first, then deletes the case", first)) {
     ask_for(found.journal);
   }
@@ -300,12 +302,17 @@ void draw_spacing(const UiContext& ui, const SpacingDialog& dialog, Outbox& out)
   bool released = false, changed = false;
   for (int axis = 0; axis < 3; ++axis) {
     if (axis > 0) ImGui::SameLine(0, theme.px(4));
-    changed |= number_field(theme, format("spacing %d", axis).c_str(), spacing[axis], 0.01, "%.3f", "mm", width, "",
-                            released, 24, {1e-3, 1000, "The distance"});
+    changed |= number_field(theme, format("spacing %d", axis).c_str(), spacing[axis], released,
+                            {.per_px = 0.01,
+                             .format = "%.3f",
+                             .unit = "mm",
+                             .width_px = width,
+                             .limits = {.low = 1e-3, .high = 1000, .name = "The distance"}});
   }
   if (changed) out.send(SetStackSpacing{spacing});
   gap(theme, 4);
-  if (button(theme, "Open", "With these voxels", {}, ImGui::GetContentRegionAvail().x, true)) {
+  if (button(theme, "Open", "With these voxels",
+             ButtonOptions{.width_px = ImGui::GetContentRegionAvail().x, .primary = true})) {
     OpenRequest request = dialog.request;
     request.volume_options.stack_spacing_mm = spacing;
     out.send(OpenRequested{std::move(request)});

@@ -183,7 +183,9 @@ void draw_accept(const UiContext& ui, const FileDialog& dialog, Outbox& out) {
              opens_folder             ? "Open this folder as a DICOM series"
              : enters_folder(browser) ? "Goes to the chosen folder (Enter)"
                                       : "Enter",
-             opens_folder ? std::string() : refusal_of(browser), theme.px(96), true)) {
+             ButtonOptions{.refusal = opens_folder ? std::string() : refusal_of(browser),
+                           .width_px = theme.px(96),
+                           .primary = true})) {
     if (opens_folder) {
       out.send(OpenFiles{{browser.folder}});
       out.send(CloseDialog{});

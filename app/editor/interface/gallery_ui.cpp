@@ -254,8 +254,8 @@ void draw_first_fits(const UiContext& ui, Outbox& out) {
   if (state.runs.listing || waiting_cases(state) == 0 || maps < enough_for_consensus || has_template) return;
   gap(theme, 4);
   explanation(theme, "A template of all of them depends on no single subject, and its fits are better.");
-  if (button(theme, "Make a consensus template\xe2\x80\xa6", format("The mean shape of the %zu label maps", maps), {},
-             ImGui::GetContentRegionAvail().x, true))
+  if (button(theme, "Make a consensus template\xe2\x80\xa6", format("The mean shape of the %zu label maps", maps),
+             ButtonOptions{.width_px = ImGui::GetContentRegionAvail().x, .primary = true}))
     out.send(ShowFileDialog{FilePurpose::make_study_template, study_stem(state) + "-template.ply"});
 }
 
@@ -278,7 +278,8 @@ void draw_start(const UiContext& ui, const RectPx& room, Outbox& out) {
         "maps become such shapes by a fit.");
     gap(theme, 4);
     if (button(theme, std::string(icon::plus) + "  Add meshes\xe2\x80\xa6",
-               "Cases, or meshes: " + listed(shape_extensions(), " or "), {}, ImGui::GetContentRegionAvail().x, true))
+               "Cases, or meshes: " + listed(shape_extensions(), " or "),
+               ButtonOptions{.width_px = ImGui::GetContentRegionAvail().x, .primary = true}))
       out.send(ShowFileDialog{FilePurpose::add_shapes, {}});
     if (button(theme, std::string(icon::plus) + "  Add scans or label maps\xe2\x80\xa6",
                "A folder. Each becomes a case that waits for its fit", {}, ImGui::GetContentRegionAvail().x))

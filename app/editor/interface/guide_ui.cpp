@@ -71,7 +71,8 @@ void draw_guide(const UiContext& ui, float& bottom_px, Outbox& out) {
   ImGui::SameLine(0, theme.px(8));
   if (button(theme, "Skip", "The next pull", all_done ? "All pulls are done." : "", fourth)) out.send(MoveInGuide{1});
   ImGui::SameLine(0, theme.px(8));
-  if (button(theme, "Close", "Case, First steps… shows the guide again", {}, fourth, all_done))
+  if (button(theme, "Close", "Case, First steps… shows the guide again",
+             ButtonOptions{.width_px = fourth, .primary = all_done}))
     out.send(ShowGuide{false});
   end_card(ui, bottom_px);
 }

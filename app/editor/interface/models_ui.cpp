@@ -77,7 +77,7 @@ void draw_mode_switch(const UiContext& ui, Outbox& out) {
   ImGui::BeginChild("mode", {ui.theme.px(140), ui.theme.px(28)});
   int mode = ui.state.models.shown ? 1 : 0;
   if (choice(ui.theme, "mode", {"Case", "Models"}, mode,
-             {"One image with its mesh (Tab)", "The study's shapes, their model and its measures (Tab)"}))
+             {.tips = {"One image with its mesh (Tab)", "The study's shapes, their model and its measures (Tab)"}}))
     out.send(ShowModels{mode == 1});
   ImGui::EndChild();
 }

@@ -77,7 +77,8 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   }
   if (offers) {
     ImGui::SetCursorPosX(left);
-    if (button(theme, "Open it again", notice.kept.string(), {}, theme.px(140), true)) {
+    if (button(theme, "Open it again", notice.kept.string(),
+               ButtonOptions{.width_px = theme.px(140), .primary = true})) {
       if (is_study_file(notice.kept))
         out.send(OpenStudy{{notice.kept}});
       else

@@ -120,8 +120,8 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
     out.send(SaveCase{true});
   const std::size_t unsaved = ui.state.unsaved_found;
   if (button(theme, unsaved == 0 ? "Unsaved cases…" : format("Unsaved cases (%zu)…", unsaved),
-             "Cases that were open when the program ended without saving. Recover or delete them", {}, half,
-             unsaved > 0))
+             "Cases that were open when the program ended without saving. Recover or delete them",
+             ButtonOptions{.width_px = half, .primary = unsaved > 0}))
     out.send(ShowRecovery{});
   ImGui::SameLine();
   if (button(theme, "First steps…", "The first case and its guide: five pulls that fit a kidney", {}, half))

@@ -78,7 +78,9 @@ void draw_propagate(const UiContext& ui, Outbox& out) {
                               : format(", and %zu more %s from their own frames. Locked ones stay", others,
                                        others == 1 ? "structure" : "structures")) +
                  ". Frames that you edited or confirmed stay as they are. One step to undo",
-             busy ? "The mesh is being carried through the cine." : needs, ImGui::GetContentRegionAvail().x, true))
+             ButtonOptions{.refusal = busy ? "The mesh is being carried through the cine." : needs,
+                           .width_px = ImGui::GetContentRegionAvail().x,
+                           .primary = true}))
     out.send(PropagateFrames{});
   std::optional<WorkShown> running;
   if (busy) running = {"Propagating", ui.work.propagator.fraction(), "The meshes stay as they were (Escape)"};

@@ -89,17 +89,22 @@ void draw_contour(const UiContext& ui, const ContourSet& set, float width, Outbo
   ImGui::BeginChild("side", {chosen_px, theme.px(28)});
   int outside = set.outside ? 1 : 0;
   if (choice(theme, "side", {"Boundary", "Outside"}, outside,
-             {"The curve is the organ's boundary: the mesh goes through it",
-              "The organ lies inside of the curve, somewhere: what of the mesh lies beyond it is pushed in"}))
+             {.tips = {"The curve is the organ's boundary: the mesh goes through it",
+                       "The organ lies inside of the curve, somewhere: what of the mesh lies beyond it is pushed in"}}))
     out.apply(SetContours{.id = set.id, .outside = outside == 1});
   ImGui::EndChild();
   ImGui::SameLine(0, theme.px(4));
   CaseNumber off(ui, "off " + set.id, set.off_mm);
   bool released = false;
-  const bool changed = number_field(theme, "off", off.value, 0.05, "%.1f", "mm", number_px,
-                                    "How far the curve may lie off the boundary, mm (standard deviation). At 0 the "
-                                    "mesh goes through it. Drag, or click to type",
-                                    released, 28, {0, 50, "The distance"});
+  const bool changed =
+      number_field(theme, "off", off.value, released,
+                   {.per_px = 0.05,
+                    .unit = "mm",
+                    .width_px = number_px,
+                    .tip = "How far the curve may lie off the boundary, mm (standard deviation). At 0 the "
+                           "mesh goes through it. Drag, or click to type",
+                    .height_units = 28,
+                    .limits = {.low = 0, .high = 50, .name = "The distance"}});
   off.settle(
       changed, released, [&](double value) { return SetContours{.id = set.id, .off_mm = value}; }, out);
   ImGui::SetCursorScreenPos({at.x, at.y + theme.px(contour_row_units) + theme.px(4)});
@@ -155,14 +160,16 @@ void draw_contour_fit(const UiContext& ui, bool any, Outbox& out) {
   caption(theme, "Between the contours");
   int between = static_cast<int>(ui.state.automatic.between_contours);
   if (choice(theme, "between contours", {"Shape", "Image", "Label"}, between,
-             {"Between the contours the mesh follows the template's shape",
-              "Between the contours the mesh goes to the edges that the image shows, as a snap does",
-              "Between the contours the mesh goes to the label map's label (Place)"}))
+             {.tips = {"Between the contours the mesh follows the template's shape",
+                       "Between the contours the mesh goes to the edges that the image shows, as a snap does",
+                       "Between the contours the mesh goes to the label map's label (Place)"}}))
     out.send(SetBetweenContours{static_cast<BetweenCurves>(between)});
-  if (button(theme, "Fit to contours",
-             "Fits the template anew to all contours of this frame. Where they and a label or the image disagree, the "
-             "contours count. One step to undo",
-             contour_fit_refusal(ui, any), ImGui::GetContentRegionAvail().x, true))
+  if (button(
+          theme, "Fit to contours",
+          "Fits the template anew to all contours of this frame. Where they and a label or the image disagree, the "
+          "contours count. One step to undo",
+          ButtonOptions{
+              .refusal = contour_fit_refusal(ui, any), .width_px = ImGui::GetContentRegionAvail().x, .primary = true}))
     out.send(FitContours{});
   std::optional<WorkShown> running;
   if (ui.work.contour_fits.busy())

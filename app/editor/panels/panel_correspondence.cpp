@@ -90,9 +90,11 @@ void draw_colour_choice(const UiContext& ui, Outbox& out) {
   const bool brush = ui.state.hand.tool == MouseTool::confirm || ui.state.hand.tool == MouseTool::stiffness;
   int colouring = static_cast<int>(shown);
   caption(theme, "Colours of the mesh");
-  if (choice(theme, "overlay", names, colouring, tips,
-             brush ? "While you hold a brush, the mesh shows what it paints. Doubt stays while you confirm." : "",
-             refusals))
+  if (choice(theme, "overlay", names, colouring,
+             {.tips = tips,
+              .refusal =
+                  brush ? "While you hold a brush, the mesh shows what it paints. Doubt stays while you confirm." : "",
+              .refusals = refusals}))
     out.send(ChooseColouring{static_cast<Colouring>(colouring)});
   draw_colouring_legend(ui, shown);
   if (ui.state.preferences.show.glyphs) {

@@ -17,9 +17,9 @@ void draw_sigma(const UiContext& ui, Outbox& out) {
   const auto label = [&](std::size_t i) { return format("%zu   %.1f mm", i + 1, presets[i]); };
   caption(theme, "Width of a stroke");
   if (choice(theme, "sigma", {label(0), label(1), label(2)}, chosen,
-             {"Small: a spot (key 1, also while dragging)", "Medium: a part of the organ (key 2)",
-              "Large: a whole end of the organ (key 3)"},
-             ui.needs_shape()))
+             {.tips = {"Small: a spot (key 1, also while dragging)", "Medium: a part of the organ (key 2)",
+                       "Large: a whole end of the organ (key 3)"},
+              .refusal = ui.needs_shape()}))
     out.send(ChooseSigma{static_cast<std::size_t>(chosen)});
   double sigma_mm = ui.state.hand.sigma_mm();
   bool released = false;
@@ -64,8 +64,9 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
   int paints = static_cast<int>(brush.paints);
   caption(theme, "The brush paints");
   if (choice(theme, "paints", {"Factor", "Region", "Smooth", "Fill"}, paints,
-             {"Paints a stiffness factor", "Paints a region, with its factor. Alt erases", "Smooths the stiffness",
-              "Fills the connected part under the pointer. Alt takes it out of its region"})) {
+             {.tips = {"Paints a stiffness factor", "Paints a region, with its factor. Alt erases",
+                       "Smooths the stiffness",
+                       "Fills the connected part under the pointer. Alt takes it out of its region"}})) {
     brush.paints = static_cast<BrushPaints>(paints);
     changed = true;
   }
@@ -88,7 +89,8 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
     caption(theme, "Fill what is connected by");
     int by = static_cast<int>(brush.fill_by);
     if (choice(theme, "fill by", {"Region", "Curvature"}, by,
-               {"Everything connected in the same region", "The same, but only where the surface is curved alike"})) {
+               {.tips = {"Everything connected in the same region",
+                         "The same, but only where the surface is curved alike"}})) {
       brush.fill_by = static_cast<FillRegion::By>(by);
       changed = true;
     }
@@ -112,7 +114,7 @@ void draw_brush(const UiContext& ui, Outbox& out) {
     caption(theme, "The brush");
     int frees = brush.hold ? 0 : 1;
     changed |= choice(theme, "confirm", {"Hold", "Free"}, frees,
-                      {"Later edits do not move what you paint", "Later edits move what you paint again"});
+                      {.tips = {"Later edits do not move what you paint", "Later edits move what you paint again"}});
     brush.hold = frees == 0;
   }
   if (changed) out.send(SetBrush{brush});
@@ -124,9 +126,9 @@ void draw_scheme(const UiContext& ui, Outbox& out) {
   int scheme = static_cast<int>(document.scheme);
   caption(theme, "How edits are solved");
   if (choice(theme, "scheme", {"Anchored", "Paper", "Raw"}, scheme,
-             {"An edit never takes back an earlier one. The default",
-              "The scheme of the paper, word for word: every solve pulls the mesh back towards the template",
-              "No optimisation: vertices move by the falloff of the stroke alone"}))
+             {.tips = {"An edit never takes back an earlier one. The default",
+                       "The scheme of the paper, word for word: every solve pulls the mesh back towards the template",
+                       "No optimisation: vertices move by the falloff of the stroke alone"}}))
     out.apply(SetScheme{static_cast<Scheme>(scheme), document.paper_events});
   if (document.scheme == Scheme::paper)
     case_slider(ui, out, "Mouse events", document.paper_events, {1, 100, "%.0f", "", true, true},

@@ -58,17 +58,27 @@ bool draw_picture_options(const Theme& theme, PictureOptions& options) {
   bool released = false, changed = false;
   double width = options.width, height = options.height;
   constexpr double least_px = 64, most_px = 8192;
-  changed |= number_field(theme, "width", width, 4, "%.0f", "px wide", half, "Width of the picture", released, 24,
-                          {least_px, most_px, "The width", true});
+  changed |= number_field(theme, "width", width, released,
+                          {.per_px = 4,
+                           .format = "%.0f",
+                           .unit = "px wide",
+                           .width_px = half,
+                           .tip = "Width of the picture",
+                           .limits = {.low = least_px, .high = most_px, .name = "The width", .whole = true}});
   ImGui::SameLine(0, theme.px(4));
-  changed |= number_field(theme, "height", height, 4, "%.0f", "px high", half, "Height of the picture", released, 24,
-                          {least_px, most_px, "The height", true});
+  changed |= number_field(theme, "height", height, released,
+                          {.per_px = 4,
+                           .format = "%.0f",
+                           .unit = "px high",
+                           .width_px = half,
+                           .tip = "Height of the picture",
+                           .limits = {.low = least_px, .high = most_px, .name = "The height", .whole = true}});
   options.width = static_cast<int>(std::lround(width));
   options.height = static_cast<int>(std::lround(height));
   int ground = options.transparent ? 2 : options.light ? 1 : 0;
   caption(theme, "Ground");
   if (choice(theme, "ground", {"Dark ground", "Light", "Transparent"}, ground,
-             {"For the screen", "For paper", "What is not drawn on stays transparent"})) {
+             {.tips = {"For the screen", "For paper", "What is not drawn on stays transparent"}})) {
     options.transparent = ground == 2;
     options.light = ground == 1;
     changed = true;
@@ -93,8 +103,8 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
     caption(theme, "Frames to write");
     int all = ui.state.saving.export_all_frames ? 0 : 1;
     if (choice(theme, "frames", {format("All %zu", meshes), "This one"}, all,
-               {"Every frame that has a mesh, in files with the frame's number: \xe2\x80\xa6-frame-07.ply",
-                "The frame that is shown, in one file"}))
+               {.tips = {"Every frame that has a mesh, in files with the frame's number: \xe2\x80\xa6-frame-07.ply",
+                         "The frame that is shown, in one file"}}))
       out.send(ExportAllFrames{all == 0});
   }
   if (button(theme, "Mesh…",
@@ -116,8 +126,8 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
   PictureOptions options = ui.state.saving.picture;
   int what = options.view ? static_cast<int>(*options.view) + 1 : 0;
   bool changed = choice(theme, "picture of", {"Window", "Ax", "Sag", "Cor", "3D"}, what,
-                        {"The whole window, as it is on the screen", "The axial view", "The sagittal view",
-                         "The coronal view", "The 3D view"});
+                        {.tips = {"The whole window, as it is on the screen", "The axial view", "The sagittal view",
+                                  "The coronal view", "The 3D view"}});
   options.view = what == 0 ? std::nullopt : std::optional(static_cast<ViewKind>(what - 1));
   if (options.view) changed |= draw_picture_options(theme, options);
   if (changed) out.send(SetPicture{options});

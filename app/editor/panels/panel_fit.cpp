@@ -21,11 +21,12 @@ bool draw_fit_model(const UiContext& ui, FitSettings& settings, Outbox& out) {
   bool changed = false, released = false;
   caption(theme, "Shape model for the fit");
   int model = static_cast<int>(settings.model);
-  if (choice(theme, "fit model", {"No model", "Study's", "File's"}, model,
-             {"Fits the template alone, without a model",
-              "Starts with the shape of the model of the study's other cases that is nearest to the label",
-              "Starts with the shape of a model file that is nearest to the label: .h5 or .h5.json of Homolog, "
-              "scalismo or statismo"})) {
+  if (choice(
+          theme, "fit model", {"No model", "Study's", "File's"}, model,
+          {.tips = {"Fits the template alone, without a model",
+                    "Starts with the shape of the model of the study's other cases that is nearest to the label",
+                    "Starts with the shape of a model file that is nearest to the label: .h5 or .h5.json of Homolog, "
+                    "scalismo or statismo"}})) {
     settings.model = static_cast<FitModel>(model);
     changed = true;
   }
@@ -80,10 +81,12 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
                          "Radius. Clefts of the label narrower than twice the radius are filled before the fit");
   caption(theme, "Where the fit starts");
   int start = settings.as_placed ? 1 : 0;
-  if (choice(theme, "fit start", {"Find the place", "As placed"}, start,
-             {"The fit finds position, size and rotation by itself, near the patient's axes. Placed landmarks help. "
-              "It never mirrors the template",
-              "The fit starts where the template is now"})) {
+  if (choice(
+          theme, "fit start", {"Find the place", "As placed"}, start,
+          {.tips = {
+               "The fit finds position, size and rotation by itself, near the patient's axes. Placed landmarks help. "
+               "It never mirrors the template",
+               "The fit starts where the template is now"}})) {
     settings.as_placed = start == 1;
     changed = true;
   }
@@ -175,8 +178,8 @@ void draw_fit(const UiContext& ui, Outbox& out) {
   gap(theme, 4);
   caption(theme, "Automatic fit");
   draw_fit_settings(ui, out);
-  if (button(theme, "Fit to the label", "You see the mesh move. The fit is one step to undo", fit_refusal(ui), width,
-             true)) {
+  if (button(theme, "Fit to the label", "You see the mesh move. The fit is one step to undo",
+             ButtonOptions{.refusal = fit_refusal(ui), .width_px = width, .primary = true})) {
     FitSettings settings = ui.state.automatic.fit_settings;
     settings.label = fit_label(ui);
     out.send(StartFit{settings});

@@ -91,8 +91,13 @@ class PlacementNumbers {
       const std::string id = format("%s %d", name, axis);
       CaseNumber number(ui_, id, committed[axis]);
       bool released = false;
-      const bool changed = number_field(theme, id.c_str(), number.value, per_px, "%.1f", unit, width, tip(axis),
-                                        released, 24, {-reach.high[axis], reach.high[axis], reach.name});
+      const bool changed =
+          number_field(theme, id.c_str(), number.value, released,
+                       {.per_px = per_px,
+                        .unit = unit,
+                        .width_px = width,
+                        .tip = tip(axis),
+                        .limits = {.low = -reach.high[axis], .high = reach.high[axis], .name = reach.name}});
       number.settle(
           changed, released, [&](double value) { return SetPlacement{placement_for(axis, value)}; }, out_);
     }
@@ -228,8 +233,8 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
   caption(theme, "How landmarks move the template");
   int pull = static_cast<int>(ui.structure()->landmarks.pull);
   if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, pull,
-             {"Landmarks do not move the template", "Landmarks move, turn and scale the template",
-              "As Similarity. With four landmarks or more, the template is also warped smoothly to them"}))
+             {.tips = {"Landmarks do not move the template", "Landmarks move, turn and scale the template",
+                       "As Similarity. With four landmarks or more, the template is also warped smoothly to them"}}))
     out.apply(SetLandmarkPull{static_cast<LandmarkPull>(pull)});
 }
 

@@ -118,9 +118,13 @@ void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
   CaseNumber factor(ui, "factor of " + region.name, committed_factor(ui, region));
   bool released = false;
   const bool changed =
-      number_field(theme, "factor", factor.value, 0.05, "%.1f", "\xc3\x97", factor_width,
-                   "Stiffness factor of the region: below 1 it is softer than the base, above 1 stiffer", released, 28,
-                   {0.01, 1000, "The factor of " + region.name});
+      number_field(theme, "factor", factor.value, released,
+                   {.per_px = 0.05,
+                    .unit = "\xc3\x97",
+                    .width_px = factor_width,
+                    .tip = "Stiffness factor of the region: below 1 it is softer than the base, above 1 stiffer",
+                    .height_units = 28,
+                    .limits = {.low = 0.01, .high = 1000, .name = "The factor of " + region.name}});
   factor.settle(
       changed, released,
       [&](double value) {

@@ -22,8 +22,8 @@ void draw_scored_by(const UiContext& ui, Outbox& out) {
   const Scoring& scoring = ui.state.scoring;
   int by_file = scoring.by_file ? 1 : 0;
   if (choice(theme, "score model", {"Study's", "File's"}, by_file,
-             {"Scores against the model of the open study's other cases",
-              "Scores against the model of a file: .h5 or .h5.json of Homolog, scalismo or statismo"}))
+             {.tips = {"Scores against the model of the open study's other cases",
+                       "Scores against the model of a file: .h5 or .h5.json of Homolog, scalismo or statismo"}}))
     out.send(ScoreByFile{by_file == 1});
   if (!scoring.by_file) return;
   const float width = ImGui::GetContentRegionAvail().x;

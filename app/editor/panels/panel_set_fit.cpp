@@ -93,7 +93,7 @@ void draw_set_fit(const UiContext& ui, Outbox& out) {
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
   if (button(theme, "Fit the set",
              "Fits each template of the set to its label. The structures come into the case as one step to undo",
-             refusal, half, ui.document().structures.size() < 2))
+             ButtonOptions{.refusal = refusal, .width_px = half, .primary = ui.document().structures.size() < 2}))
     out.send(FitSet{});
   ImGui::SameLine(0, theme.px(4));
   if (button(

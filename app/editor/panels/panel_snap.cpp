@@ -36,10 +36,12 @@ bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
                     "How far from the mesh a snap looks for the boundary, on both sides", released);
   int polarity = static_cast<int>(snap.polarity);
   caption(theme, "Inside the edge");
-  if (choice(theme, "polarity", {"Auto", "Bright", "Dark", "Either"}, polarity,
-             {"Finds by itself whether the organ is brighter or darker. In a cine it takes the nearest edited frame",
-              "The organ is brighter than what surrounds it", "The organ is darker than what surrounds it",
-              "Any edge, bright or dark inside"})) {
+  if (choice(
+          theme, "polarity", {"Auto", "Bright", "Dark", "Either"}, polarity,
+          {.tips = {
+               "Finds by itself whether the organ is brighter or darker. In a cine it takes the nearest edited frame",
+               "The organ is brighter than what surrounds it", "The organ is darker than what surrounds it",
+               "Any edge, bright or dark inside"}})) {
     snap.polarity = static_cast<Polarity>(polarity);
     changed = true;
   }

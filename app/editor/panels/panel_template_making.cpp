@@ -43,8 +43,9 @@ void draw_organ_settings(const UiContext& ui, int label, MaskTemplateOptions& op
              : options.genus.genus == 0                       ? 2
                                                               : 3;
   if (choice(theme, "tunnels", {"Auto", "Keep", "None", "One"}, rule,
-             {"Cuts tunnels narrower than 3.5 % of the organ's size. A vertebral canal stays", "Every tunnel stays",
-              "Cuts all tunnels", "Keeps the widest tunnel and cuts all others, as for a vertebra"})) {
+             {.tips = {"Cuts tunnels narrower than 3.5 % of the organ's size. A vertebral canal stays",
+                       "Every tunnel stays", "Cuts all tunnels",
+                       "Keeps the widest tunnel and cuts all others, as for a vertebra"}})) {
     options.genus = rule == 0   ? GenusRule{}
                     : rule == 1 ? GenusRule{GenusRule::Kind::keep, 0}
                                 : GenusRule{GenusRule::Kind::number, rule == 2 ? 0 : 1};
@@ -61,8 +62,8 @@ void draw_part_settings(const UiContext& ui, int label, TemplateSettings& settin
                          "Radius. Fills clefts that are narrower than twice the radius");
   int rule = settings.faced.kept ? 0 : 1;
   if (choice(theme, "part", {"Facing", "Open at"}, rule,
-             {"The part of the surface that faces the labels below, as a joint faces its cartilage",
-              "The surface without what faces the labels below, as a ventricle without its valves"})) {
+             {.tips = {"The part of the surface that faces the labels below, as a joint faces its cartilage",
+                       "The surface without what faces the labels below, as a ventricle without its valves"}})) {
     settings.faced.kept = rule == 0;
     changed = true;
   }
@@ -148,7 +149,8 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
   if (!making.missing.empty()) text_lines(making.missing, palette::amber);
   for (const std::string& remark : making.remarks) explanation(theme, remark);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
-  if (button(theme, "Save and use…", "Saves the template and starts a new case with it", {}, half, true))
+  if (button(theme, "Save and use…", "Saves the template and starts a new case with it",
+             ButtonOptions{.width_px = half, .primary = true}))
     out.send(ShowFileDialog{FilePurpose::use_made_template, file_stem(making.source) + "-template"});
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Back", "Goes back to the template made before this one",
@@ -256,11 +258,13 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   }
   caption(theme, "What the label is");
   int kind = settings.tube ? 2 : settings.part ? 1 : 0;
-  if (choice(theme, "template kind", {"Organ", "Part", "Tube"}, kind,
-             {"For any shape: vertices are spread evenly over the surface",
-              "The part of its surface that faces other labels, open at its rim: a joint, or a ventricle without its "
-              "valves",
-              "For a ventricle: rings and sectors along an axis"})) {
+  if (choice(
+          theme, "template kind", {"Organ", "Part", "Tube"}, kind,
+          {.tips = {
+               "For any shape: vertices are spread evenly over the surface",
+               "The part of its surface that faces other labels, open at its rim: a joint, or a ventricle without its "
+               "valves",
+               "For a ventricle: rings and sectors along an axis"}})) {
     settings.tube = kind == 2;
     settings.part = kind == 1;
     changed = true;
@@ -283,7 +287,8 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
                               : is_part && settings.all_labels           ? "A part is of one label. Choose one."
                               : is_part && settings.faced.values.empty() ? "Choose what the part faces first."
                                                                          : "";
-  if (button(theme, "Make the template", "You see each stage in the views", refusal, width, !making || !making->mesh)) {
+  if (button(theme, "Make the template", "You see each stage in the views",
+             ButtonOptions{.refusal = refusal, .width_px = width, .primary = !making || !making->mesh})) {
     settings.label = label;
     out.send(MakeTemplate{settings, settings.axis_by_ruler ? ui.state.hand.ruler : std::nullopt});
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/editor/widgets/imgui_context.h"
+#include "app/editor/widgets/noted_box.h"
 
 namespace homolog {
 
@@ -134,17 +135,16 @@ void note_control(DrawnItem::Kind kind, const std::string& label, const std::str
   note_item(std::move(item));
 }
 
-void note_box(DrawnItem::Kind kind, const std::string& label, const std::string& value, ImVec2 low, ImVec2 high,
-              ImVec2 clip_low, ImVec2 clip_high, bool hovered, bool at_keys) {
-  note_place({low, high}, {clip_low, clip_high});
+void note_box(const NotedBox& box) {
+  note_place({box.low, box.high}, {box.clip_low, box.clip_high});
   if (!notes_items()) return;
   DrawnItem item;
-  item.kind = kind;
-  item.name = readable(label);
-  item.value = value;
-  set_place(item, low, high, clip_low, clip_high);
-  item.hovered = hovered;
-  item.at_keys = at_keys;
+  item.kind = box.kind;
+  item.name = readable(box.label);
+  item.value = box.value;
+  set_place(item, box.low, box.high, box.clip_low, box.clip_high);
+  item.hovered = box.hovered;
+  item.at_keys = box.at_keys;
   note_item(std::move(item));
 }
 

@@ -62,9 +62,6 @@ void leave_part();
 void note_item(DrawnItem item);
 /// The control that ImGui made last. `label` is ImGui's, with an icon and "##…" perhaps.
 void note_control(DrawnItem::Kind kind, const std::string& label, const std::string& value, const std::string& tip);
-/// A control of a rectangle within a clipping rectangle.
-void note_box(DrawnItem::Kind kind, const std::string& label, const std::string& value, ImVec2 low, ImVec2 high,
-              ImVec2 clip_low, ImVec2 clip_high, bool hovered, bool at_keys);
 /// A text within a clipping rectangle.
 void note_text(const std::string& text, ImVec2 low, ImVec2 high, ImVec2 clip_low, ImVec2 clip_high,
                DrawnItem::Kind kind = DrawnItem::Kind::text);

@@ -167,10 +167,10 @@ bool section(const Theme& theme, const char* title, bool open, bool& toggled, co
   return open;
 }
 
-bool button(const Theme& theme, const std::string& label, const std::string& tip, const std::string& refusal,
-            float width_px, bool primary) {
-  const Control control(theme, tip, refusal);
-  const bool lit = primary && !control.disabled();
+bool button(const Theme& theme, const std::string& label, const std::string& tip, const ButtonOptions& options) {
+  const Control control(theme, tip, options.refusal);
+  const float width_px = options.width_px;
+  const bool lit = options.primary && !control.disabled();
   if (lit) {
     ImGui::PushStyleColor(ImGuiCol_Button, palette::accent);
     ImGui::PushStyleColor(ImGuiCol_ButtonHovered, IM_COL32(0x7D, 0xC0, 0xFF, 255));
@@ -233,8 +233,7 @@ bool toggle(const Theme& theme, const char* label, bool& value, const std::strin
 }
 
 bool choice(const Theme& theme, const char* id, const std::vector<std::string>& labels, int& chosen,
-            const std::vector<std::string>& tips, const std::string& refusal,
-            const std::vector<std::string>& refusals) {
+            const ChoiceOptions& options) {
   const int before = chosen;
   const Part part(id);
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -250,6 +249,7 @@ bool choice(const Theme& theme, const char* id, const std::vector<std::string>& 
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, ImGui::GetStyle().ItemSpacing.y});
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto index = static_cast<int>(i);
+    const auto& [tips, refusal, refusals] = options;
     const bool refused = refusal.empty() && i < refusals.size();
     const Control control(theme, i < tips.size() ? tips[i] : std::string(), refused ? refusals[i] : refusal);
     const auto column = static_cast<float>(i % columns);
@@ -308,8 +308,13 @@ bool slider(const Theme& theme, const char* label, double& value, const SliderRa
   ImGui::SetCursorScreenPos({at.x + width - value_width, at.y});
   bool typed = false;
   const double per_px = (range.high - range.low) / 400;
-  if (number_field(theme, "value", value, per_px, range.format, range.unit, value_width, tip, typed, 24,
-                   {range.low, range.high, label, range.whole}))
+  if (number_field(theme, "value", value, typed,
+                   {.per_px = per_px,
+                    .format = range.format,
+                    .unit = range.unit,
+                    .width_px = value_width,
+                    .tip = tip,
+                    .limits = {.low = range.low, .high = range.high, .name = label, .whole = range.whole}}))
     changed = true;
   released = released || typed;
   return changed;

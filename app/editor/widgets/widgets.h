@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/state/layout.h"
 #include "app/editor/widgets/theme.h"
 
 namespace homolog {
@@ -32,19 +33,30 @@ void tooltip(const Theme& theme, const std::string& text);
 /// `toggled` is set where the user clicked. While it is folded, `holds` says what is in it.
 bool section(const Theme& theme, const char* title, bool open, bool& toggled, const std::string& holds = {});
 
-bool button(const Theme& theme, const std::string& label, const std::string& tip, const std::string& refusal = {},
-            float width_px = 0, bool primary = false);
+struct ButtonOptions {
+  std::string refusal{};
+  float width_px = 0;    ///< 0: as wide as the label asks for
+  bool primary = false;  ///< lit: what one does next
+};
+bool button(const Theme& theme, const std::string& label, const std::string& tip, const ButtonOptions& options);
+inline bool button(const Theme& theme, const std::string& label, const std::string& tip,
+                   const std::string& refusal = {}, float width_px = 0) {
+  return button(theme, label, tip, ButtonOptions{.refusal = refusal, .width_px = width_px});
+}
 /// A square button of one icon, for bars; lit where `selected`.
 bool icon_button(const Theme& theme, const char* glyph, const char* id, const std::string& tip,
                  const std::string& refusal = {}, bool selected = false, float size_units = 32);
 /// A switch with its label; true when it was turned (value is then the new one).
 bool toggle(const Theme& theme, const char* label, bool& value, const std::string& tip,
             const std::string& refusal = {});
-/// One of several choices in a row; true when another was chosen. `refusal` is why none can be chosen, `refusals` why
-/// each cannot.
+struct ChoiceOptions {
+  std::vector<std::string> tips{};      ///< of each
+  std::string refusal{};                ///< why none can be chosen
+  std::vector<std::string> refusals{};  ///< why each cannot
+};
+/// One of several choices in a row; true when another was chosen.
 bool choice(const Theme& theme, const char* id, const std::vector<std::string>& labels, int& chosen,
-            const std::vector<std::string>& tips, const std::string& refusal = {},
-            const std::vector<std::string>& refusals = {});
+            const ChoiceOptions& options);
 
 struct SliderRange {
   double low = 0, high = 1;
@@ -64,11 +76,18 @@ struct NumberLimits {
   std::string name;    ///< "Scale"
   bool whole = false;  ///< whole numbers only
 };
+struct NumberOptions {
+  double per_px = 1;  ///< what a px of a drag adds
+  const char* format = "%.1f";
+  const char* unit = "";
+  float width_px = 0;
+  std::string tip{};
+  float height_units = 24;
+  NumberLimits limits{};
+};
 /// A right-aligned number that is dragged sideways or typed. A typed value is taken when the typing ends: as it is, or
-/// not at all.
-bool number_field(const Theme& theme, const char* id, double& value, double per_px, const char* format,
-                  const char* unit, float width_px, const std::string& tip, bool& released, float height_units,
-                  const NumberLimits& limits);
+/// not at all. `released` is set when the change is finished.
+bool number_field(const Theme& theme, const char* id, double& value, bool& released, const NumberOptions& options);
 
 /// A line of text to type; true while it changes.
 bool text_field(const Theme& theme, const char* name, std::string& text, const char* hint, float width_px,

@@ -5,6 +5,7 @@
 
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/imgui_context.h"
+#include "app/editor/widgets/noted_box.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/base/text/text.h"
 
@@ -121,8 +122,15 @@ bool combo(const Theme& theme, const char* name, const std::vector<std::string>&
   if (coloured && known)
     draw_swatch(theme, below, {at.x + side, at.y}, ImGui::GetFrameHeight(), swatches[static_cast<std::size_t>(chosen)]);
   if (!open && fitting != shown && is_explained()) tooltip(theme, shown);
-  note_box(Kind::list, name, shown, at, {at.x + width, at.y + ImGui::GetFrameHeight()}, clip_low, clip_high,
-           !open && ImGui::IsItemHovered(), key_focus().marks(id));
+  note_box({.kind = Kind::list,
+            .label = name,
+            .value = shown,
+            .low = at,
+            .high = {at.x + width, at.y + ImGui::GetFrameHeight()},
+            .clip_low = clip_low,
+            .clip_high = clip_high,
+            .hovered = !open && ImGui::IsItemHovered(),
+            .at_keys = key_focus().marks(id)});
   bool changed = false;
   if (open) {
     enter_part(name);

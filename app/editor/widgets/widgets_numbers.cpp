@@ -93,9 +93,8 @@ bool take_typed(double& value, const char* unit, const NumberLimits& limits) {
 
 }  // namespace
 
-bool number_field(const Theme& theme, const char* id, double& value, double per_px, const char* pattern,
-                  const char* unit, float width_px, const std::string& tip, bool& released, float height_units,
-                  const NumberLimits& limits) {
+bool number_field(const Theme& theme, const char* id, double& value, bool& released, const NumberOptions& options) {
+  const auto& [per_px, pattern, unit, width_px, tip, height_units, limits] = options;
   const EvenDigits of_one_width(theme);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float height = theme.px(height_units);

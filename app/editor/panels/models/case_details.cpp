@@ -88,7 +88,7 @@ void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
   else if (says_work(one))
     text_line(work_on(one), palette::dim);
   int chosen = static_cast<int>(one.state);
-  if (choice(theme, "state", {"To do", "In work", "Done"}, chosen, {"Not begun", "Begun", "Finished"}))
+  if (choice(theme, "state", {"To do", "In work", "Done"}, chosen, {.tips = {"Not begun", "Begun", "Finished"}}))
     out.send(SetCaseState{one.name, static_cast<CaseState>(chosen)});
   draw_text_field(ui, one, "group", "Group, e.g. healthy", one.group, out);
   draw_text_field(ui, one, "notes", "Notes", one.notes, out);

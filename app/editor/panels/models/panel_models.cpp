@@ -113,8 +113,8 @@ void draw_model_section(const UiContext& ui, Outbox& out) {
   int alignment = static_cast<int>(state.made.alignment);
   caption(theme, "Alignment of the shapes");
   if (choice(theme, "alignment", {"Similarity", "Rigid", "As they lie"}, alignment,
-             {"Generalised Procrustes: position, turn and size are taken out",
-              "Position and turn are taken out; size is part of the model", "Shapes stay where they are"}))
+             {.tips = {"Generalised Procrustes: position, turn and size are taken out",
+                       "Position and turn are taken out; size is part of the model", "Shapes stay where they are"}}))
     out.send(ChooseAlignment{static_cast<Alignment>(alignment)});
   if (!state.made.model) {
     explanation(theme, "Two shapes in correspondence make a model.");
@@ -184,11 +184,12 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
     explanation(theme, "Compactness, generalisation and specificity at every number of modes.");
     if (button(theme, std::string(icon::chart) + "  Measure",
                "Measures the model. Specificity takes 1,000 random shapes (seed 1)",
-               state.runs.evaluating            ? "The model is being measured."
-               : !enough                        ? "At least three shapes are needed: one is left out each time."
-               : state.made.optimisation.runs() ? "Wait until the shapes are optimised."
-                                                : "",
-               width, true))
+               ButtonOptions{.refusal = state.runs.evaluating ? "The model is being measured."
+                                        : !enough ? "At least three shapes are needed: one is left out each time."
+                                        : state.made.optimisation.runs() ? "Wait until the shapes are optimised."
+                                                                         : "",
+                             .width_px = width,
+                             .primary = true}))
       out.send(StartEvaluation{});
     std::optional<WorkShown> running;
     if (state.runs.evaluating) running = {"Measuring", state.runs.evaluating_fraction, "Stop measuring"};
@@ -232,10 +233,11 @@ void draw_study_pictures_section(const UiContext& ui, Outbox& out) {
   PictureOptions options = ui.state.saving.picture;
   int what = options.study ? static_cast<int>(*options.study) + 1 : 0;
   caption(ui.theme, "Picture of");
-  bool changed = choice(ui.theme, "picture of", {"Window", "Gallery", "Modes"}, what,
-                        {"The whole window, as it is on the screen", "All shapes, seen from where you look at them",
-                         "The first modes of the model: \xe2\x88\x92"
-                         "3\xe2\x88\x9a\xce\xbb, mean, +3\xe2\x88\x9a\xce\xbb"});
+  bool changed =
+      choice(ui.theme, "picture of", {"Window", "Gallery", "Modes"}, what,
+             {.tips = {"The whole window, as it is on the screen", "All shapes, seen from where you look at them",
+                       "The first modes of the model: \xe2\x88\x92"
+                       "3\xe2\x88\x9a\xce\xbb, mean, +3\xe2\x88\x9a\xce\xbb"}});
   options.study = what == 0 ? std::nullopt : std::optional(static_cast<StudyPicture>(what - 1));
   if (options.study) changed |= draw_picture_options(ui.theme, options);
   if (changed) out.send(SetPicture{options});

@@ -72,8 +72,8 @@ void draw_progress_or_choice(const Theme& theme, const StudyOptimisation& optimi
   } else {
     int shown = optimisation.shown ? 1 : 0;
     if (choice(theme, "shapes", {"As fitted", "Optimised"}, shown,
-               {"Gallery, model, measures and exports use the shapes as they were fitted",
-                "Gallery, model, measures and exports use the optimised shapes. The cases stay as they are"}))
+               {.tips = {"Gallery, model, measures and exports use the shapes as they were fitted",
+                         "Gallery, model, measures and exports use the optimised shapes. The cases stay as they are"}}))
       out.send(ShowOptimised{shown == 1});
   }
   ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), end_px));
@@ -90,7 +90,7 @@ void draw_optimise_section(const UiContext& ui, Outbox& out) {
                 "Vertices slide along their own surfaces so that the set gets shorter to describe. Surfaces, named "
                 "landmarks and confirmed vertices stay.");
     if (button(theme, "Optimise", "You see the description length fall. No file and no case is changed",
-               why_not_optimise(ui.state.models), width, true))
+               ButtonOptions{.refusal = why_not_optimise(ui.state.models), .width_px = width, .primary = true}))
       out.send(StartOptimisation{});
     return;
   }

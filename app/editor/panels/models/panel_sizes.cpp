@@ -203,7 +203,8 @@ void draw_observers_section(const UiContext& ui, Outbox& out) {
       out.send(ShowFileDialog{FilePurpose::export_observers, study_stem(state) + "-observers.csv"});
   } else if (state.observer.outdated && !ui.comparing()) {
     explanation(theme, "Shapes have changed since they were compared.");
-    if (button(theme, "Compare again", "With " + state.observer.study.string(), {}, width, true))
+    if (button(theme, "Compare again", "With " + state.observer.study.string(),
+               ButtonOptions{.width_px = width, .primary = true}))
       out.send(CompareObservers{{state.observer.study}});
   } else {
     explanation(theme, "Two observers of the same cases: Dice, distances of surfaces and landmarks, volumes.");

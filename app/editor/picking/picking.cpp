@@ -134,8 +134,8 @@ Similarity dragged_placement(const PlaceDrag& drag, const ViewMap& map, double x
   return change.after(drag.start);
 }
 
-std::string landmark_at(const ViewMap& map, const std::map<std::string, Vec3>& landmarks, double x_px, double y_px,
-                        double slice_reach_mm, float scale) {
+std::string landmark_at(const Pointing& at, const std::map<std::string, Vec3>& landmarks, double slice_reach_mm) {
+  const auto& [map, x_px, y_px, scale] = at;
   std::string nearest;
   double smallest = landmark_reach_units * scale;
   for (const auto& [name, p_mm] : landmarks) {
@@ -158,8 +158,9 @@ bool lies_in_slice(const ViewMap& map, const Contour& curve, const VolumeGeometr
                              [&](const Vec3& p) { return std::abs(normal.dot(p - map.slice().centre)) <= reach_mm; });
 }
 
-std::optional<HeldContour> contour_at(const ViewMap& map, const Document& document, const Structure& structure,
-                                      const std::set<std::string>& hidden, double x_px, double y_px, double scale) {
+std::optional<HeldContour> contour_at(const Pointing& pointing, const Document& document, const Structure& structure,
+                                      const std::set<std::string>& hidden) {
+  const auto& [map, x_px, y_px, scale] = pointing;
   if (!map.is_slice()) return std::nullopt;
   const Vec3 normal = map.into_screen(), pointer = map.on_facing_plane(x_px, y_px, map.slice().centre);
   const double near_mm = contour_reach_units * scale * map.mm_per_px(pointer);

@@ -58,9 +58,16 @@ PlacePart part_at(const PlacementHandles& handles, double x_px, double y_px, flo
 /// The placement to which a drag of a handle leads.
 Similarity dragged_placement(const PlaceDrag& drag, const ViewMap& map, double x_px, double y_px);
 
-/// Name of the landmark drawn nearest to the pointer, within reach; slices offer those near their plane.
-std::string landmark_at(const ViewMap& map, const std::map<std::string, Vec3>& landmarks, double x_px, double y_px,
-                        double slice_reach_mm, float scale);
+/// Where the pointer is in a view.
+struct Pointing {
+  const ViewMap& map;  ///< outlives it
+  double x_px, y_px;   ///< of the window
+  float scale = 1;     ///< px of a unit of the interface
+};
+
+/// Name of the landmark drawn nearest to the pointer, within reach; slices offer those within `slice_reach_mm` of their
+/// plane. Empty: there is none.
+std::string landmark_at(const Pointing& at, const std::map<std::string, Vec3>& landmarks, double slice_reach_mm);
 
 /// Whether a curve lies in the slice that a view shows, within half the distance of slices.
 bool lies_in_slice(const ViewMap& map, const Contour& curve, const VolumeGeometry& geometry);
@@ -69,7 +76,7 @@ bool lies_in_slice(const ViewMap& map, const Contour& curve, const VolumeGeometr
 inline constexpr double contour_reach_units = 14;
 /// The contour of a structure that lies in the slice of a view nearest to the pointer, within reach, but for `hidden`
 /// sets; none where none does.
-std::optional<HeldContour> contour_at(const ViewMap& map, const Document& document, const Structure& structure,
-                                      const std::set<std::string>& hidden, double x_px, double y_px, double scale);
+std::optional<HeldContour> contour_at(const Pointing& pointing, const Document& document, const Structure& structure,
+                                      const std::set<std::string>& hidden);
 
 }  // namespace homolog

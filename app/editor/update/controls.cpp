@@ -102,8 +102,9 @@ ViewMap view_map(const EditorState& state, const Layout& layout, const Document&
   return {rect, slice_view(state, kind, geometry_of(document))};
 }
 
-std::optional<Vec3> mesh_at(const EditorState& state, const ControlsContext& context, const ViewMap& map, double x_px,
-                            double y_px, double reach_mm) {
+std::optional<Vec3> mesh_at(const EditorState& state, const ControlsContext& context, const Pointing& at,
+                            double reach_mm) {
+  const auto& [map, x_px, y_px, scale] = at;
   if (map.is_slice())
     return context.mesh.nearest_on_outline(*context.shape(), map.slice(),
                                            map.on_facing_plane(x_px, y_px, state.look.crosshair_mm), reach_mm);
@@ -158,16 +159,17 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
   const ViewMap map = view_map(state, context.layout, context.document, *kind);
   if (map.is_slice()) hover.p_mm = map.on_facing_plane(x_px, y_px, state.look.crosshair_mm);
   const float scale = context.layout.scale;
+  const Pointing at{map, x_px, y_px, scale};
   const double pick_mm = pick_reach_units * scale * map.mm_per_px(state.look.crosshair_mm);
   if (const auto shown = context.shape(); shown && active_is_shown(state, context.document)) {
     const Points& points = *shown->shape.points;
     const double reach_mm = is_brush(state.hand.tool) ? std::max(pick_mm, state.hand.brush.radius_mm) : pick_mm;
-    hover.on_mesh = mesh_at(state, context, map, x_px, y_px, reach_mm);
+    hover.on_mesh = mesh_at(state, context, at, reach_mm);
     if (!map.is_slice()) hover.p_mm = hover.on_mesh;
     constexpr double landmark_share = 0.012;  // of the organ: how thick a placed landmark is
     const double slice_reach_mm =
         0.75 * slice_step_mm(geometry_of(context.document), map.into_screen()) + landmark_share * state.look.organ_mm;
-    hover.landmark = landmark_at(map, shown->shape.landmarks, x_px, y_px, slice_reach_mm, context.layout.scale);
+    hover.landmark = landmark_at(at, shown->shape.landmarks, slice_reach_mm);
     if (kind_of(state.hand.tool).marks == ToolMarks::handles)
       if (const auto handles = placement_handles(map, points, scale)) hover.part = part_at(*handles, x_px, y_px, scale);
   }

@@ -54,8 +54,8 @@ void handle_event(EditorState& state, const InputEvent& event, const ControlsCon
 ViewMap view_map(const EditorState& state, const Layout& layout, const Document& document, ViewKind kind);
 /// The point of the mesh that lies under a px: in a slice the nearest point of the outline, at most `reach_mm` away; in
 /// space what is seen there.
-std::optional<Vec3> mesh_at(const EditorState& state, const ControlsContext& context, const ViewMap& map, double x_px,
-                            double y_px, double reach_mm);
+std::optional<Vec3> mesh_at(const EditorState& state, const ControlsContext& context, const Pointing& at,
+                            double reach_mm);
 /// Pointer and what it is over, anew: after a scroll, or when the mesh moved beneath it.
 void update_hover(EditorState& state, const ControlsContext& context, double x_px, double y_px);
 

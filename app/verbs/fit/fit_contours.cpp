@@ -38,21 +38,31 @@ Result<const ContourRoi*> structure_of(const fs::path& path, const Contours& rea
   return roi;
 }
 
+/// What a fit to contours is made of.
+struct ContourFitInput {
+  const FitJob& options;
+  const FitShared& shared;
+  const FitOptions& fitting;
+  const DrawnOrgan& organ;
+  const MaskRead* mask;     ///< null: there is none
+  const VolumeRead* image;  ///< null: there is none
+};
+
 /// Goes on from a fit to contours to the boundary that an image shows; the contours stay where they are, and so do the
 /// landmarks that the fit believed.
-Result<void> snap_between(const FitJob& options, const Volume& image, const Template& the_template,
-                          const std::vector<DrawnContour>& contours, const std::map<std::string, Vec3>& landmarks,
-                          FitResult& fit, Report& report, Progress& progress) {
+Result<void> snap_between(const ContourFitInput& input, FitResult& fit, Report& report, Progress& progress) {
+  const FitJob& options = input.options;
+  const Template& the_template = *input.shared.the_template;
   auto snapping = snap_options(options.snap, the_template.points.rows(), progress);
   if (!snapping) return fail(snapping.error());
   snapping->progress = &progress;
   SnapStart start{fit.mesh, fit.mesh.points, the_template.stiffness, VertexScalars::Ones(fit.mesh.points.rows())};
-  start.pins = contour_pins(contours, fit.mesh);
+  start.pins = contour_pins(input.organ.contours, fit.mesh);
   std::map<std::string, Vec3> believed;
-  for (const std::string& name : fit.believed) believed.emplace(name, landmarks.at(name));
+  for (const std::string& name : fit.believed) believed.emplace(name, input.fitting.landmarks.at(name));
   const auto held = landmark_pins(the_template, fit.mesh.points, believed, options.snap.reach_mm);
   start.pins.insert(start.pins.end(), held.begin(), held.end());
-  const auto snapped = snap(image, options.snap.frame, start, *snapping);
+  const auto snapped = snap(input.image->volume, options.snap.frame, start, *snapping);
   if (!snapped) return fail(options.image.string(), snapped.error().what);
   fit.mesh.points = snapped->points;
   fit.unseen = snapped->unseen;
@@ -63,9 +73,8 @@ Result<void> snap_between(const FitJob& options, const Volume& image, const Temp
 }
 
 /// The fit to what is there: contours alone, with a label map, or with an image.
-Result<FitResult> fit_to_all(const FitJob& options, const FitShared& shared, const FitOptions& fitting,
-                             const DrawnOrgan& organ, const MaskRead* mask, const VolumeRead* image, Report& report,
-                             Progress& progress) {
+Result<FitResult> fit_to_all(const ContourFitInput& input, Report& report, Progress& progress) {
+  const auto& [options, shared, fitting, organ, mask, image] = input;
   const Template& the_template = *shared.the_template;
   if (mask != nullptr) {
     const MapLabel target{mask->volume, mask->label, mask->frame, mask->segmentation};
@@ -82,10 +91,7 @@ Result<FitResult> fit_to_all(const FitJob& options, const FitShared& shared, con
   auto fit = fit_to_contours(the_template, organ.contours, fitting);
   if (!fit) return fail(options.contours.front().string(), fit.error().what);
   if (image == nullptr) return fit;
-  if (auto done =
-          snap_between(options, image->volume, the_template, organ.contours, fitting.landmarks, *fit, report, progress);
-      !done)
-    return fail(done.error());
+  if (auto done = snap_between(input, *fit, report, progress); !done) return fail(done.error());
   return fit;
 }
 
@@ -204,8 +210,13 @@ Result<Report> fit_contours(const FitJob& options, const FitShared& shared, Prog
   fitting.landmarks = std::move(landmarks->places);
   fitting.progress = &progress;
   Report report;
-  auto fit = fit_to_all(options, shared, fitting, *organ, mask ? &*mask : nullptr, image ? &*image : nullptr, report,
-                        progress);
+  auto fit = fit_to_all({.options = options,
+                         .shared = shared,
+                         .fitting = fitting,
+                         .organ = *organ,
+                         .mask = mask ? &*mask : nullptr,
+                         .image = image ? &*image : nullptr},
+                        report, progress);
   if (!fit) return fail(fit.error());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   MeshFile file = fitted_file(*shared.the_template, *fit, false);

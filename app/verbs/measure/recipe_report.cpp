@@ -19,7 +19,7 @@ Json values_of(const std::vector<MeasuredNumber>& values, const Recipe& recipe) 
 
 std::string table_of(const MeasuredByRecipe& measured) {
   const auto& [recipe, cases, modes] = measured;
-  const auto any = [&](const auto& has) { return std::ranges::any_of(cases, has); };
+  const auto any = [&](const auto& has) { return std::ranges::any_of(measured.cases, has); };
   const bool frames = any([](const MeasuredCase& one) { return one.frame.has_value(); });
   const bool groups = any([](const MeasuredCase& one) { return !one.group.empty(); });
   std::string text = "name";

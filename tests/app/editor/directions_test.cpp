@@ -272,7 +272,7 @@ TEST_CASE("the nearest landmark within ten px and near the slice is met") {
   const std::map<std::string, Vec3> landmarks{{"a", {0, 0, 0}}, {"b", {12, 0, 1}}, {"far", {0, 50, 5}}};
   const auto met = [&](double x_mm, double y_mm, double reach_mm = 3) {
     const Eigen::Vector2d px = *map.to_px(Vec3(x_mm, y_mm, 0));
-    return landmark_at(map, landmarks, px.x(), px.y(), reach_mm, 1);
+    return landmark_at({map, px.x(), px.y()}, landmarks, reach_mm);
   };
   CHECK(met(4, 0) == "a");
   CHECK(met(7, 0) == "b");

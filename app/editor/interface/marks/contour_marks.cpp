@@ -68,8 +68,8 @@ void draw_held_contour(const UiContext& ui, const ViewMap& map, ImDrawList& draw
   const bool draws = ui.state.hand.tool == MouseTool::contour || ImGui::GetIO().KeyCtrl;
   if (!draws || ui.structure() == nullptr) return;
   const Hover& hover = *ui.state.pointer.hover;
-  const auto held = contour_at(map, ui.document(), *ui.structure(), ui.state.look.hidden_contours, hover.x_px,
-                               hover.y_px, ui.theme.scale);
+  const auto held = contour_at({map, hover.x_px, hover.y_px, ui.theme.scale}, ui.document(), *ui.structure(),
+                               ui.state.look.hidden_contours);
   if (!held) return;
   if (const auto px = map.to_px(held->at)) {
     draw.AddCircleFilled(on_screen(*px), ui.theme.px(4), palette::contour);

@@ -10,9 +10,9 @@ namespace homolog {
 namespace {
 
 /// Where a dab goes whose circle is drawn at a px; nullopt where it covers nothing of the mesh.
-std::optional<Vec3> dab_at(const EditorState& state, const ControlsContext& context, const ViewMap& map, double x_px,
-                           double y_px) {
-  const auto on_mesh = mesh_at(state, context, map, x_px, y_px, state.hand.brush.radius_mm);
+std::optional<Vec3> dab_at(const EditorState& state, const ControlsContext& context, const Pointing& at) {
+  const auto& [map, x_px, y_px, scale] = at;
+  const auto on_mesh = mesh_at(state, context, at, state.hand.brush.radius_mm);
   const bool fills = state.hand.tool == MouseTool::stiffness && state.hand.brush.paints == BrushPaints::fill;
   if (!on_mesh || fills || !map.is_slice()) return on_mesh;
   return map.on_facing_plane(x_px, y_px, state.look.crosshair_mm);
@@ -107,7 +107,7 @@ void paint_to(EditorState& state, const ControlsContext& context, double x_px, d
   for (; along_px <= length_px && !(fills && drag.painted);) {
     const Eigen::Vector2d exact = length_px > 0 ? Eigen::Vector2d(from + along_px / length_px * (to - from)) : from;
     const Eigen::Vector2d px = (exact * parts_of_px).array().round() / parts_of_px;
-    const auto at = dab_at(state, context, map, px.x(), px.y());
+    const auto at = dab_at(state, context, {map, px.x(), px.y()});
     if (at) {
       out.apply(*brush_action(state, context.document, *at), drag.painted);
       drag.painted = true;
@@ -123,7 +123,7 @@ void paint_to(EditorState& state, const ControlsContext& context, double x_px, d
 std::optional<Action> first_dab(const EditorState& state, const ControlsContext& context) {
   const auto& drag = std::get<BrushDrag>(*state.pointer.drag);
   const ViewMap map = view_map(state, context.layout, context.document, drag.view);
-  const auto at = dab_at(state, context, map, drag.x_px, drag.y_px);
+  const auto at = dab_at(state, context, {map, drag.x_px, drag.y_px});
   return at ? brush_action(state, context.document, *at) : std::nullopt;
 }
 

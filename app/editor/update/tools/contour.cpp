@@ -30,9 +30,10 @@ bool begin_contour(const Press& press) {
   drag.id = free_contour_id(press.document());
   drag.x_px = press.event.x_px;
   drag.y_px = press.event.y_px;
-  drag.points = {place_on_slice(press.map(), press.state.look.crosshair_mm, drag.x_px, drag.y_px)};
-  drag.held = contour_at(press.map(), press.document(), press.shape()->structure, press.state.look.hidden_contours,
-                         drag.x_px, drag.y_px, press.context.layout.scale);
+  const ViewMap map = press.map();
+  drag.points = {place_on_slice(map, press.state.look.crosshair_mm, drag.x_px, drag.y_px)};
+  drag.held = contour_at({map, drag.x_px, drag.y_px, press.context.layout.scale}, press.document(),
+                         press.shape()->structure, press.state.look.hidden_contours);
   press.state.pointer.drag = std::move(drag);
   return true;
 }

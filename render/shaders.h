@@ -5,11 +5,11 @@
 
 /// The texts of the files in shaders/, embedded at build time (render/CMakeLists.txt): shaders/line.vert is
 /// homolog::shaders::line_vert().
-#define HOMOLOG_SHADER(name)                                                     \
-  extern "C" const unsigned char shader_##name[];                                \
-  extern "C" const std::size_t shader_##name##_size;                             \
-  inline std::string_view name() {                                               \
-    return {reinterpret_cast<const char*>(shader_##name), shader_##name##_size}; \
+#define HOMOLOG_SHADER(name)                                                                     \
+  extern "C" const unsigned char homolog_shader_##name[];                                        \
+  extern "C" const std::size_t homolog_shader_##name##_size;                                     \
+  inline std::string_view name() {                                                               \
+    return {reinterpret_cast<const char*>(homolog_shader_##name), homolog_shader_##name##_size}; \
   }
 
 namespace homolog::shaders {

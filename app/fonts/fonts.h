@@ -5,12 +5,12 @@
 
 /// Inter and Fork Awesome, as they are embedded [app/CMakeLists.txt].
 extern "C" {
-extern const unsigned char font_inter_regular[];
-extern const std::size_t font_inter_regular_size;
-extern const unsigned char font_inter_semibold[];
-extern const std::size_t font_inter_semibold_size;
-extern const unsigned char font_fork_awesome[];
-extern const std::size_t font_fork_awesome_size;
+extern const unsigned char homolog_font_inter_regular[];
+extern const std::size_t homolog_font_inter_regular_size;
+extern const unsigned char homolog_font_inter_semibold[];
+extern const std::size_t homolog_font_inter_semibold_size;
+extern const unsigned char homolog_font_fork_awesome[];
+extern const std::size_t homolog_font_fork_awesome_size;
 }
 
 namespace homolog {

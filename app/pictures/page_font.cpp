@@ -28,7 +28,8 @@ struct PageFonts {
 
   PageFonts() {
     if (FT_Init_FreeType(&library) != 0 ||
-        FT_New_Memory_Face(library, font_inter_regular, static_cast<FT_Long>(font_inter_regular_size), 0, &inter) != 0)
+        FT_New_Memory_Face(library, homolog_font_inter_regular, static_cast<FT_Long>(homolog_font_inter_regular_size),
+                           0, &inter) != 0)
       throw std::runtime_error("the font of pages cannot be read");
   }
   /// Read when the first letter needs it; null where the system has none.

@@ -8,18 +8,18 @@
 #include "core/session/unsaved_cases.h"
 
 extern "C" {
-extern const unsigned char sample_image[];
-extern const std::size_t sample_image_size;
-extern const unsigned char sample_labels[];
-extern const std::size_t sample_labels_size;
-extern const unsigned char sample_cine[];
-extern const std::size_t sample_cine_size;
-extern const unsigned char sample_cine_labels[];
-extern const std::size_t sample_cine_labels_size;
-extern const unsigned char sample_end_systole[];
-extern const std::size_t sample_end_systole_size;
-extern const unsigned char sample_licence[];
-extern const std::size_t sample_licence_size;
+extern const unsigned char homolog_sample_image[];
+extern const std::size_t homolog_sample_image_size;
+extern const unsigned char homolog_sample_labels[];
+extern const std::size_t homolog_sample_labels_size;
+extern const unsigned char homolog_sample_cine[];
+extern const std::size_t homolog_sample_cine_size;
+extern const unsigned char homolog_sample_cine_labels[];
+extern const std::size_t homolog_sample_cine_labels_size;
+extern const unsigned char homolog_sample_end_systole[];
+extern const std::size_t homolog_sample_end_systole_size;
+extern const unsigned char homolog_sample_licence[];
+extern const std::size_t homolog_sample_licence_size;
 }
 
 namespace homolog {
@@ -44,12 +44,12 @@ Result<std::vector<fs::path>> write_sample(const fs::path& folder) {
     return std::string_view(reinterpret_cast<const char*>(data), size);
   };
   const std::vector<std::pair<const char*, std::string_view>> files{
-      {image_name, bytes(sample_image, sample_image_size)},
-      {labels_name, bytes(sample_labels, sample_labels_size)},
-      {"heart-cine.nii.gz", bytes(sample_cine, sample_cine_size)},
-      {"heart-cine-labels.nii.gz", bytes(sample_cine_labels, sample_cine_labels_size)},
-      {"heart-cine-end-systole-labels.nii.gz", bytes(sample_end_systole, sample_end_systole_size)},
-      {licence_name, bytes(sample_licence, sample_licence_size)}};
+      {image_name, bytes(homolog_sample_image, homolog_sample_image_size)},
+      {labels_name, bytes(homolog_sample_labels, homolog_sample_labels_size)},
+      {"heart-cine.nii.gz", bytes(homolog_sample_cine, homolog_sample_cine_size)},
+      {"heart-cine-labels.nii.gz", bytes(homolog_sample_cine_labels, homolog_sample_cine_labels_size)},
+      {"heart-cine-end-systole-labels.nii.gz", bytes(homolog_sample_end_systole, homolog_sample_end_systole_size)},
+      {licence_name, bytes(homolog_sample_licence, homolog_sample_licence_size)}};
   std::vector<fs::path> paths;
   for (const auto& [name, content] : files) {
     if (auto written = write_whole_file(folder / name, content); !written) return fail(written.error());

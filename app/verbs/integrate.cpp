@@ -15,8 +15,10 @@
 // homolog --integrate: the menu entry, the icon and the file types of a program that no package installed.
 
 extern "C" {
-extern const unsigned char desktop_desktop[], desktop_svg[], desktop_thumbnailer[], desktop_mime[];
-extern const std::size_t desktop_desktop_size, desktop_svg_size, desktop_thumbnailer_size, desktop_mime_size;
+extern const unsigned char homolog_desktop_desktop[], homolog_desktop_svg[], homolog_desktop_thumbnailer[],
+    homolog_desktop_mime[];
+extern const std::size_t homolog_desktop_desktop_size, homolog_desktop_svg_size, homolog_desktop_thumbnailer_size,
+    homolog_desktop_mime_size;
 }
 
 namespace homolog {
@@ -95,13 +97,14 @@ std::string entry_text(const std::string& path) {
 /// The files that belong to a program, by their names.
 std::map<std::string, std::string> desktop_files(const fs::path& program) {
   const std::string path = program.string(), tries = "TryExec=" + entry_text(path) + "\n";
-  return {{desktop_names[0], with_word(desktop_asset(desktop_desktop, desktop_desktop_size), "Exec=homolog ",
-                                       tries + "Exec=" + exec_word(path) + " ")},
-          {desktop_names[1], desktop_asset(desktop_svg, desktop_svg_size)},
-          {desktop_names[2], desktop_asset(desktop_mime, desktop_mime_size)},
-          {desktop_names[3], with_word(with_word(desktop_asset(desktop_thumbnailer, desktop_thumbnailer_size),
-                                                 "' homolog %i", "' " + exec_word(path) + " %i"),
-                                       "TryExec=homolog\n", tries)}};
+  return {{desktop_names[0], with_word(desktop_asset(homolog_desktop_desktop, homolog_desktop_desktop_size),
+                                       "Exec=homolog ", tries + "Exec=" + exec_word(path) + " ")},
+          {desktop_names[1], desktop_asset(homolog_desktop_svg, homolog_desktop_svg_size)},
+          {desktop_names[2], desktop_asset(homolog_desktop_mime, homolog_desktop_mime_size)},
+          {desktop_names[3],
+           with_word(with_word(desktop_asset(homolog_desktop_thumbnailer, homolog_desktop_thumbnailer_size),
+                               "' homolog %i", "' " + exec_word(path) + " %i"),
+                     "TryExec=homolog\n", tries)}};
 }
 
 /// What an earlier integration wrote.

@@ -32,10 +32,10 @@
 #include "core/catalogue/catalogue.h"
 
 extern "C" {
-extern const unsigned char built_with_text[];
-extern const std::size_t built_with_text_size;
-extern const unsigned char licences_text[];
-extern const std::size_t licences_text_size;
+extern const unsigned char homolog_built_with_text[];
+extern const std::size_t homolog_built_with_text_size;
+extern const unsigned char homolog_licences_text[];
+extern const std::size_t homolog_licences_text_size;
 }
 
 namespace homolog {
@@ -220,11 +220,13 @@ int run_program(int argc, char** argv, const Program& program) {
   // The laboratory has verbs that homolog does not know, and is then called by its own name.
   const bool by_own_name = program.edits == nullptr && argc > 0;
   CLI::App app(program.description, by_own_name ? std::filesystem::path(argv[0]).filename().string() : "homolog");
-  app.set_version_flag("--version",
-                       std::string("homolog ") + version + "\n" + embedded(built_with_text, built_with_text_size),
-                       "Print the version and what the program was built with");
+  app.set_version_flag(
+      "--version",
+      std::string("homolog ") + version + "\n" + embedded(homolog_built_with_text, homolog_built_with_text_size),
+      "Print the version and what the program was built with");
   app.add_flag_callback(
-         "--licences", [] { throw CLI::CallForVersion(embedded(licences_text, licences_text_size), succeeded); },
+         "--licences",
+         [] { throw CLI::CallForVersion(embedded(homolog_licences_text, homolog_licences_text_size), succeeded); },
          "Print the licences of the program and of what is inside it")
       ->configurable(false);
   app.require_subcommand(program.edits ? 0 : 1, 1);

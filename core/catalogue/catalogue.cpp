@@ -13,8 +13,8 @@
 #include "core/phantom/phantom_scene.h"
 
 // assets/recipes, embedded by core/CMakeLists.txt.
-extern const unsigned char recipe_femur[], recipe_vertebra[], recipe_ventricle[];
-extern const std::size_t recipe_femur_size, recipe_vertebra_size, recipe_ventricle_size;
+extern const unsigned char homolog_recipe_femur[], homolog_recipe_vertebra[], homolog_recipe_ventricle[];
+extern const std::size_t homolog_recipe_femur_size, homolog_recipe_vertebra_size, homolog_recipe_ventricle_size;
 
 namespace homolog {
 
@@ -59,9 +59,9 @@ std::array<ShippedRecipe, 3> recipes() {
   const auto text = [](const unsigned char* bytes, std::size_t size) {
     return std::string_view(reinterpret_cast<const char*>(bytes), size);
   };
-  return {{{"femur", text(recipe_femur, recipe_femur_size)},
-           {"vertebra", text(recipe_vertebra, recipe_vertebra_size)},
-           {"ventricle", text(recipe_ventricle, recipe_ventricle_size)}}};
+  return {{{"femur", text(homolog_recipe_femur, homolog_recipe_femur_size)},
+           {"vertebra", text(homolog_recipe_vertebra, homolog_recipe_vertebra_size)},
+           {"ventricle", text(homolog_recipe_ventricle, homolog_recipe_ventricle_size)}}};
 }
 
 }  // namespace

@@ -155,7 +155,7 @@ Theme make_theme(float scale, const std::set<unsigned>& letters, bool light) {
   const std::string further = letters.empty() ? std::string() : east_asian_font();
   const auto with_icons = [&](const unsigned char* bytes, std::size_t size, float units) {
     ImFont* font = add_font(bytes, size, theme.px(units), text_ranges);
-    add_font(font_fork_awesome, font_fork_awesome_size, theme.px(units - 1), icon_ranges, true, scale);
+    add_font(homolog_font_fork_awesome, homolog_font_fork_awesome_size, theme.px(units - 1), icon_ranges, true, scale);
     if (letters.empty()) return font;
     add_font(bytes, size, theme.px(units), letter_ranges.data(), true);
     if (!further.empty())
@@ -163,10 +163,10 @@ Theme make_theme(float scale, const std::set<unsigned>& letters, bool light) {
                letter_ranges.data(), true);
     return font;
   };
-  theme.body = with_icons(font_inter_regular, font_inter_regular_size, 16);
-  theme.strong = with_icons(font_inter_semibold, font_inter_semibold_size, 16);
-  theme.small = with_icons(font_inter_regular, font_inter_regular_size, 14);
-  theme.icons = add_font(font_fork_awesome, font_fork_awesome_size, theme.px(20), icon_ranges);
+  theme.body = with_icons(homolog_font_inter_regular, homolog_font_inter_regular_size, 16);
+  theme.strong = with_icons(homolog_font_inter_semibold, homolog_font_inter_semibold_size, 16);
+  theme.small = with_icons(homolog_font_inter_regular, homolog_font_inter_regular_size, 14);
+  theme.icons = add_font(homolog_font_fork_awesome, homolog_font_fork_awesome_size, theme.px(20), icon_ranges);
   atlas.Build();
   std::size_t k = 0;
   for (const ImFont* font : {theme.body, theme.strong, theme.small})

@@ -15,10 +15,12 @@
 #include "render/shaders.h"
 
 extern "C" {
-extern const unsigned char report_three[], report_report_html[], report_report_css[], report_data_js[],
-    report_view_js[], report_gallery_js[], report_plots_js[], report_report_js[];
-extern const std::size_t report_three_size, report_report_html_size, report_report_css_size, report_data_js_size,
-    report_view_js_size, report_gallery_js_size, report_plots_js_size, report_report_js_size;
+extern const unsigned char homolog_report_three[], homolog_report_report_html[], homolog_report_report_css[],
+    homolog_report_data_js[], homolog_report_view_js[], homolog_report_gallery_js[], homolog_report_plots_js[],
+    homolog_report_report_js[];
+extern const std::size_t homolog_report_three_size, homolog_report_report_html_size, homolog_report_report_css_size,
+    homolog_report_data_js_size, homolog_report_view_js_size, homolog_report_gallery_js_size,
+    homolog_report_plots_js_size, homolog_report_report_js_size;
 }
 
 namespace homolog {
@@ -246,14 +248,15 @@ std::string filled(std::string_view text, const std::map<std::string, std::strin
 
 std::string report_page(const PageContent& content, const std::string& picture_png) {
   std::string script;
-  for (const std::string_view part :
-       {part_of_page(report_data_js, report_data_js_size), part_of_page(report_view_js, report_view_js_size),
-        part_of_page(report_gallery_js, report_gallery_js_size), part_of_page(report_plots_js, report_plots_js_size),
-        part_of_page(report_report_js, report_report_js_size)})
+  for (const std::string_view part : {part_of_page(homolog_report_data_js, homolog_report_data_js_size),
+                                      part_of_page(homolog_report_view_js, homolog_report_view_js_size),
+                                      part_of_page(homolog_report_gallery_js, homolog_report_gallery_js_size),
+                                      part_of_page(homolog_report_plots_js, homolog_report_plots_js_size),
+                                      part_of_page(homolog_report_report_js, homolog_report_report_js_size)})
     script += part;
-  return filled(part_of_page(report_report_html, report_report_html_size),
+  return filled(part_of_page(homolog_report_report_html, homolog_report_report_html_size),
                 {{"title", html_text(content.title)},
-                 {"style", std::string(part_of_page(report_report_css, report_report_css_size))},
+                 {"style", std::string(part_of_page(homolog_report_report_css, homolog_report_report_css_size))},
                  {"facts", facts_html(content)},
                  {"picture", picture_html(picture_png)},
                  {"modes", modes_table_html(content)},
@@ -264,7 +267,7 @@ std::string report_page(const PageContent& content, const std::string& picture_p
                  {"command", html_text(content.command)},
                  {"version", version},
                  {"data", in_element(page_data(content))},
-                 {"three", std::string(part_of_page(report_three, report_three_size))},
+                 {"three", std::string(part_of_page(homolog_report_three, homolog_report_three_size))},
                  {"script", script}});
 }
 

@@ -40,7 +40,7 @@ std::vector<LineInstance> outline_lines(const MeshLayer& mesh, const SliceView& 
 
 /// The part of the target that an outline can touch, in px from the target's lower left corner.
 Eigen::AlignedBox2i reach_of(const std::vector<LineInstance>& outline, const MeshLayer& mesh, const SliceView& view,
-                             const Target& target) {
+                             const Viewport& target) {
   Eigen::AlignedBox2d reach;
   for (const LineInstance& line : outline) {
     for (const auto& end : {line.from_mm, line.to_mm}) {
@@ -78,7 +78,7 @@ void OutlinePass::make_layer(int width, int height) {
   glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, layer_.name(), 0);
 }
 
-void OutlinePass::draw(const MeshLayer& mesh, const SliceView& view, const Target& target, LinePass& lines) {
+void OutlinePass::draw(const MeshLayer& mesh, const SliceView& view, const Viewport& target, LinePass& lines) {
   if (!mesh.topology || !mesh.points || !mesh.outline || mesh.outline_opacity <= 0) return;
   const std::vector<LineInstance> outline = outline_lines(mesh, view);
   if (outline.empty()) return;

@@ -11,7 +11,7 @@ namespace homolog {
 class OutlinePass {
  public:
   static Result<OutlinePass> make();
-  void draw(const MeshLayer& mesh, const SliceView& view, const Target& target, LinePass& lines);
+  void draw(const MeshLayer& mesh, const SliceView& view, const Viewport& target, LinePass& lines);
 
  private:
   void make_layer(int width, int height);

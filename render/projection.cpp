@@ -32,7 +32,7 @@ Vec3 eye_of(const Camera3D& camera) {
 }
 
 /// px per mm in the plane through the camera's target.
-double px_per_mm(const Camera3D& camera, const Target& target) {
+double px_per_mm(const Camera3D& camera, const Viewport& target) {
   const double fov_deg = camera.fov_deg > 0 ? camera.fov_deg : Camera3D{}.fov_deg;
   const double half_side_mm = camera.distance_mm * std::tan(fov_deg * std::numbers::pi / 360);
   return std::min(target.width, target.height) / 2.0 / half_side_mm;
@@ -48,19 +48,19 @@ glm::mat4 orthographic(double half_width_mm, double half_height_mm, double far_m
   return glm::mat4(glm::ortho(-half_width_mm, half_width_mm, -half_height_mm, half_height_mm, -far_mm, far_mm));
 }
 
-glm::vec2 size_of(const Target& target) {
+glm::vec2 size_of(const Viewport& target) {
   return {static_cast<float>(target.width), static_cast<float>(target.height)};
 }
 
 }  // namespace
 
-Projection projection_of(const SliceView& view, const Target& target) {
+Projection projection_of(const SliceView& view, const Viewport& target) {
   return {eye_from_mm(view.centre, {view.right, -view.down, -view.normal()}),
           orthographic(target.width * view.mm_per_px / 2, target.height * view.mm_per_px / 2, reach_mm),
           size_of(target), target.content_scale};
 }
 
-Projection projection_of(const Camera3D& camera, const Target& target) {
+Projection projection_of(const Camera3D& camera, const Viewport& target) {
   const double scale = px_per_mm(camera, target);
   const double half_width_mm = target.width / 2.0 / scale, half_height_mm = target.height / 2.0 / scale;
   const glm::mat4 eye = eye_from_mm(eye_of(camera), axes_of(camera));
@@ -72,18 +72,18 @@ Projection projection_of(const Camera3D& camera, const Target& target) {
   return {eye, clip, size_of(target), target.content_scale};
 }
 
-Vec3 slice_point_mm(const SliceView& view, const Target& target, double x_px, double y_px) {
+Vec3 slice_point_mm(const SliceView& view, const Viewport& target, double x_px, double y_px) {
   return view.centre +
          view.mm_per_px * ((x_px - target.width / 2.0) * view.right + (y_px - target.height / 2.0) * view.down);
 }
 
-Eigen::Vector2d slice_point_px(const SliceView& view, const Target& target, const Vec3& p_mm) {
+Eigen::Vector2d slice_point_px(const SliceView& view, const Viewport& target, const Vec3& p_mm) {
   const Vec3 from_centre = p_mm - view.centre;
   return {target.width / 2.0 + view.right.dot(from_centre) / view.mm_per_px,
           target.height / 2.0 + view.down.dot(from_centre) / view.mm_per_px};
 }
 
-Ray camera_ray(const Camera3D& camera, const Target& target, double x_px, double y_px) {
+Ray camera_ray(const Camera3D& camera, const Viewport& target, double x_px, double y_px) {
   const Axes axes = axes_of(camera);
   const double scale = px_per_mm(camera, target);
   const Vec3 on_target =
@@ -93,7 +93,7 @@ Ray camera_ray(const Camera3D& camera, const Target& target, double x_px, double
   return {eye, (on_target - eye).normalized()};
 }
 
-Vec3 camera_point_px(const Camera3D& camera, const Target& target, const Vec3& p_mm) {
+Vec3 camera_point_px(const Camera3D& camera, const Viewport& target, const Vec3& p_mm) {
   const Axes axes = axes_of(camera);
   const Vec3 from_eye = p_mm - eye_of(camera);
   const double depth_mm = -axes.back.dot(from_eye);

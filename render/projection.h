@@ -15,8 +15,8 @@ struct Projection {
   float content_scale = 1;
 };
 
-Projection projection_of(const SliceView& view, const Target& target);
-Projection projection_of(const Camera3D& camera, const Target& target);
+Projection projection_of(const SliceView& view, const Viewport& target);
+Projection projection_of(const Camera3D& camera, const Viewport& target);
 
 inline glm::vec3 to_glm(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};

@@ -20,7 +20,7 @@ namespace {
 /// (but for the viewport, which is as before), since the window's own drawing shares the context.
 class Drawing {
  public:
-  Drawing(const Target& target, const std::optional<std::array<float, 4>>& background) {
+  Drawing(const Viewport& target, const std::optional<std::array<float, 4>>& background) {
     glGetIntegerv(GL_VIEWPORT, viewport_before_.data());
     glViewport(target.x, target.y, target.width, target.height);
     glScissor(target.x, target.y, target.width, target.height);
@@ -112,14 +112,14 @@ struct Renderer::Parts {
     }
     lines.draw(frames, projection);
   }
-  void lay_in(const gl::Texture& colour, const gl::Texture& depth, const Target& target) const;
+  void lay_in(const gl::Texture& colour, const gl::Texture& depth, const Viewport& target) const;
   Result<void> report() {
     if (auto complaint = slice.take_complaint()) return fail("", *complaint);
     return {};
   }
 };
 
-void Renderer::Parts::lay_in(const gl::Texture& colour, const gl::Texture& depth, const Target& target) const {
+void Renderer::Parts::lay_in(const gl::Texture& colour, const gl::Texture& depth, const Viewport& target) const {
   faint.use();
   faint.set("layer", 0);
   faint.set("layer_depth", 1);
@@ -158,7 +158,7 @@ Result<std::unique_ptr<Renderer>> Renderer::make() {
                                     std::move(*glyphs), std::move(*faint), gl::VertexArray::make()})));
 }
 
-Result<void> Renderer::draw(const Scene& scene, const SliceView& view, const Target& target) {
+Result<void> Renderer::draw(const Scene& scene, const SliceView& view, const Viewport& target) {
   if (target.width <= 0 || target.height <= 0) return {};
   const Drawing drawing(target, scene.background);
   const Projection projection = projection_of(view, target);
@@ -170,16 +170,16 @@ Result<void> Renderer::draw(const Scene& scene, const SliceView& view, const Tar
   return parts_->report();
 }
 
-Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Target& target) {
+Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Viewport& target) {
   return draw(scene, view, target, nullptr);
 }
 
-Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Target& target, const FaintLayer& faint) {
+Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Viewport& target, const FaintLayer& faint) {
   return draw(scene, view, target, &faint);
 }
 
 Result<void> Renderer::draw_faint(const Scene& scene, const Camera3D& view, const FaintLayer& layer) {
-  const Target target{0, 0, layer.width_px(), layer.height_px(), 1};
+  const Viewport target{0, 0, layer.width_px(), layer.height_px(), 1};
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layer.parts_->framebuffer.name());
   const Drawing drawing(target, std::array<float, 4>{});
   const Projection projection = projection_of(view, target);
@@ -192,7 +192,7 @@ Result<void> Renderer::draw_faint(const Scene& scene, const Camera3D& view, cons
   return parts_->report();
 }
 
-Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Target& target, const FaintLayer* faint) {
+Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Viewport& target, const FaintLayer* faint) {
   if (target.width <= 0 || target.height <= 0) return {};
   const Drawing drawing(target, scene.background);
   const Projection projection = projection_of(view, target);

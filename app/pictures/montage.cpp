@@ -79,7 +79,7 @@ struct Extent {
   }
   Vec3 offset() const { return axes.transpose() * box.center(); }
   /// Of a camera that just shows all, as camera_on takes it.
-  double radius_mm(const Target& target) const {
+  double radius_mm(const Viewport& target) const {
     const double shorter = std::min(target.width, target.height);
     constexpr double depth = 0.26;  // of what is nearer to the eye the camera would cut off parts
     return room * std::max({box.sizes().x() * shorter / target.width, box.sizes().y() * shorter / target.height,
@@ -124,7 +124,7 @@ double caption_px(const MontageOptions& options, int columns) {
 }
 
 /// Cell k of a grid, counted from the upper left, as a rectangle from the lower left; below all is a strip.
-Target cell(int k, int columns, int rows, const MontageOptions& options, int strip_px) {
+Viewport cell(int k, int columns, int rows, const MontageOptions& options, int strip_px) {
   const int column = k % columns, row = k / columns, height_px = options.height_px - strip_px;
   const int x0 = column * options.width_px / columns, x1 = (column + 1) * options.width_px / columns;
   const int y0 = row * height_px / rows, y1 = (row + 1) * height_px / rows;
@@ -132,7 +132,7 @@ Target cell(int k, int columns, int rows, const MontageOptions& options, int str
 }
 
 /// The same rectangle from the upper left.
-PictureCell named(const Target& target, const MontageOptions& options, std::string name, double mm_per_px) {
+PictureCell named(const Viewport& target, const MontageOptions& options, std::string name, double mm_per_px) {
   return {target.x, options.height_px - target.y - target.height, target.width, target.height, std::move(name),
           mm_per_px};
 }
@@ -159,7 +159,7 @@ std::pair<double, double> window_around(const Volume& volume, const Mesh& mesh, 
 
 /// A slice through `centre` that shows the mesh with some room around it. Radiological: the patient's right on the
 /// left.
-SliceView slice_on(const Mesh& mesh, const Vec3& centre, const Vec3& right, const Vec3& down, const Target& target) {
+SliceView slice_on(const Mesh& mesh, const Vec3& centre, const Vec3& right, const Vec3& down, const Viewport& target) {
   const Points from_centre = mesh.points.rowwise() - centre.transpose();
   const double half_width = (from_centre * right).cwiseAbs().maxCoeff();
   const double half_height = (from_centre * down).cwiseAbs().maxCoeff();
@@ -188,15 +188,15 @@ struct MontagePlan {
     for (const auto& [from, extent] : sides) radius_mm = std::max(radius_mm, extent.radius_mm(room_of(0)));
   }
 
-  Target whole(int k) const { return cell(k, columns, rows, options, strip_px); }
+  Viewport whole(int k) const { return cell(k, columns, rows, options, strip_px); }
   /// What captions leave of a cell for its shape.
-  Target room_of(int k) const {
-    Target target = whole(k);
+  Viewport room_of(int k) const {
+    Viewport target = whole(k);
     target.height -= above_px;
     return target;
   }
   double mm_per_px() const {
-    const Target target = room_of(0);
+    const Viewport target = room_of(0);
     return 2 * radius_mm / std::min(target.width, target.height);
   }
   const Extent& seen_from(const Vec3& from) const {
@@ -243,7 +243,7 @@ Result<void> draw_cells(Studio& studio, const MontagePlan& plan, const MeshColou
 }
 
 Result<Studio> studio_for(const MontagePlan& plan, std::size_t count, bool fills) {
-  const Target first = plan.room_of(0);
+  const Viewport first = plan.room_of(0);
   if (std::min(first.width, first.height) < 3 * gap_px)
     return fail("", "one of " + std::to_string(count) + " shapes, which need a larger picture; raise " +
                         (plan.options.width_mm > 0 ? "--width-mm" : "--size") +
@@ -306,7 +306,7 @@ Result<MadePicture> case_picture(const Document& document, const MontageOptions&
   const int above_px = options.captions ? static_cast<int>(std::round(room_of_name * text_px)) : 0;
   if (options.width_mm > 0) options.height_px = static_cast<int>(0.8 * options.width_px) + 2 * above_px;
   const auto room_of = [&](int k) {
-    Target target = cell(k, 2, 2, options, 0);
+    Viewport target = cell(k, 2, 2, options, 0);
     target.height -= above_px;
     return target;
   };
@@ -333,7 +333,7 @@ Result<MadePicture> case_picture(const Document& document, const MontageOptions&
   std::vector<PictureCell> cells;
   for (int k = 0; k < 3; ++k) {
     const auto& [right, down] = planes[static_cast<std::size_t>(k)];
-    const Target target = room_of(k);
+    const Viewport target = room_of(k);
     const SliceView view = slice_on(mesh, centre, right, down, target);
     if (auto drawn = studio->renderer->draw(scene, view, target); !drawn) return fail(drawn.error());
     static constexpr std::array<const char*, 3> names{"Axial", "Sagittal", "Coronal"};

@@ -112,7 +112,7 @@ TEST_CASE("the outline of a sphere is a circle two pixels wide to within a pixel
   scene.meshes.push_back(test::layer_of(ball));
   const Mat3 turn = Eigen::AngleAxisd(0.8, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
   const SliceView view = tilted_view(Vec3(100, -50, 20) + kAbove_mm * turn.col(2) + 3 * turn.col(0), 0.5);
-  const Target target{0, 0, 220, 200, 1};
+  const Viewport target{0, 0, 220, 200, 1};
   const Picture picture = picture_of(scene, view, target.width, target.height);
   const double circle_px = std::sqrt(kRadius_mm * kRadius_mm - kAbove_mm * kAbove_mm) / view.mm_per_px;
   const Eigen::Vector2d middle_px = slice_point_px(view, target, Vec3(100, -50, 20));
@@ -164,7 +164,7 @@ TEST_CASE("outline colours are those of the vertices at full saturation") {
 
 TEST_CASE("a place in a slice and its pixel are inverses") {
   const SliceView view = tilted_view(Vec3(1, 2, 3), 0.37);
-  const Target target{0, 0, 333, 222, 1};
+  const Viewport target{0, 0, 333, 222, 1};
   for (const Eigen::Vector2d& px : {Eigen::Vector2d(0, 0), Eigen::Vector2d(100.25, 7), Eigen::Vector2d(333, 222)}) {
     const Vec3 p_mm = slice_point_mm(view, target, px.x(), px.y());
     CHECK(std::abs(view.normal().dot(p_mm - view.centre)) < 1e-9);
@@ -174,7 +174,7 @@ TEST_CASE("a place in a slice and its pixel are inverses") {
 
 TEST_CASE("a ray through a pixel and a point on it are inverses") {
   for (const double fov_deg : {0.0, 30.0, 75.0}) {
-    for (const Target& target : {Target{0, 0, 400, 300, 1}, Target{0, 0, 200, 300, 1}}) {
+    for (const Viewport& target : {Viewport{0, 0, 400, 300, 1}, Viewport{0, 0, 200, 300, 1}}) {
       const Camera3D camera = some_camera(fov_deg);
       for (const Eigen::Vector2d& px : {Eigen::Vector2d(0, 0), Eigen::Vector2d(150.5, 20), Eigen::Vector2d(60, 299)}) {
         const Ray ray = camera_ray(camera, target, px.x(), px.y());
@@ -190,7 +190,7 @@ TEST_CASE("a ray through a pixel and a point on it are inverses") {
 }
 
 TEST_CASE("what is drawn is where picking says") {
-  const Target target{0, 0, 160, 120, 1};
+  const Viewport target{0, 0, 160, 120, 1};
   const Vec3 p_mm(25, -12, 38);
   Scene scene;
   scene.glyphs.glyphs.push_back({p_mm, {0, 1, 0}, 4});

@@ -136,13 +136,13 @@ bool GalleryPictures::draw_cells(const ModelsState& state, const GalleryKey& key
     // Lines between the cells, where another grid left its own.
     Scene lines;
     lines.background = std::array<float, 4>{0, 0, 0, 0};
-    const Target whole{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), key.scale};
+    const Viewport whole{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), key.scale};
     if (auto drawn = renderer.draw(lines, state.gallery.camera, whole); !drawn) error_ = drawn.error().sentence();
   }
   for (std::size_t k = first; k < first + count; ++k) {
     const RectPx cell = key.grid.cell(key.grid.first + k);
-    const Target target{static_cast<int>(cell.x), static_cast<int>(rect.height - cell.y - cell.height),
-                        static_cast<int>(cell.width), static_cast<int>(cell.height), key.scale};
+    const Viewport target{static_cast<int>(cell.x), static_cast<int>(rect.height - cell.y - cell.height),
+                          static_cast<int>(cell.width), static_cast<int>(cell.height), key.scale};
     const auto points = k < page_.size() ? page_[k] : nullptr;
     Scene empty;
     empty.background = gallery_ground;
@@ -159,8 +159,8 @@ void GalleryPictures::draw_grid(const ModelsState& state, const GalleryGrid& gri
   prepare(state);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     const RectPx cell = room.left_of(grid.cell(k));
-    const Target target{static_cast<int>(cell.x), height_px - static_cast<int>(cell.y + cell.height),
-                        static_cast<int>(cell.width), static_cast<int>(cell.height), scale};
+    const Viewport target{static_cast<int>(cell.x), height_px - static_cast<int>(cell.y + cell.height),
+                          static_cast<int>(cell.width), static_cast<int>(cell.height), scale};
     Scene scene = scene_of(state, shapes[k], state.gallery.glyphs);
     scene.background = ground;
     const auto drawn = renderer.draw(scene, cell_camera(state, *shapes[k]), target);
@@ -189,7 +189,7 @@ void GalleryPictures::draw_model(const ModelsState& state, const RectPx& rect, f
   }
   framebuffer->bind();
   const int legend = static_cast<int>(legend_room(state, scale).below);
-  Target target{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale};
+  Viewport target{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale};
   Scene ground;
   ground.background = scene.background;
   if (legend > 0)

@@ -13,7 +13,7 @@ Result<ViewPictures> ViewPictures::make() {
   return ViewPictures(std::move(*renderer));
 }
 
-bool ViewPictures::make_room(Drawn& drawn, const Target& target, int samples) {
+bool ViewPictures::make_room(Drawn& drawn, const Viewport& target, int samples) {
   if (drawn.framebuffer && drawn.width == target.width && drawn.height == target.height) return true;
   drawn = {};
   auto framebuffer = Framebuffer::make(target.width, target.height, samples);
@@ -27,7 +27,7 @@ bool ViewPictures::make_room(Drawn& drawn, const Target& target, int samples) {
   return true;
 }
 
-bool ViewPictures::draw_slice(Drawn& drawn, const Scene& scene, const SliceView& view, const Target& target,
+bool ViewPictures::draw_slice(Drawn& drawn, const Scene& scene, const SliceView& view, const Viewport& target,
                               const Framebuffer* below) {
   const bool current = drawn.content_scale == target.content_scale && drawn.slice == view && drawn.scene == scene;
   if (current) return false;
@@ -47,7 +47,8 @@ void ViewPictures::forget() {
   faint_ = {};
 }
 
-const Framebuffer* ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target) {
+const Framebuffer* ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceView& view,
+                                       const Viewport& target) {
   DrawnSlice& drawn = slices_[index_of(kind)];
   if (!make_room(drawn.below, target, 1) || !make_room(drawn.whole, target, 1)) return nullptr;
   // What stays while a mesh is dragged lies below: the image, and all meshes but the last, which is the active one.
@@ -65,7 +66,7 @@ const Framebuffer* ViewPictures::slice(ViewKind kind, const Scene& scene, const 
   return drawn.whole.framebuffer.get();
 }
 
-const FaintLayer* ViewPictures::faint_of(const Scene& scene, const Camera3D& camera, const Target& target) {
+const FaintLayer* ViewPictures::faint_of(const Scene& scene, const Camera3D& camera, const Viewport& target) {
   const bool as_large =
       faint_.layer && faint_.layer->width_px() == target.width && faint_.layer->height_px() == target.height;
   if (!as_large) {
@@ -85,7 +86,8 @@ const FaintLayer* ViewPictures::faint_of(const Scene& scene, const Camera3D& cam
   return &*faint_.layer;
 }
 
-const Framebuffer* ViewPictures::space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving) {
+const Framebuffer* ViewPictures::space(const Scene& scene, const Camera3D& camera, const Viewport& target,
+                                       bool moving) {
   Drawn& drawn = moving ? moving_space_ : still_space_;
   if (!make_room(drawn, target, moving ? 1 : 4)) return nullptr;
   const bool current = drawn.content_scale == target.content_scale && drawn.camera == camera && drawn.scene == scene;

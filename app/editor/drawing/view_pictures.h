@@ -20,9 +20,9 @@ class ViewPictures {
 
   // Both bind a framebuffer of their own where they draw.
   /// `scene` and the view's geometry decide whether a view is drawn again. Null where the driver has no room for it.
-  const Framebuffer* slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target);
+  const Framebuffer* slice(ViewKind kind, const Scene& scene, const SliceView& view, const Viewport& target);
   /// `moving` draws with one sample a pixel, and what is seen through as one surface (FaintLayer).
-  const Framebuffer* space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving);
+  const Framebuffer* space(const Scene& scene, const Camera3D& camera, const Viewport& target, bool moving);
   /// Lets go of everything that was drawn, and of the volume in it.
   void forget();
   /// The renderer's refusal since the last call; empty where there is none.
@@ -50,12 +50,12 @@ class ViewPictures {
   };
   explicit ViewPictures(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
   /// Makes the framebuffer of that size, where it is not there. False where it could not be made.
-  bool make_room(Drawn& drawn, const Target& target, int samples);
+  bool make_room(Drawn& drawn, const Viewport& target, int samples);
   /// Draws `scene` where `drawn` shows another one, over `below` where given. True where it did.
-  bool draw_slice(Drawn& drawn, const Scene& scene, const SliceView& view, const Target& target,
+  bool draw_slice(Drawn& drawn, const Scene& scene, const SliceView& view, const Viewport& target,
                   const Framebuffer* below);
   /// Null where the driver has no room for it.
-  const FaintLayer* faint_of(const Scene& scene, const Camera3D& camera, const Target& target);
+  const FaintLayer* faint_of(const Scene& scene, const Camera3D& camera, const Viewport& target);
 
   std::unique_ptr<Renderer> renderer_;
   std::array<DrawnSlice, 3> slices_;

@@ -119,7 +119,7 @@ void Drawing::draw_pictures(int width_px, int height_px) {
   for (const ViewKind kind : all_views) {
     const RectPx& rect = layout_.image(kind);
     if (rect.width < 1 || rect.height < 1) continue;
-    const Target target{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale_};
+    const Viewport target{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale_};
     const Scene scene = scenes_.scene(input, kind);
     views[index_of(kind)] =
         kind == ViewKind::space
@@ -196,7 +196,7 @@ void Drawing::draw_view_picture(const PictureOptions& options) {
   state.pointer.hover.reset();
   state.preferences.light = options.light;  // of the picture's ground, not of the window
   if (kind != ViewKind::space) state.look.slices[index_of(kind)].mm_per_px *= smaller;
-  const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / smaller)};
+  const Viewport target{0, 0, options.width, options.height, static_cast<float>(scale_ / smaller)};
   const SceneBuilder::Input input = scene_input(state);
   Scene scene = scenes_.scene(input, kind);
   if (options.transparent)

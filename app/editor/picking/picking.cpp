@@ -19,8 +19,8 @@ constexpr double handle_reach_units = 9, landmark_reach_units = 10;
 ViewMap::ViewMap(const RectPx& rect, const SliceView& slice) : rect_(rect), is_slice_(true), slice_(slice) {}
 ViewMap::ViewMap(const RectPx& rect, const Camera3D& camera) : rect_(rect), is_slice_(false), camera_(camera) {}
 
-Target ViewMap::target() const {
-  Target target;
+Viewport ViewMap::target() const {
+  Viewport target;
   target.width = static_cast<int>(rect_.width);
   target.height = static_cast<int>(rect_.height);
   return target;

@@ -36,7 +36,7 @@ class ViewMap {
   const SliceView& slice() const { return slice_; }
 
  private:
-  Target target() const;
+  Viewport target() const;
   RectPx rect_;
   bool is_slice_;
   SliceView slice_;

@@ -16,7 +16,7 @@ namespace {
 constexpr float cases_width = 320, tools_height = 36, model_height = 232;
 
 /// A cell from its own corner, as the renderer's projection takes it.
-Target target_of(const RectPx& cell) {
+Viewport target_of(const RectPx& cell) {
   return {0, 0, static_cast<int>(cell.width), static_cast<int>(cell.height), 1};
 }
 

@@ -2,9 +2,12 @@
 
 #include <Eigen/QR>
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/deform/local_rotations.h"
+#include "core/mesh/check_mesh.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/placement/similarity_fit.h"
 
@@ -66,6 +69,30 @@ Result<void> solve(Adapting& shape, ShapeSolver& solver, double stiffness, Force
   return {};
 }
 
+/// What a program may have put together wrongly.
+Result<void> check_adapting(const Adapting& shape, const ShapeSolver& solver) {
+  if (auto sound = check_mesh(shape.mesh, "the mesh that adapts"); !sound) return sound;
+  const Topology& topology = *shape.mesh.topology;
+  const Eigen::Index vertices = topology.vertices(), faces = topology.triangles().rows();
+  if (auto sound = check_points(shape.rest, vertices, "the reference"); !sound) return sound;
+  if (auto sound = check_points(shape.placed, vertices, "the reference as placed"); !sound) return sound;
+  if (auto counted = check_count(shape.factors.size(), vertices, "the stiffness"); !counted) return counted;
+  const auto is_vertex = [&](std::int32_t i) { return i >= 0 && i < vertices; };
+  const auto is_pin = [&](const Pin& pin) {
+    return pin.on.face >= 0 && pin.on.face < faces && pin.on.weights.allFinite() && pin.place.allFinite();
+  };
+  if (!std::ranges::all_of(shape.held, is_vertex) || !std::ranges::all_of(shape.pins, is_pin))
+    return fail("", "a held vertex or a pin is not on the mesh that adapts; leave it out");
+  if (solver.topology() != shape.mesh.topology && solver.topology()->hash() != topology.hash())
+    return fail("", "the solver is of another mesh; make one of this mesh's topology");
+  return {};
+}
+
+Result<void> check_force(const Force& force, Eigen::Index vertices) {
+  if (auto counted = check_count(force.weights.size(), vertices, "the force's weights"); !counted) return counted;
+  return check_points(force.pulls, vertices, "the force's pulls");
+}
+
 }  // namespace
 
 void Adapting::place_anew() {
@@ -75,6 +102,7 @@ void Adapting::place_anew() {
 
 Result<void> anneal(Adapting& shape, ShapeSolver& solver, const Annealing& annealing, const ForceSource& force,
                     const AfterStep& after_step) {
+  if (auto sound = check_adapting(shape, solver); !sound) return sound;
   const double edge_mm = mean_edge_mm(*shape.mesh.topology, shape.mesh.points);
   const double first_mm = annealing.stiffest_share * bounds_of(shape.mesh.points).diagonal().norm();
   const double last_mm = annealing.softest_edges * edge_mm;
@@ -82,7 +110,9 @@ Result<void> anneal(Adapting& shape, ShapeSolver& solver, const Annealing& annea
     const double share = annealing.steps > 1 ? static_cast<double>(step) / (annealing.steps - 1) : 1;
     const double length_mm = first_mm * std::pow(last_mm / first_mm, share);
     const double stiffness = stiffness_from_length(length_mm, edge_mm);
-    if (auto done = solve(shape, solver, stiffness, force(shape.mesh, share)); !done) return done;
+    Force drawing = force(shape.mesh, share);
+    if (auto sound = check_force(drawing, shape.mesh.topology->vertices()); !sound) return sound;
+    if (auto done = solve(shape, solver, stiffness, std::move(drawing)); !done) return done;
     shape.place_anew();
     if (!after_step) continue;
     if (auto done = after_step(share); !done) return done;

@@ -48,7 +48,9 @@ using AfterStep = std::function<Result<void>(double share)>;
 /// Draws a mesh to what `force` looks for: solves Eq. 3 again and again [Erdt 2009, §2.2] while the stiffness falls.
 /// After each step the reference is placed anew by a similarity. For each solve it is turned with the shape, one-ring
 /// by one-ring. A fit and a snap differ only in their force and in what follows. `solver`: of the mesh's topology; it
-/// is factorised anew, so its present factor is lost. Errors: those of `after_step`.
+/// is factorised anew, so its present factor is lost. Errors: arrays that are not of the mesh, or a force that is not;
+/// numbers that are not finite; a held vertex or a pin beyond the mesh; a solver of another mesh; those of
+/// ShapeSolver::factorise and of `after_step`.
 Result<void> anneal(Adapting& shape, ShapeSolver& solver, const Annealing& annealing, const ForceSource& force,
                     const AfterStep& after_step = {});
 

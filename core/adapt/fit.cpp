@@ -1,8 +1,11 @@
 #include "core/adapt/fit.h"
 
+#include <cmath>
+
 #include "core/adapt/boundary/cut_faces.h"
 #include "core/adapt/boundary/cut_template.h"
 #include "core/adapt/ways/fitting.h"
+#include "core/mesh/check_mesh.h"
 #include "core/mesh/parts/rims.h"
 #include "core/placement/similarity_fit.h"
 
@@ -112,7 +115,28 @@ Result<FitResult> fit_within(const Template& the_template, const Boundary& bound
   return Fitting(the_template, parts->marked, near).among_allowed(std::move(parts->fit.outliers));
 }
 
+/// Whether a placement is one at all; where it lies does not matter.
+bool is_similarity(const Similarity& placement) {
+  return placement.rotation.coeffs().allFinite() && placement.translation.allFinite() &&
+         std::isfinite(placement.scale) && placement.scale > 0;
+}
+
 }  // namespace
+
+Result<void> check_arguments(const Template& the_template, const FitOptions& options) {
+  if (auto sound = check_template(the_template); !sound) return sound;
+  if (options.placement && !is_similarity(*options.placement))
+    return fail("",
+                "the placement holds a number that is not finite, or a size that is not positive; correct it, or leave "
+                "it out to let the fit find one");
+  for (const auto& [name, place] : options.landmarks)
+    if (!place.allFinite())
+      return fail("", "the landmark \"" + name + "\" was given no finite place; correct it or leave it out");
+  if (!options.allowed) return {};
+  if (!options.allowed->nearest)
+    return fail("", "the allowed shapes cannot be asked for the nearest one; set `nearest`");
+  return check_points(options.allowed->mean, the_template.points.rows(), "the mean of the allowed shapes");
+}
 
 VertexScalars outlier_marks(const FitResult& fit) {
   VertexScalars marks = VertexScalars::Zero(fit.mesh.points.rows());
@@ -121,8 +145,8 @@ VertexScalars outlier_marks(const FitResult& fit) {
 }
 
 Result<FitResult> fit_to_boundary(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
-  if (!boundary.surface.topology || boundary.surface.points.rows() == 0)
-    return fail("", "gives no surface to fit to; give a boundary that has one");
+  if (auto sound = check_boundary(boundary); !sound) return fail(sound.error());
+  if (auto sound = check_arguments(the_template, options); !sound) return fail(sound.error());
   if (!options.allowed) return fit_within(the_template, boundary, options);
   const auto mean = mean_template(the_template, *options.allowed);
   auto fit = fit_within(*mean, boundary, options);

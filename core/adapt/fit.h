@@ -57,6 +57,10 @@ struct FitResult {
 /// Returns n values, one a vertex: 1 where it is an outlier, else 0.
 VertexScalars outlier_marks(const FitResult& fit);
 
+/// Whether a template can be fitted with these options: also ones that a program put together. Errors: those of
+/// check_template; a landmark or a placement that is not finite; allowed shapes of another mesh.
+Result<void> check_arguments(const Template& the_template, const FitOptions& options);
+
 /// Adapts a template to a boundary without a hand: placed by a similarity, then annealed [annealing.h] with force
 /// targets on the boundary in both directions and on the landmarks; at the end vertices on the boundary, spread as in
 /// the reference as far as that allows, and freed of turned triangles and of faces that meet as far as `untangle` can
@@ -64,8 +68,8 @@ VertexScalars outlier_marks(const FitResult& fit);
 /// [Erdt 2009, §2.2]: where the boundary is not known the force has next to no weight and the shape decides.
 /// With `allowed` shapes the nearest of them comes first [fit_allowed] and is the reference of what follows; the result
 /// lies on the way from there to the boundary, as far as `beyond` says.
-/// Errors: both have rims, but not as many; the placement given does not reach the boundary; a template or a boundary
-/// that is flat or has no size; cancelled.
+/// Errors: those of check_arguments and check_boundary; both have rims, but not as many; the placement given does not
+/// reach the boundary; a template or a boundary that is flat or has no size; cancelled.
 Result<FitResult> fit_to_boundary(const Template& the_template, const Boundary& boundary,
                                   const FitOptions& options = {});
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/mesh/check_mesh.h"
+
 namespace homolog {
 
 namespace {
@@ -11,9 +13,29 @@ bool usable(const Stroke& stroke) {
          (!stroke.on || stroke.on->allFinite()) && stroke.strength >= 0 && stroke.strength <= 1;
 }
 
+/// Numbers alone, since a drag asks in every frame.
+Result<void> check_counts(const StrokeStart& start) {
+  if (!start.topology || !start.placed || !start.reference || !start.points || !start.stiffness)
+    return fail("", "the start of a stroke lacks a topology, points or a stiffness; take it from a case");
+  const Eigen::Index vertices = start.topology->vertices();
+  for (const auto& points : {start.placed.get(), start.reference.get(), start.points.get()})
+    if (auto counted = check_count(points->rows(), vertices, "the start of a stroke"); !counted) return counted;
+  if (auto counted = check_count(start.stiffness->size(), vertices, "the stiffness"); !counted) return counted;
+  return start.confirmed ? check_count(start.confirmed->size(), vertices, "what is confirmed") : Result<void>{};
+}
+
+/// Once a gesture.
+Result<void> check_points_of(const StrokeStart& start) {
+  const Eigen::Index vertices = start.topology->vertices();
+  if (auto sound = check_points(*start.placed, vertices, "the template as placed"); !sound) return sound;
+  if (auto sound = check_points(*start.reference, vertices, "the reference"); !sound) return sound;
+  return check_points(*start.points, vertices, "the mesh");
+}
+
 }  // namespace
 
 Result<void> Deformer::prepare(const StrokeStart& start) {
+  if (auto counted = check_counts(start); !counted) return counted;
   const bool new_topology = !solver_ || solver_->topology() != start.topology;
   if (!new_topology && stiffness_ == start.stiffness && stiffness_base_ == start.stiffness_base &&
       confirmed_ == start.confirmed) {
@@ -35,8 +57,11 @@ Result<void> Deformer::prepare(const StrokeStart& start) {
 Result<StrokeOutcome> Deformer::stroke(const StrokeStart& start, const Stroke& stroke, Pass pass) {
   if (!usable(stroke)) return fail("stroke", "has a number that is not finite, or a σ or strength out of range");
   if (auto ready = prepare(start); !ready) return fail(ready.error());
+  const bool goes_on = stroke.tool != Tool::relax && gesture_ && gesture_->continues(start, stroke);
+  if (!goes_on)
+    if (auto sound = check_points_of(start); !sound) return fail(sound.error());
   if (stroke.tool == Tool::relax) return relax(start, *solver_, stroke);
-  if (!gesture_ || !gesture_->continues(start, stroke)) {
+  if (!goes_on) {
     gesture_ = std::make_unique<Gesture>(start, *solver_, stroke.tool, stroke.at, stroke.through_space);
   }
   return gesture_->move(stroke, pass);

@@ -10,10 +10,10 @@ namespace homolog {
 /// points for the same start and stroke. One exception: a pull without `on` follows the cursor positions seen so far.
 class Deformer {
  public:
-  /// Errors: a stiffness that cannot be factorised, a stroke that is not finite, a confirmed place.
+  /// Errors: those of `prepare`, a point of the start or a stroke that is not finite, a confirmed place.
   Result<StrokeOutcome> stroke(const StrokeStart& start, const Stroke& stroke, Pass pass);
-  /// Factorises ahead, so that the next stroke from `start` begins at once. Errors: a stiffness that cannot be
-  /// factorised.
+  /// Factorises ahead, so that the next stroke from `start` begins at once. Errors: a start without a topology, points
+  /// or a stiffness, or with another number of them than the topology has; a stiffness that cannot be factorised.
   Result<void> prepare(const StrokeStart& start);
   /// The next stroke begins anew: a pull without `on` follows the straight path.
   void end_gesture() { gesture_.reset(); }

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/demand.h"
+#include "core/mesh/check_mesh.h"
 #include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxels/isosurface.h"
 #include "core/mesh/voxels/voxelise.h"
+#include "core/volume/check_volume.h"
 #include "core/volume/labels/label_likeness.h"
 
 namespace homolog {
@@ -160,9 +163,15 @@ double dice_of_meshes(const Mesh& a, const Mesh& b) {
   return overlap.dice();
 }
 
+void demand_meshes(const Mesh& a, const Mesh& b) {
+  demand(check_mesh(a, "the first surface"));
+  demand(check_mesh(b, "the second surface"));
+}
+
 }  // namespace
 
 SurfaceDistance surface_distance(const Mesh& from, const Mesh& to) {
+  demand_meshes(from, to);
   const SurfaceSearch search(to);
   DirectedDistances distances(from, search);
   const double area = distances.area_mm2();
@@ -170,6 +179,7 @@ SurfaceDistance surface_distance(const Mesh& from, const Mesh& to) {
 }
 
 Agreement compare_meshes(const Mesh& a, const Mesh& b) {
+  demand_meshes(a, b);
   Agreement agreement;
   compare_surfaces(a, b, agreement);
   agreement.dice = dice_of_meshes(a, b);
@@ -183,11 +193,14 @@ Agreement compare_meshes(const Mesh& a, const Mesh& b) {
 
 double mean_surface_distance_mm(const Mesh& a, const Mesh& b) {
   if (!a.topology || !b.topology) return std::numeric_limits<double>::quiet_NaN();
+  demand_meshes(a, b);
   const SurfaceSearch search_a(a), search_b(b);
   return mean_of(DirectedDistances(a, search_b), DirectedDistances(b, search_a));
 }
 
 Result<Agreement> compare_with_mask(const Mesh& mesh, const Volume& mask, int label, int frame) {
+  if (auto sound = check_mesh(mesh, "the surface"); !sound) return fail(sound.error());
+  if (auto sound = check_frame_of(mask, frame); !sound) return fail(sound.error());
   const auto surface = mask_surface(mask, label, frame);
   if (!surface) return fail(surface.error());
   Agreement agreement;
@@ -197,6 +210,8 @@ Result<Agreement> compare_with_mask(const Mesh& mesh, const Volume& mask, int la
 }
 
 double dice_with_mask(const Mesh& mesh, const Volume& mask, int label, int frame) {
+  demand(check_mesh(mesh, "the surface"));
+  demand(check_frame_of(mask, frame));
   const auto in_mesh = voxelise(mesh, mask.geometry);
   Overlap overlap;
   if (mask.empty_beyond_slices) {

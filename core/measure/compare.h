@@ -9,6 +9,9 @@
 
 namespace homolog {
 
+// What is given here is checked: a mesh that check_mesh refuses, and a frame or a volume that check_frame_of refuses,
+// are an error of a Result. Where a function returns none it throws std::invalid_argument.
+
 /// How well two surfaces agree. Distances are exact ones from points of each surface to the other surface, in mm, the
 /// points at the centres of equal parts of every face, none larger than 1/20,000 of the surface, weighted by area.
 struct Agreement {
@@ -29,7 +32,7 @@ SurfaceDistance surface_distance(const Mesh& from, const Mesh& to);
 /// finer where both meshes together are less than 64 mm long; 1 where both are too flat to hold a voxel).
 Agreement compare_meshes(const Mesh& a, const Mesh& b);
 
-/// `assd_mm` of compare_meshes alone; NaN where one of them has no faces.
+/// `assd_mm` of compare_meshes alone; NaN where one of them has no topology.
 double mean_surface_distance_mm(const Mesh& a, const Mesh& b);
 
 /// Against label `label` of a mask: surfaces against the mask's 0.5 isosurface, Dice on the mask's grid.

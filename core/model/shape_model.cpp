@@ -5,13 +5,14 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <random>
 #include <utility>
 
+#include "core/base/demand.h"
 #include "core/base/processes/parallel.h"
+#include "core/mesh/check_mesh.h"
 
 namespace homolog {
 
@@ -83,6 +84,7 @@ void take_axes(Eigen::VectorXd scatter, Eigen::MatrixXd axes, PrincipalComponent
 }
 
 PrincipalComponents centred_on_mean(ShapeMatrix shapes) {
+  demand(shapes.allFinite(), "shapes have a coordinate that is no finite number; correct or leave out that shape");
   PrincipalComponents components;
   components.mean = Eigen::VectorXd::Zero(shapes.rows());
   if (shapes.cols() > 0) components.mean = shapes.rowwise().mean();
@@ -160,12 +162,15 @@ Eigen::Index modes_holding(const Eigen::VectorXd& variances, double share) {
 
 ShapeModel make_model(const PrincipalComponents& components, double share, std::shared_ptr<const Topology> topology,
                       std::vector<std::string> names) {
+  demand(share > 0 && share <= 1, "a model holds a share of the variance above 0 and up to 1; give one of these");
   return model_of_modes(components, modes_holding(components.variances(), share), std::move(topology),
                         std::move(names));
 }
 
 ShapeModel model_of_modes(const PrincipalComponents& components, Eigen::Index modes,
                           std::shared_ptr<const Topology> topology, std::vector<std::string> names) {
+  demand(modes >= 0, "a model has no negative number of modes; give 0 or more");
+  if (topology) demand(check_count(components.vertices(), topology->vertices(), "a shape of the model"));
   modes = std::min(modes, components.scatter.size());
   const Eigen::VectorXd variances = components.variances();
   ShapeModel model;
@@ -192,6 +197,7 @@ ShapeModel part_of(const ShapeModel& model, const StructurePart& part) {
 }
 
 Eigen::VectorXd clamped(const ShapeModel& model, const Eigen::VectorXd& b, double limit) {
+  demand(b.size() <= model.modes(), "there are more coefficients than the model has modes; give as many or fewer");
   const Eigen::VectorXd reach = limit * model.variances.head(b.size()).cwiseSqrt();
   return b.cwiseMax(-reach).cwiseMin(reach);
 }
@@ -203,12 +209,13 @@ Points shape_of(const ShapeModel& model, const Eigen::VectorXd& b) {
 }
 
 Points mode_shape(const ShapeModel& model, Eigen::Index mode, double deviations) {
-  assert(mode < model.modes());
+  demand(mode >= 0 && mode < model.modes(), "the model has no such mode; modes are counted from 0");
   const Eigen::VectorXd shape = model.mean + deviations * std::sqrt(model.variances[mode]) * model.basis.col(mode);
   return points_of(shape);
 }
 
 Eigen::VectorXd coefficients(const ShapeModel& model, const Points& shape) {
+  demand(shape.size() == model.mean.size(), "the shape has other vertices than the model; give one of its numbering");
   const Eigen::Map<const Eigen::VectorXd> x(shape.data(), shape.size());
   return model.basis.transpose() * (x - model.mean);
 }

@@ -13,6 +13,9 @@
 
 namespace homolog {
 
+// What is given here is checked. A function throws std::invalid_argument for shapes of another size than the model's or
+// with coordinates that are not finite, for a mode that there is not, and for a share beyond 0…1.
+
 /// The principal components of M shapes: all of them, or the leading ones alone.
 struct PrincipalComponents {
   Eigen::VectorXd mean;     ///< 3n

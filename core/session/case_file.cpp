@@ -265,6 +265,13 @@ Result<CaseRead> open_case(const fs::path& path, Progress* progress, const std::
 
 Result<EditSession> create_case(Document initial, const fs::path& path, const HistoryLimits& limits,
                                 std::string record) {
+  if (initial.structures.empty())
+    return fail(path.string(), "would be a case without a template, which nobody can edit; load one first");
+  for (const auto& structure : initial.structures) {
+    if (!structure || !structure->the_template)
+      return fail(path.string(), "would be a case of a structure without a template; load one first");
+    if (auto sound = check_template(*structure->the_template); !sound) return fail(path.string(), sound.error().what);
+  }
   EditSession session(std::move(initial), limits);
   session.set_record(std::move(record));
   if (auto begun = go_on_in(session, path); !begun) return fail(begun.error());

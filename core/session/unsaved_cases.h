@@ -17,7 +17,7 @@ std::filesystem::path unsaved_folder();
 /// closed to other users: images name patients. Errors: the folder cannot be made.
 Result<std::filesystem::path> new_unsaved_path();
 
-/// A new case that was not saved yet: its journal lies at new_unsaved_path().
+/// A new case that was not saved yet: its journal lies at new_unsaved_path(). It may have an image alone.
 Result<EditSession> create_unsaved_case(Document initial);
 
 /// A case left in unsaved_folder() by a program that ended without saving.

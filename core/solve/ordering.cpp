@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "core/base/processes/signal_handlers.h"
 #include "core/base/processes/system_modules.h"
 
 namespace homolog {
@@ -30,9 +31,11 @@ decltype(&METIS_NodeND) node_nd() {
 
 Ordering nested_dissection(SparsityGraph graph) {
   static_assert(std::is_same_v<idx_t, int>);
-  // While METIS works it catches SIGABRT and SIGTERM for the whole process; two at a time put back the wrong handlers.
+  // While METIS works it catches SIGABRT and SIGTERM for the whole process. Two at a time put back the wrong handlers,
+  // and one puts them back without their flags.
   static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
+  const KeptSignalHandlers kept;
   const std::size_t n = graph.start.size() - 1;
   Ordering ordering{std::vector<int>(n), std::vector<int>(n)};
   idx_t options[METIS_NOPTIONS];

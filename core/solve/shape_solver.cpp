@@ -1,21 +1,26 @@
 #include "core/solve/shape_solver.h"
 
-#include <cassert>
 #include <cmath>
 
+#include "core/base/demand.h"
+#include "core/mesh/check_mesh.h"
 #include "core/solve/sparse_cholesky.h"
 
 namespace homolog {
 
-ShapeSolver::ShapeSolver(std::shared_ptr<const Topology> topology)
-    : topology_(std::move(topology)), factor_(std::make_unique<SparseCholesky>(elimination_plan(*topology_))) {}
+ShapeSolver::ShapeSolver(std::shared_ptr<const Topology> topology) : topology_(std::move(topology)) {
+  demand(topology_ != nullptr, "a solver has no topology; give it that of a mesh");
+  factor_ = std::make_unique<SparseCholesky>(elimination_plan(*topology_));
+}
 
 ShapeSolver::~ShapeSolver() = default;
 ShapeSolver::ShapeSolver(ShapeSolver&&) noexcept = default;
 ShapeSolver& ShapeSolver::operator=(ShapeSolver&&) noexcept = default;
 
 Result<void> ShapeSolver::factorise(const VertexScalars& w, const VertexScalars& hold) {
-  assert(w.size() == topology_->vertices() && (hold.size() == 0 || hold.size() == w.size()));
+  if (auto counted = check_count(w.size(), topology_->vertices(), "the stiffness"); !counted) return counted;
+  if (hold.size() != 0)
+    if (auto counted = check_count(hold.size(), w.size(), "the weights that hold"); !counted) return counted;
   for (Eigen::Index i = 0; i < w.size(); ++i) {
     if (!std::isfinite(w[i]) || w[i] <= 0) {
       return fail("", "the stiffness of vertex " + std::to_string(i) + " is not a positive number; paint it anew");
@@ -30,6 +35,10 @@ Result<void> ShapeSolver::factorise(const VertexScalars& w, const VertexScalars&
   VertexScalars force = VertexScalars::Ones(w.size());
   if (hold.size() > 0) force += hold;
   if (!factor_->factorise(force, of_edges)) {
+    w_.resize(0);
+    hold_.resize(0);
+    if (!force.allFinite() || !(force.array() > 0).all())
+      return fail("", "a force or a hold has a weight that is no positive number; correct it");
     return fail("", "the stiffness spans too many orders of magnitude to be solved; narrow its range");
   }
   w_ = w;
@@ -37,11 +46,18 @@ Result<void> ShapeSolver::factorise(const VertexScalars& w, const VertexScalars&
   return {};
 }
 
+void ShapeSolver::check_rows(Eigen::Index rows) const {
+  demand(w_.size() > 0, "nothing is factorised; call factorise before solve");
+  demand(check_count(rows, w_.size(), "the right-hand side"));
+}
+
 VertexScalars ShapeSolver::solve(const VertexScalars& b) const {
+  check_rows(b.size());
   return factor_->solve(b);
 }
 
 Points ShapeSolver::solve(const Points& b) const {
+  check_rows(b.rows());
   return factor_->solve(b);
 }
 

@@ -15,16 +15,20 @@ class SparseCholesky;
 /// factorises what depends on them, with the same result as factorising all.
 class ShapeSolver {
  public:
+  /// Throws std::invalid_argument without a topology, and std::bad_alloc or std::runtime_error where no order of
+  /// elimination is found [ordering.h].
   explicit ShapeSolver(std::shared_ptr<const Topology> topology);
   ~ShapeSolver();
   ShapeSolver(ShapeSolver&&) noexcept;
   ShapeSolver& operator=(ShapeSolver&&) noexcept;
 
-  /// `w`: n stiffness weights. `hold`: n weights ≥ 0 added to the diagonal, or empty for none.
-  /// Errors: a weight that is not finite, or not positive.
+  /// `w`: n stiffness weights. `hold`: n weights, each finite and above −1, added to the diagonal; or empty for none.
+  /// Errors: not n of them; a weight that is not finite, or not positive; weights too far apart to be solved. After the
+  /// last one nothing is factorised.
   Result<void> factorise(const VertexScalars& w, const VertexScalars& hold = {});
 
-  /// n values in, n values out. `factorise` must have succeeded.
+  /// n values in, n values out; one that is not finite gives others that are not. Throws std::invalid_argument where
+  /// nothing is factorised, or where there are not n.
   VertexScalars solve(const VertexScalars& b) const;
   Points solve(const Points& b) const;
 
@@ -35,6 +39,8 @@ class ShapeSolver {
   Eigen::Index factor_entries() const;
 
  private:
+  void check_rows(Eigen::Index rows) const;
+
   std::shared_ptr<const Topology> topology_;
   VertexScalars w_, hold_;
   std::unique_ptr<SparseCholesky> factor_;

@@ -1,7 +1,11 @@
 #include "core/template/template.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
+#include "core/base/demand.h"
+#include "core/mesh/check_mesh.h"
 #include "core/mesh/formats/text.h"
 
 namespace homolog {
@@ -22,7 +26,49 @@ double missing_share_in(const std::vector<std::string>& comments) {
   return 0;
 }
 
+bool is_positive(double factor) {
+  return factor > 0 && std::isfinite(factor);
+}
+
+Result<void> check_regions(const Regions& regions, std::size_t vertices) {
+  const std::size_t numbers = regions.of_vertex.size(), most = regions.list.size();
+  if ((numbers == 0 || numbers == vertices) &&
+      std::ranges::all_of(regions.of_vertex, [&](std::size_t number) { return number <= most; }))
+    return {};
+  return fail("", "the template has regions that are not of its vertices; give each vertex one, or none");
+}
+
+/// Errors: a place that is not finite.
+Result<void> check_places(const std::vector<Landmark>& landmarks) {
+  for (const Landmark& landmark : landmarks)
+    if (!landmark.position.allFinite())
+      return fail("", "the landmark \"" + landmark.name + "\" lies at no finite place; correct it or leave it out");
+  return {};
+}
+
+bool is_on(const SurfacePoint& at, const Topology& topology) {
+  return at.face >= 0 && at.face < topology.triangles().rows() && at.weights.allFinite();
+}
+
 }  // namespace
+
+Result<void> check_template(const Template& the_template) {
+  if (auto sound = check_mesh({the_template.topology, the_template.points}, "the template"); !sound) return sound;
+  const Topology& topology = *the_template.topology;
+  if (auto counted = check_count(the_template.stiffness.size(), topology.vertices(), "the template's stiffness");
+      !counted)
+    return counted;
+  if (!is_positive(the_template.stiffness_base) ||
+      !std::all_of(the_template.stiffness.begin(), the_template.stiffness.end(), is_positive))
+    return fail("", "the template has a stiffness that is no positive number; correct it or leave it out");
+  if (auto sound = check_regions(the_template.regions, static_cast<std::size_t>(topology.vertices())); !sound)
+    return sound;
+  if (auto finite = check_places(the_template.landmarks); !finite) return finite;
+  if (the_template.landmark_points.size() != the_template.landmarks.size() ||
+      !std::ranges::all_of(the_template.landmark_points, [&](const auto& at) { return is_on(at, topology); }))
+    return fail("", "the template has landmarks that are not on its surface; give them by with_landmarks");
+  return {};
+}
 
 std::string missing_share_comment(double share) {
   char number[32];
@@ -53,10 +99,13 @@ Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string
   made.regions = std::move(file.regions);
   made.missing_share = missing_share_in(file.comments);
   made.faced = faced_in(file.comments);
+  if (auto sound = check_template(made); !sound) return fail(made.source, sound.error().what);
+  if (auto finite = check_places(file.landmarks); !finite) return fail(made.source, finite.error().what);
   return with_landmarks(made, std::move(file.landmarks));
 }
 
 std::shared_ptr<const Template> with_landmarks(const Template& the_template, std::vector<Landmark> landmarks) {
+  demand(check_places(landmarks));
   auto made = std::make_shared<Template>(the_template);
   made->landmarks = std::move(landmarks);
   made->landmark_points.clear();

@@ -42,9 +42,14 @@ std::string missing_share_comment(double share);
 std::string faced_comment(const FacedNames& faced);
 std::optional<FacedNames> faced_in(const std::vector<std::string>& comments);
 
-/// A template from what a file holds; factors default to 1. Errors: Topology::make's.
+/// Whether a template is one that can be fitted: also one that a program put together. Errors: no topology; points,
+/// factors or regions that are not one a vertex; a coordinate that is not finite; a factor or a base that is not
+/// positive; a landmark without its place on the surface.
+Result<void> check_template(const Template& the_template);
+/// A template from what a file holds; factors default to 1. Errors: those of Topology::make and check_template; a
+/// landmark whose place is not finite.
 Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source);
-/// The same template with other landmarks.
+/// The same template with other landmarks. Throws std::invalid_argument for a landmark whose place is not finite.
 std::shared_ptr<const Template> with_landmarks(const Template& the_template, std::vector<Landmark> landmarks);
 MeshFile to_mesh_file(const Template& the_template);
 

@@ -5,6 +5,7 @@
 #include "core/base/files/file_record.h"
 #include "core/base/files/files.h"
 #include "core/base/text/listed.h"
+#include "core/volume/check_volume.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/labels/label_tables.h"
 #include "core/volume/readers.h"
@@ -110,6 +111,7 @@ Result<VolumeRead> read_volume(const fs::path& path, const VolumeReadOptions& op
 }
 
 Result<void> write_volume(const Volume& volume, const fs::path& path, Progress* progress, const std::string& record) {
+  if (auto sound = check_volume(volume); !sound) return fail(path.string(), sound.error().what);
   auto written = write_any(volume, path, record, progress);
   if (!written && written.error().subject.empty()) return fail(path.string(), written.error().what);
   return written;

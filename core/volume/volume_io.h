@@ -102,8 +102,8 @@ bool is_picture_stack(const std::filesystem::path& path);
 /// Writes NIfTI (.nii, .nii.gz; qform and sform, RAS on disk), NRRD (.nrrd) or MetaImage (.mha), chosen by the
 /// extension, whole or not at all. NIfTI-1 keeps the place in single precision; where that would move voxels by more
 /// than a thousandth of one, or an axis has more than 32,767 voxels, NIfTI-2 is written. Errors: the extension, the
-/// disk, cancelled. `record`: how the image was made [file_record.h], in NRRD, or beside the file; one that lies there
-/// and is of no more use is removed.
+/// disk, cancelled, those of check_volume. `record`: how the image was made [file_record.h], in NRRD, or beside the
+/// file; one that lies there and is of no more use is removed.
 Result<void> write_volume(const Volume& volume, const std::filesystem::path& path, Progress* progress = nullptr,
                           const std::string& record = {});
 

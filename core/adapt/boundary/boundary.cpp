@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "core/adapt/boundary/label_parts.h"
+#include "core/base/demand.h"
 #include "core/base/text/text.h"
 #include "core/measure/compare.h"
+#include "core/mesh/check_mesh.h"
 #include "core/mesh/construction/remesh.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/parts/rims.h"
@@ -19,6 +21,7 @@
 #include "core/template_making/level_set.h"
 #include "core/template_making/solid_voxels.h"
 #include "core/template_making/voxel_components.h"
+#include "core/volume/check_volume.h"
 
 namespace homolog {
 
@@ -90,12 +93,9 @@ bool Boundary::shows(const Vec3& p) const {
 
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> asked_closing_mm,
                                 Eigen::Index vertices, const LabelParts& parts) {
-  if (frame < 0 || frame >= mask.frames)
-    return fail(
-        "", "has no frame " + std::to_string(frame) + "; it has " + std::to_string(mask.frames) + ", counted from 0");
-  const std::size_t values = std::visit([](const auto& voxels) { return voxels.size(); }, mask.data);
-  if (values != mask.geometry.voxels() * static_cast<std::size_t>(mask.frames))
-    return fail("", "holds " + std::to_string(values) + " values, which is not what its grid says; read it again");
+  if (auto sound = check_frame_of(mask, frame); !sound) return fail(sound.error());
+  if (asked_closing_mm && !(*asked_closing_mm >= 0 && std::isfinite(*asked_closing_mm)))
+    return fail("", "cannot be closed by a ball of such a radius; give a number that is not negative, or leave it out");
   if (vertices < 4) return fail("", "cannot be shown by fewer than four vertices; use another template");
   const LabelExtent extent = label_extent(mask, label, frame);
   const double closing_mm = asked_closing_mm.value_or(ball_share * organ_size_mm(extent));
@@ -125,6 +125,21 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::o
   if (auto said = cut_out->left_out.warning(label, "one", "")) boundary.warnings.push_back(std::move(*said));
   if (parts.faced) take_faced_part(boundary, mask, label, frame, parts);
   return boundary;
+}
+
+Result<void> check_boundary(const Boundary& boundary) {
+  const Mesh& surface = boundary.surface;
+  if (!surface.topology || surface.points.rows() == 0)
+    return fail("", "gives no surface to fit to; give a boundary that has one");
+  if (auto sound = check_mesh(surface, "the surface to fit to"); !sound) return sound;
+  if (!boundary.cut.empty() && std::ssize(boundary.cut) != surface.topology->triangles().rows())
+    return fail("", "marks cuts of other faces than its surface has; give one mark a face, or none");
+  const auto is_finite = [](const ScanBorder& border) {
+    return border.outward.allFinite() && std::isfinite(border.offset_mm) && std::isfinite(border.tolerance_mm);
+  };
+  if (!std::ranges::all_of(boundary.scan_borders, is_finite))
+    return fail("", "has a border of the scan that is no plane; correct it or leave it out");
+  return {};
 }
 
 LabelParts parts_for(const Topology& the_template) {
@@ -172,6 +187,7 @@ LabelParts parts_for(const Template& the_template, const Segmentation& known, st
 }
 
 Boundary mesh_boundary(const Mesh& mesh, bool all_parts) {
+  demand(check_mesh(mesh, "the surface to fit to"));
   Boundary boundary;
   if (all_parts) {
     boundary.surface = mesh;

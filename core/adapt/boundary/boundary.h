@@ -67,11 +67,15 @@ struct Boundary {
 /// radius `closing_mm` (without: ball_share of the label's size) cannot reach from outside. Computed on isotropic
 /// voxels of about a third of the mean edge of a mesh of `vertices` vertices. If the label faces none of the labels
 /// that `parts` names, its whole boundary is taken, with a warning. Errors: the label does not occur; no such
-/// frame; a volume of other values than its grid says; fewer than four vertices.
+/// frame; those of check_volume; fewer than four vertices; a closing radius that is negative or not finite.
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> closing_mm,
                                 Eigen::Index vertices, const LabelParts& parts = {});
 
-/// A surface as a boundary: its largest part, or all of them.
+/// Whether a boundary is one that can be fitted to: also one that a program put together. Errors: no surface; those of
+/// check_mesh; cuts of other faces; a border that is not finite.
+Result<void> check_boundary(const Boundary& boundary);
+
+/// A surface as a boundary: its largest part, or all of them. Throws std::invalid_argument for what check_mesh refuses.
 Boundary mesh_boundary(const Mesh& mesh, bool all_parts = false);
 
 /// The same for whatever surface a file holds: mended where it is broken [mesh_repair.h]. One that is riddled with

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/adapt/labels/likeliest_part.h"
+#include "core/volume/check_volume.h"
 
 namespace homolog {
 
@@ -41,6 +42,8 @@ Result<Boundary> boundary_to_fit(const Template& the_template, const MapLabel& t
 
 Result<LabelFit> fit_to_label(const Template& the_template, const MapLabel& target, const LabelFitOptions& options,
                               const FitOptions& fitting) {
+  if (auto sound = check_frame_of(target.map, target.frame); !sound) return fail(sound.error());
+  if (auto sound = check_arguments(the_template, fitting); !sound) return fail(sound.error());
   OtherClosing taken;
   taken.closing_mm = first_closing_mm(target, options);
   auto boundary = boundary_to_fit(the_template, target, options, taken.closing_mm, fitting);

@@ -49,7 +49,7 @@ struct LabelFit {
 
 /// Fits a template to a boundary_to_fit and judges the fit. If nobody asked for a closing radius and the fit is
 /// doubtful, wider ones are tried [try_more_closing], and one with which it is sound is taken. Errors: those of
-/// boundary_to_fit and fit_to_boundary.
+/// check_frame_of, check_arguments, boundary_to_fit and fit_to_boundary.
 Result<LabelFit> fit_to_label(const Template& the_template, const MapLabel& target, const LabelFitOptions& options,
                               const FitOptions& fitting);
 

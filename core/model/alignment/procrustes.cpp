@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/demand.h"
 #include "core/base/numbers/rotation.h"
 #include "core/base/processes/parallel.h"
 
@@ -51,7 +52,9 @@ double centroid_size_mm(const Points& points) {
 }
 
 void align(ShapeMatrix& shapes, Alignment alignment) {
+  demand(shapes.rows() % 3 == 0, "shapes have rows that are no multiple of 3; give x, y and z of each vertex");
   if (alignment == Alignment::none || shapes.cols() == 0) return;
+  demand(shapes.allFinite(), "shapes have a coordinate that is no finite number; correct or leave out that shape");
   const Eigen::VectorXd sizes = centre(shapes);
   if (alignment == Alignment::similarity) {
     for (Eigen::Index i = 0; i < shapes.cols(); ++i)
@@ -68,6 +71,7 @@ void align(ShapeMatrix& shapes, Alignment alignment) {
 }
 
 Points aligned_to(const Points& points, const Points& target, Alignment alignment) {
+  demand(points.rows() == target.rows(), "two shapes of other numbers of points cannot be aligned; give one numbering");
   if (alignment == Alignment::none) return points;
   const Eigen::RowVector3d to_centre = target.colwise().mean();
   const Points from = points.rowwise() - points.colwise().mean(), to = target.rowwise() - to_centre;

@@ -28,10 +28,12 @@ double centroid_size_mm(const Points& points);
 
 /// Generalised Procrustes analysis in place [Gower 1975], with the sizes of docs/models.md: shapes are centred on the
 /// origin, scaled (or not), and rotated to their mean until the mean rests to 1e-10 of its size. The result is turned
-/// as the first shape was. Never a reflection. Shapes without extent are only centred.
+/// as the first shape was. Never a reflection. Shapes without extent are only centred. Throws std::invalid_argument for
+/// rows that are no multiple of 3 and for coordinates that are not finite.
 void align(ShapeMatrix& shapes, Alignment alignment);
 
 /// `points` aligned to `target` alone: centred on its centroid, turned, and scaled to its centroid size (similarity).
+/// Throws std::invalid_argument where one has more points than the other.
 Points aligned_to(const Points& points, const Points& target, Alignment alignment);
 
 /// How much nearer `b` comes to `a` when it may be reflected: distance without ÷ distance with, both after a

@@ -11,6 +11,7 @@
 #include "core/volume/volume_io.h"
 #include "tests/case_folder.h"
 #include "tests/environment_variable.h"
+#include "tests/must.h"
 #include "tests/refusal.h"
 #include "tests/small_files.h"
 
@@ -170,7 +171,8 @@ TEST_CASE("a number that no case needs is refused with its line") {
 TEST_CASE("a file whose name is no UTF-8 is refused and nothing is written of it") {
   const CaseFolder folder;
   const fs::path image = folder.folder.path / "caf\xe9.nii", file = folder.folder.path / "a.homolog";
-  const auto begun = create_case(new_document(image.string(), nullptr, nullptr), file);
+  const auto whole = test::must(load_template(folder.template_path.string()));
+  const auto begun = create_case(new_document(image.string(), nullptr, whole), file);
   CHECK(says(begun, "caf\xe9.nii: has a name that is no UTF-8"));
   CHECK_FALSE(fs::exists(file));
   // Beside the case its name is not written.

@@ -1,6 +1,7 @@
 #include "core/solve/ordering.h"
 
 #include <doctest/doctest.h>
+#include <signal.h>
 
 #include <algorithm>
 #include <atomic>
@@ -76,6 +77,21 @@ TEST_CASE("orders made at the same time leave the process its signal handlers") 
   }
   const bool kept = std::signal(SIGTERM, before) == static_cast<void (*)(int)>(handler);
   CHECK(kept);
+}
+
+TEST_CASE("an order leaves the process the flags of its signal handlers") {
+  struct sigaction own {};
+  own.sa_sigaction = [](int, siginfo_t*, void*) {};
+  own.sa_flags = SA_SIGINFO | SA_RESTART;
+  struct sigaction before {
+  }, after{};
+  REQUIRE(::sigaction(SIGTERM, &own, &before) == 0);
+  nested_dissection(graph_of(*icosphere(2).topology));
+  REQUIRE(::sigaction(SIGTERM, &before, &after) == 0);
+  const bool same = after.sa_sigaction == own.sa_sigaction;
+  CHECK(same);
+  CHECK((after.sa_flags & (SA_SIGINFO | SA_RESTART)) == own.sa_flags);
+  CHECK((after.sa_flags & (SA_RESETHAND | SA_NODEFER)) == 0);
 }
 
 #ifndef HOMOLOG_SANITIZED

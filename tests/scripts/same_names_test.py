@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """A unity build joins sources of one target, and with them their anonymous namespaces. Functions of one name with other
 parameters overload each other there: a call may mean another source's function, or none of them once a batch changes.
-So a name belongs to one source of a target: same_names_test.py LIST. A line of the list is a target and its sources,
-parted by tabs."""
+So a name belongs to one source of a target: same_names_test.py LIST FOLDER... A line of the list is a target and its
+sources, parted by tabs. And a program may include any two headers of the FOLDERs, which are installed: a type's name
+belongs to one of them."""
 
 import re
 import sys
@@ -51,7 +52,38 @@ def hidden_functions(source):
     return set().union(*(functions(text[begin + 1:end_of_block(text, begin)]) for begin in opened))
 
 
+# What opens a namespace or a type; `enum class Name : int {` is one too.
+SCOPE = re.compile(r"\b(?P<space>namespace)\b(?P<path>[\s\w:]*)$"
+                   r"|\b(?:struct|class|union|enum(?:\s+(?:class|struct))?)\s+(?:alignas\([^)]*\)\s*)?(?P<type>\w+)"
+                   r"(?:\s+final)?\s*(?::(?!:)[^;{}]*)?$")
+
+
+def types(text, outer=""):
+    """The types that a header defines, but not those inside of other types, with their namespaces."""
+    names, begin, at = set(), 0, 0
+    while at < len(text):
+        if text[at] == ";":
+            begin = at + 1
+        elif text[at] == "{":
+            end, opened = end_of_block(text, at), SCOPE.search(text[begin:at])
+            if opened and opened["space"]:
+                names |= types(text[at + 1:end], outer + opened["path"].strip() + "::")
+            elif opened:
+                names.add(outer + opened["type"])
+            at = end
+            begin = at + 1
+        at += 1
+    return names
+
+
 found, seen = [], 0
+of_type = defaultdict(list)
+for header in sorted(header for folder in sys.argv[2:] for header in Path(folder).rglob("*.h")):
+    for name in types(SILENT.sub(" ", header.read_text(encoding="utf-8"))):
+        of_type[name].append(str(header))
+found += [f"{name} is a type of {' and '.join(headers)}" for name, headers in sorted(of_type.items()) if len(headers) > 1]
+if len(sys.argv) > 2 and not of_type:
+    sys.exit("no type was found in any header")
 for line in Path(sys.argv[1]).read_text(encoding="utf-8").splitlines():
     target, *sources = line.split("\t")
     where = defaultdict(list)

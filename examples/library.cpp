@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <optional>
+#include <string>
 #include <utility>
 
-#include "core/adapt/fit.h"
+#include "core/adapt/label_fit.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"
@@ -32,15 +32,18 @@ Result<void> run(const std::filesystem::path& folder) {
   const Mesh surface{*topology, truth.points};
   const auto the_template = load_template("built-in:kidney");
   if (!the_template) return fail(the_template.error());
-  const auto boundary = label_boundary(labels, 1, 0, std::nullopt, (*the_template)->points.rows());
-  if (!boundary) return fail(boundary.error());
   Progress progress;
   FitOptions options;
   options.progress = &progress;
-  const auto fitted = fit_to_boundary(**the_template, *boundary, options);
+  const auto fitted = fit_to_label(**the_template, {.map = labels, .label = 1}, {}, options);
   if (!fitted) return fail(fitted.error());
-  std::printf("%.2f mm from the surface, in doubt by %.2f mm\n", mean_surface_distance_mm(fitted->mesh, surface),
-              fitted->doubt_mm.mean());
+  const FitResult& fit = fitted->fit;
+  const FitJudgement& judgement = fitted->judgement;
+  std::printf("%s, in doubt by %.2f mm\n", judgement.doubtful ? "doubtful" : "sound", fit.doubt_mm.mean());
+  for (const std::string& warning : judgement.warnings) std::puts(as_sentence(warning).c_str());
+  const Boundary& boundary = fitted->boundary;
+  std::printf("%.2f mm from the boundary, %.2f mm from the truth\n",
+              mean_surface_distance_mm(fit.mesh, boundary.surface), mean_surface_distance_mm(fit.mesh, surface));
   const auto image = std::make_shared<const Volume>(subject.image);
   Document document = new_document("phantom:kidney:1", image, *the_template);
   const ShapeView begun = *document.view();
@@ -48,7 +51,7 @@ Result<void> run(const std::filesystem::path& folder) {
               middle[1], middle[2]);
   auto session = create_case(document, folder / "library.homolog");
   if (!session) return fail(session.error());
-  const auto placed = session->apply(points_edit(*session->document().view(), fitted->mesh.points, FoundBy::fit));
+  const auto placed = session->apply(points_edit(*session->document().view(), fit.mesh.points, FoundBy::fit));
   if (!placed) return fail(placed.error());
   ShapeMatrix shapes(3 * truth.points.rows(), 8);
   for (int k = 0; k < 8; ++k) {
@@ -59,7 +62,7 @@ Result<void> run(const std::filesystem::path& folder) {
   const ShapeModel model = make_model(principal_components(std::move(shapes)), 0.9, *topology, {});
   std::printf("%ld modes hold 90 %%\n", static_cast<long>(model.modes()));
 
-  const bool close = mean_surface_distance_mm(fitted->mesh, surface) < 1;
+  const bool close = mean_surface_distance_mm(fit.mesh, surface) < 1;
   return close && model.modes() > 1 ? Result<void>{} : fail("", "the fit or the model is not what it was");
 }
 

@@ -42,7 +42,10 @@ int main() {
   const Similarity as_it_is;
   Adapting shape{ball, ball.points, as_it_is, ball.points, VertexScalars::Ones(ball.points.rows()), {}};
   ShapeSolver solver(ball.topology);
-  if (!anneal(shape, solver, {.steps = 8, .softest_edges = 1}, to_cylinder)) return 1;
+  if (const auto drawn = anneal(shape, solver, {.steps = 8, .softest_edges = 1}, to_cylinder); !drawn) {
+    std::fprintf(stderr, "%s\n", drawn.error().sentence().c_str());
+    return 1;
+  }
 
   const double last_mm = mean_distance_mm(shape.mesh.points);
   std::printf("mean distance to the cylinder %.2f -> %.2f mm\n", first_mm, last_mm);

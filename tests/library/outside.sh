@@ -4,10 +4,10 @@
 # link them.
 set -euo pipefail
 source=$1 build=$2
-# Each line of the page's examples is one of the program's.
+# Each line of the page's examples is one of the programs'.
 awk '/^```cpp/ { inside = 1; next } /^```/ { inside = 0 } inside && NF' "$source/docs/library.md" |
   while IFS= read -r line; do
-    grep -qF -- "$line" "$source/examples/library.cpp" || { echo "examples/library.cpp lacks: $line"; exit 1; }
+    grep -qF -- "$line" "$source"/examples/*.cpp || { echo "examples/ lack: $line"; exit 1; }
   done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

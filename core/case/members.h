@@ -1,8 +1,8 @@
 #pragma once
 
-#include <cstddef>
 #include <tuple>
 
+#include "core/base/member_list.h"
 #include "core/case/document.h"
 
 namespace homolog {
@@ -10,15 +10,28 @@ namespace homolog {
 // The members of a document and of what it holds, each named once. Equality, checkpoints, the count of memory and a new
 // beginning are made from these lists. A new member does not compile until it is in its list.
 
-/// The origin of a member's value.
+/// The origin of a member's value. Those from `edits` on are traces of edits of this mesh: empty until edits leave
+/// them, and empty again where a shape begins anew or is copied to another frame. Some of them are emptied earlier.
 enum class Origin {
   first_line,  ///< the first line of the case says it
   derived,     ///< it follows from the template and the placement
   set,         ///< a setting that one action gives its value; it stays where a shape begins anew
   begun,       ///< the placed template until edits move it
-  edits  ///< a trace of edits of this mesh, empty until they leave it; empty again where a shape begins anew or is
-         ///< copied to another frame
+  edits,       ///< a trace that stays until the shape begins anew
+  since_fit,   ///< a trace of what was done since the last fit: the next fit empties it
+  fit,         ///< what the last fit said of the vertices' places: the next one, and a new placement, empty it
+  step         ///< what the last automatic step said: the next one empties it
 };
+
+/// Whether a value is a trace of edits.
+constexpr bool is_trace(Origin origin) {
+  return origin >= Origin::edits;
+}
+
+/// Whether a trace that holds points moves along with a new placement.
+constexpr bool moves_along(Origin origin) {
+  return origin == Origin::edits || origin == Origin::since_fit;
+}
 
 template <class Owner, class Value>
 struct Member {
@@ -40,10 +53,10 @@ inline constexpr auto shape_members = std::make_tuple(
     Member{"reference", &Shape::reference, Origin::begun}, Member{"points", &Shape::points, Origin::begun},
     Member{"confirmed", &Shape::confirmed, Origin::set}, Member{"decided", &Shape::decided, Origin::edits},
     Member{"unaided", &Shape::unaided, Origin::edits}, Member{"strokes", &Shape::strokes, Origin::edits},
-    Member{"drawn_strokes", &Shape::drawn_strokes, Origin::edits}, Member{"pulled", &Shape::pulled, Origin::edits},
-    Member{"pulls", &Shape::pulls, Origin::edits}, Member{"unsnapped", &Shape::unsnapped, Origin::edits},
-    Member{"carried", &Shape::carried, Origin::edits}, Member{"doubt", &Shape::doubt, Origin::edits},
-    Member{"doubt_mm", &Shape::doubt_mm, Origin::edits}, Member{"outlier", &Shape::outlier, Origin::edits});
+    Member{"drawn_strokes", &Shape::drawn_strokes, Origin::edits}, Member{"pulled", &Shape::pulled, Origin::since_fit},
+    Member{"pulls", &Shape::pulls, Origin::since_fit}, Member{"unsnapped", &Shape::unsnapped, Origin::since_fit},
+    Member{"carried", &Shape::carried, Origin::step}, Member{"doubt", &Shape::doubt, Origin::step},
+    Member{"doubt_mm", &Shape::doubt_mm, Origin::fit}, Member{"outlier", &Shape::outlier, Origin::fit});
 
 inline constexpr auto paint_members = std::make_tuple(Member{"stiffness", &Paint::stiffness, Origin::set},
                                                       Member{"regions", &Paint::regions, Origin::set},
@@ -76,41 +89,13 @@ inline constexpr auto template_members = std::make_tuple(
     &Template::source, &Template::topology, &Template::points, &Template::stiffness, &Template::stiffness_base,
     &Template::regions, &Template::landmarks, &Template::landmark_points, &Template::missing_share, &Template::faced);
 
-/// Calls `visit(member)` for each member of a list, in its order.
-template <class List, class Visit>
-constexpr void for_each_member(const List& list, const Visit& visit) {
-  std::apply([&](const auto&... member) { (visit(member), ...); }, list);
-}
-
-namespace member_count {
-
-struct Anything {
-  template <class T>
-  operator T() const;  // NOLINT(google-explicit-constructor): it stands for a value of any member
-};
-
-/// How many members an aggregate has: with how many values it can be made.
-template <class T, class... Known>
-consteval std::size_t of() {
-  if constexpr (requires { T{Known{}..., Anything{}}; })
-    return of<T, Known..., Anything>();
-  else
-    return sizeof...(Known);
-}
-
-}  // namespace member_count
-
-template <class Owner, class List>
-constexpr bool names_all(const List&) {
-  return member_count::of<Owner>() == std::tuple_size_v<List>;
-}
-static_assert(names_all<Shape>(shape_members), "name the new member of Shape in shape_members");
-static_assert(names_all<Paint>(paint_members), "name the new member of Paint in paint_members");
-static_assert(names_all<LandmarkRules>(landmark_rules_members), "name the new member in landmark_rules_members");
-static_assert(names_all<Structure>(structure_members), "name the new member of Structure in structure_members");
-static_assert(names_all<Scan>(scan_members), "name the new member of Scan in scan_members");
-static_assert(names_all<Template>(template_members), "name the new member of Template in template_members");
-static_assert(names_all<Document>(document_members), "name the new member of Document in document_members");
+static_assert(names_all<Shape>(shape_members), "name each member of Shape once in shape_members");
+static_assert(names_all<Paint>(paint_members), "name each member of Paint once in paint_members");
+static_assert(names_all<LandmarkRules>(landmark_rules_members), "name each member once in landmark_rules_members");
+static_assert(names_all<Structure>(structure_members), "name each member of Structure once in structure_members");
+static_assert(names_all<Scan>(scan_members), "name each member of Scan once in scan_members");
+static_assert(names_all<Template>(template_members), "name each member of Template once in template_members");
+static_assert(names_all<Document>(document_members), "name each member of Document once in document_members");
 
 // The list of an object's members, by its type.
 

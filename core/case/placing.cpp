@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/base/numbers/limits.h"
-#include "core/case/members.h"
 #include "core/placement/landmark_warp.h"
 #include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
@@ -79,7 +78,13 @@ void start_anew(const Template& the_template, Shape& shape) {
 
 void forget_edits(Shape& shape) {
   for_each_member(shape_members, [&](const auto& member) {
-    if (member.origin == Origin::edits) shape.*member.of = {};
+    if (is_trace(member.origin)) shape.*member.of = {};
+  });
+}
+
+void forget(Origin origin, Shape& shape) {
+  for_each_member(shape_members, [&](const auto& member) {
+    if (member.origin == origin) shape.*member.of = {};
   });
 }
 

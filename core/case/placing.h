@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/case/actions/kind.h"
+#include "core/case/members.h"
 
 namespace homolog {
 
@@ -14,8 +15,10 @@ Similarity in_the_middle(const Scan& scan, const Template& the_template);
 
 /// The shape as it is before any edit: the template at the shape's placement.
 void start_anew(const Template& the_template, Shape& shape);
-/// Empties the members that edits made [Origin::edits]. The points stay.
+/// Empties the members that are traces of edits [is_trace]. The points stay.
 void forget_edits(Shape& shape);
+/// Empties the members whose values come from there.
+void forget(Origin origin, Shape& shape);
 
 /// The mesh of a frame; where it has none yet, the one that it begins with: the template at the shown frame's
 /// placement.

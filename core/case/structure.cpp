@@ -1,8 +1,10 @@
 #include "core/case/structure.h"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
+#include "core/case/members.h"
 #include "core/mesh/files/mesh_frame.h"
 
 namespace homolog {
@@ -42,6 +44,30 @@ MeshFile painted_template(const Structure& structure) {
   return file;
 }
 
+namespace {
+
+/// What the last fit says of each vertex goes into the file. The doubt of a confirmed vertex is gone.
+void keep_fit_values(const Shape& shape, MeshFile& file) {
+  for_each_member(shape_members, [&]<class Value>(const Member<Shape, Value>& member) {
+    if constexpr (std::is_same_v<Value, std::shared_ptr<const VertexScalars>>) {
+      if (member.origin != Origin::fit || !(shape.*member.of)) return;
+      file.*fit_value(member.key)->of = member.of == &Shape::doubt_mm ? doubt_left_mm(shape) : *(shape.*member.of);
+    }
+  });
+}
+
+constexpr bool all_fit_values_are_written() {
+  bool all = true;
+  for_each_member(shape_members, [&]<class Value>(const Member<Shape, Value>& member) {
+    const bool of_vertices = std::is_same_v<Value, std::shared_ptr<const VertexScalars>>;
+    if (member.origin == Origin::fit && (!of_vertices || fit_value(member.key) == nullptr)) all = false;
+  });
+  return all;
+}
+static_assert(all_fit_values_are_written(), "name each member that the last fit says in fit_values too");
+
+}  // namespace
+
 MeshFile to_mesh_file(const ShapeView& view, bool of_cine) {
   const Shape& shape = view.shape;
   MeshFile file = painted_template(view.structure);
@@ -52,8 +78,7 @@ MeshFile to_mesh_file(const ShapeView& view, bool of_cine) {
     file.comments.push_back(missing_share_comment(share));
   file.landmarks.clear();
   for (const auto& [name, position] : shape.landmarks) file.landmarks.push_back({name, position});
-  if (VertexScalars doubt_mm = doubt_left_mm(shape); doubt_mm.size() > 0) file.doubt_mm = std::move(doubt_mm);
-  if (shape.outlier) file.outlier = *shape.outlier;
+  keep_fit_values(shape, file);
   if (of_cine) note_frame(file, view.frame);
   return file;
 }

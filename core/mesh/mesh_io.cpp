@@ -85,8 +85,10 @@ Result<void> check_parts(const MeshFile& mesh) {
                             " (counted from 0), so it is not written; correct the mesh");
   const auto fits = [&](const VertexScalars& values) { return values.size() == vertices; };
   const auto fits_if_there = [&](const auto& values) { return !values || fits(*values); };
-  const bool all_fit = fits_if_there(mesh.stiffness) && fits_if_there(mesh.outlier) && fits_if_there(mesh.doubt_mm) &&
-                       std::ranges::all_of(mesh.values, [&](const auto& one) { return fits(one.second); });
+  const bool all_fit =
+      fits_if_there(mesh.stiffness) &&
+      std::ranges::all_of(fit_values, [&](const FitValue& value) { return fits_if_there(mesh.*value.of); }) &&
+      std::ranges::all_of(mesh.values, [&](const auto& one) { return fits(one.second); });
   if (!all_fit)
     return fail("", "values of other than its vertices belong to it, so it is not written; correct the mesh");
   return {};

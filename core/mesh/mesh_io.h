@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
@@ -44,6 +46,21 @@ struct MeshFile {
   std::string record;  ///< to write: how the mesh was made [file_record.h]; empty: nothing is said. Never read here
   bool may_be_cut = false;  ///< `.particles` without a line break at the end: points may be missing
 };
+
+/// What a fit says of each vertex, as PLY, VTK, VTP, VTU and Gmsh keep it.
+struct FitValue {
+  const char* name;  ///< in the file
+  std::optional<VertexScalars> MeshFile::*of;
+  bool is_mark = false;  ///< it is 0 or 1
+};
+inline constexpr std::array fit_values{FitValue{"doubt_mm", &MeshFile::doubt_mm},
+                                       FitValue{"outlier", &MeshFile::outlier, true}};
+/// The one of a name; null: it is none of them.
+constexpr const FitValue* fit_value(std::string_view name) {
+  for (const FitValue& value : fit_values)
+    if (name == value.name) return &value;
+  return nullptr;
+}
 
 /// Reads a mesh of one of the formats in formats/, chosen by extension; of PLY and VTK text and binary alike. Order and
 /// count are kept; polygons are split into triangles within. Errors: absent, truncated, not of its kind, a count that

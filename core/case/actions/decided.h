@@ -26,12 +26,6 @@ inline void forget_pulls(Shape& shape) {
   shape.pulls = 0;
 }
 
-/// The mesh is begun anew, or fitted: what was pulled and snapped before counts no more.
-inline void forget_pulls_and_snaps(Shape& shape) {
-  forget_pulls(shape);
-  shape.unsnapped.reset();
-}
-
 /// The shape without the model's help, after an edit that sets points: a vertex that the edit moved is where the edit
 /// put it. All n×3, LPS mm.
 inline Points unaided_after(const Points& unaided, const Points& from, const Points& to) {

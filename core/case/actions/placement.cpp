@@ -1,5 +1,7 @@
 #include "core/case/actions/placement.h"
 
+#include <type_traits>
+
 #include "core/case/actions/fields.h"
 #include "core/case/placing.h"
 
@@ -14,14 +16,17 @@ void move_placement(const Template& the_template, const Similarity& placement, S
   };
   const bool warped = shape.reference != shape.placed;
   const bool edited = shape.points != shape.reference;
-  if (shape.unaided) shape.unaided = moved(*shape.unaided);
-  if (shape.unsnapped) shape.unsnapped = moved(*shape.unsnapped);
+  for_each_member(shape_members, [&](const auto& member) {
+    if constexpr (std::is_same_v<decltype(member.of), std::shared_ptr<const Points> Shape::*>) {
+      auto& trace = shape.*member.of;
+      if (moves_along(member.origin) && trace) trace = moved(*trace);
+    }
+  });
   shape.placement = shape.before_landmarks = placement;
   shape.placed = std::make_shared<const Points>(placement.apply(the_template.points));
   shape.reference = warped ? moved(*shape.reference) : shape.placed;
   shape.points = edited ? moved(*shape.points) : shape.reference;
-  shape.doubt_mm.reset();  // it was that of a fit, which the mesh has left
-  shape.outlier.reset();
+  forget(Origin::fit, shape);  // the mesh has left it
 }
 
 }  // namespace

@@ -128,7 +128,7 @@ bool keeps_pulls(const SetPoints& action) {
 
 /// What an edit by `action`, which is not yet done, leaves of what was pulled and of the shape without snaps.
 void keep_unsnapped(const SetPoints& action, Shape& shape) {
-  if (!keeps_pulls(action)) return forget_pulls_and_snaps(shape);
+  if (!keeps_pulls(action)) return forget(Origin::since_fit, shape);
   if (action.by == FoundBy::snap) {
     if (!shape.unsnapped) shape.unsnapped = shape.points;
   } else if (shape.unsnapped) {
@@ -179,10 +179,11 @@ Result<EditReport> apply_points(const SetPoints& action, StructureEdit& edit) {
   }
   keep_unsnapped(action, shape);
   shape.points = action.points;
-  shape.carried.reset();
+  forget(Origin::step, shape);
   if (action.by == FoundBy::propagation) shape.carried = action.points;
   shape.doubt = action.doubt;
   if (!keeps_doubt(action.by)) {
+    forget(Origin::fit, shape);
     shape.doubt_mm = action.doubt_mm;
     shape.outlier = action.outlier;
   }

@@ -296,10 +296,8 @@ Result<MeshFile> read_ply(std::string_view bytes) {
   for (auto& [name, values] : body->values) {
     if (name == "stiffness")
       mesh.stiffness = std::make_shared<const VertexScalars>(std::move(values));
-    else if (name == "doubt_mm")
-      mesh.doubt_mm = std::move(values);
-    else if (name == "outlier")
-      mesh.outlier = std::move(values);
+    else if (const FitValue* said = fit_value(name))
+      mesh.*said->of = std::move(values);
     else if (name == "region")
       for (const double value : values) mesh.regions.of_vertex.push_back(region_index(value));
     else
@@ -322,8 +320,8 @@ void write_ply(const MeshFile& mesh, std::ostream& out) {
   bytes += "element vertex " + std::to_string(mesh.points.rows()) +
            "\nproperty double x\nproperty double y\nproperty double z\n";
   if (mesh.stiffness) bytes += "property float stiffness\n";
-  if (mesh.doubt_mm) bytes += "property float doubt_mm\n";
-  if (mesh.outlier) bytes += "property uchar outlier\n";
+  for (const FitValue& value : fit_values)
+    if (mesh.*value.of) bytes += std::string("property ") + (value.is_mark ? "uchar " : "float ") + value.name + "\n";
   const bool regions = !mesh.regions.list.empty();
   if (regions) bytes += "property uchar region\n";
   for (const auto& [name, values] : mesh.values) bytes += "property float " + name + "\n";
@@ -332,8 +330,11 @@ void write_ply(const MeshFile& mesh, std::ostream& out) {
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
     for (const double x : mesh.points.row(i)) store(x, std::endian::little, bytes);
     if (mesh.stiffness) store(as_stiffness((*mesh.stiffness)[i]), std::endian::little, bytes);
-    if (mesh.doubt_mm) store(static_cast<float>((*mesh.doubt_mm)[i]), std::endian::little, bytes);
-    if (mesh.outlier) store(static_cast<std::uint8_t>((*mesh.outlier)[i] > 0), std::endian::little, bytes);
+    for (const FitValue& value : fit_values) {
+      const auto& values = mesh.*value.of;
+      if (values && value.is_mark) store(static_cast<std::uint8_t>((*values)[i] > 0), std::endian::little, bytes);
+      if (values && !value.is_mark) store(static_cast<float>((*values)[i]), std::endian::little, bytes);
+    }
     if (regions) store(mesh.regions.of_vertex[static_cast<std::size_t>(i)], std::endian::little, bytes);
     for (const auto& [name, values] : mesh.values) store(static_cast<float>(values[i]), std::endian::little, bytes);
   }

@@ -7,8 +7,8 @@ namespace homolog::formats {
 std::vector<std::pair<std::string, VertexScalars>> vertex_arrays(const MeshFile& mesh) {
   std::vector<std::pair<std::string, VertexScalars>> arrays;
   if (mesh.stiffness) arrays.emplace_back("stiffness", *mesh.stiffness);
-  if (mesh.doubt_mm) arrays.emplace_back("doubt_mm", *mesh.doubt_mm);
-  if (mesh.outlier) arrays.emplace_back("outlier", *mesh.outlier);
+  for (const FitValue& value : fit_values)
+    if (const auto& values = mesh.*value.of) arrays.emplace_back(value.name, *values);
   if (!mesh.regions.list.empty()) {
     VertexScalars regions(mesh.points.rows());
     for (Eigen::Index i = 0; i < regions.size(); ++i) regions[i] = mesh.regions.of_vertex[static_cast<std::size_t>(i)];
@@ -22,10 +22,8 @@ void keep_vertex_array(std::string_view name, VertexScalars values, MeshFile& me
   if (values.size() != mesh.points.rows() || !values.allFinite()) return;
   if (name == "stiffness") {
     if (values.minCoeff() > 0) mesh.stiffness = std::make_shared<const VertexScalars>(std::move(values));
-  } else if (name == "doubt_mm") {
-    mesh.doubt_mm = std::move(values);
-  } else if (name == "outlier") {
-    mesh.outlier = std::move(values);
+  } else if (const FitValue* said = fit_value(name)) {
+    mesh.*said->of = std::move(values);
   } else if (name == "region") {
     const double most = values.maxCoeff();
     if (!(values.minCoeff() >= 0) || !(most >= 1) || most > 255) return;

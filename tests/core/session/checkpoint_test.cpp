@@ -247,11 +247,48 @@ TEST_CASE("a copy of a frame leaves behind what edits made there but for its str
   const Shape &from = *full.structure()->shape(0), &copy = *updated->document.structure()->shape(full.frame);
   for_each_member(shape_members, [&](const auto& member) {
     CAPTURE(std::string(member.key));
-    const bool stays = member.origin != Origin::edits || member.key == std::string("strokes");
+    const bool stays = !is_trace(member.origin) || member.key == std::string("strokes");
     Shape expected = from;
     if (!stays) expected.*member.of = {};
     if (member.key == std::string("carried")) expected.carried = from.points;
     CHECK((copy.*member.of == expected.*member.of));
+  });
+}
+
+TEST_CASE("a fit and a placement empty the members whose origin says so") {
+  const CaseFolder folder;
+  Document full = full_document(cine_document(folder, 3));                  // frame 2 is shown
+  full.change({}, [](Structure& first) { first.landmarks.hold = false; });  // it would add to what is confirmed
+  Deformer deformer;
+  const Shape& before = *full.structure()->shape(full.frame);
+  const auto after = [&](const Action& action) {
+    const auto updated = update(full, {}, action, deformer, Pass::commit);
+    REQUIRE(updated);
+    return *updated->document.structure()->shape(full.frame);
+  };
+  Points found = *before.points;
+  found.topRows(found.rows() / 2) *= 1.25;  // the others stay where a model put them
+  const Shape fitted = after(points_edit(*full.view(), found, FoundBy::fit));
+  Similarity elsewhere = before.placement;
+  elsewhere.translation += Vec3(8, 4, 2);
+  const Shape moved = after(SetPlacement{elsewhere});
+  for_each_member(shape_members, [&]<class Value>(const Member<Shape, Value>& member) {
+    CAPTURE(std::string(member.key));
+    const Value none{};
+    const Origin origin = member.origin;
+    if (origin == Origin::since_fit || origin == Origin::fit || origin == Origin::step)
+      CHECK((fitted.*member.of == none));
+    if (origin == Origin::edits) CHECK_FALSE((fitted.*member.of == none));
+    if (origin == Origin::fit) CHECK((moved.*member.of == none));
+    if constexpr (std::is_same_v<Value, std::shared_ptr<const Points>>) {
+      if (moves_along(origin)) {
+        const Points way = *(moved.*member.of) - *(before.*member.of);
+        CHECK((way.rowwise() - Eigen::RowVector3d(8, 4, 2)).cwiseAbs().maxCoeff() < 1e-9);
+      }
+      if (origin == Origin::step) CHECK((moved.*member.of == before.*member.of));
+    } else if (is_trace(origin) && origin != Origin::fit) {
+      CHECK((moved.*member.of == before.*member.of));
+    }
   });
 }
 

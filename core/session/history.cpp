@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <concepts>
+#include <type_traits>
 #include <unordered_set>
 
 #include "core/case/members.h"
@@ -11,11 +13,20 @@ namespace homolog {
 
 namespace {
 
-// Calls `visit(address, bytes)` for an array that is as long as the mesh.
+// Calls `visit(address, bytes)` for an array that is as long as the mesh. A member of a new type does not compile until
+// it is said here what it holds.
 
-void visit_array(const auto&, const auto&) {}
+template <class Value>
+concept HoldsNoArray = std::is_arithmetic_v<Value> || std::is_enum_v<Value> || std::same_as<Value, std::string> ||
+    std::same_as<Value, std::optional<std::string>> || std::same_as<Value, decltype(Structure::colour)> ||
+    std::same_as<Value, Similarity> || std::same_as<Value, decltype(Shape::landmarks)>;
+
+void visit_array(const HoldsNoArray auto&, const auto&) {}
 
 template <class Array>
+concept OfVertices = std::same_as<Array, Points> || std::same_as<Array, VertexScalars>;
+
+template <OfVertices Array>
 void visit_array(const std::shared_ptr<const Array>& array, const auto& visit) {
   if (array) visit(static_cast<const void*>(array.get()), static_cast<std::size_t>(array->size()) * sizeof(double));
 }

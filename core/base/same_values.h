@@ -23,4 +23,16 @@ struct SharedValue : std::shared_ptr<const T> {
   }
 };
 
+/// A shared pointer that is equal to any other: what a struct holds beside its values. So the struct has its == by
+/// default.
+template <class T>
+struct BesideValues : std::shared_ptr<const T> {
+  using Pointer = std::shared_ptr<const T>;
+  BesideValues() = default;
+  template <class U>
+  BesideValues(std::shared_ptr<U> pointer) : Pointer(std::move(pointer)) {}
+
+  bool operator==(const BesideValues&) const { return true; }
+};
+
 }  // namespace homolog

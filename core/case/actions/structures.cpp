@@ -1,8 +1,13 @@
 #include "core/case/actions/structures.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
+#include "core/base/member_list.h"
 #include "core/case/actions/fields.h"
 #include "core/case/placing.h"
 
@@ -12,10 +17,54 @@ namespace {
 
 using Colour = std::array<std::uint8_t, 3>;
 
-void spell_colour(Fields& line, std::optional<Colour>& colour) {
+constexpr Names<Side, 3> body_sides{{{"none", Side::none}, {"left", Side::left}, {"right", Side::right}}};
+
+/// A member of the action.
+template <class Value, class Told = std::nullptr_t>
+struct StructureRow {
+  const char* key;  ///< in the line; empty: it does not stand there
+  Value SetStructure::*of;
+  Told told = nullptr;  ///< the member of a structure that gets the value; null: it is of a new structure
+};
+template <class Value>
+StructureRow(const char*, Value SetStructure::*) -> StructureRow<Value>;
+template <class Value, class Told>
+StructureRow(const char*, Value SetStructure::*, Told Structure::*) -> StructureRow<Value, Told Structure::*>;
+
+// In the order of the line.
+constexpr auto structure_rows = std::make_tuple(
+    StructureRow{"id", &SetStructure::id}, StructureRow{"name", &SetStructure::name, &Structure::name},
+    StructureRow{"label", &SetStructure::label, &Structure::label},
+    StructureRow{"layer", &SetStructure::layer, &Structure::layer},
+    StructureRow{"colour", &SetStructure::colour, &Structure::colour},
+    StructureRow{"confidence", &SetStructure::confidence, &Structure::confidence},
+    StructureRow{"doubt", &SetStructure::doubt, &Structure::doubt},
+    StructureRow{"side", &SetStructure::side, &Structure::side},
+    StructureRow{"partner", &SetStructure::partner, &Structure::partner},
+    StructureRow{"shared", &SetStructure::shared, &Structure::shared}, StructureRow{"template", &SetStructure::source},
+    StructureRow{"placement", &SetStructure::placement}, StructureRow{"template_mark", &SetStructure::mark},
+    StructureRow{"", &SetStructure::the_template});
+static_assert(names_all<SetStructure>(structure_rows), "name each member of SetStructure once in structure_rows");
+
+// How a member stands in a line, by its type.
+
+template <class Value>
+void spell_member(Fields& line, const char* key, std::optional<Value>& value) {
+  line.optional(key, value);
+}
+
+void spell_member(Fields& line, const char* key, std::string& source) {
+  line.optional(key, source, !source.empty());
+}
+
+void spell_member(Fields& line, const char* key, std::vector<double>& numbers) {
+  line.optional(key, numbers, !numbers.empty());
+}
+
+void spell_member(Fields& line, const char* key, std::optional<Colour>& colour) {
   Fields::Json shades;
   if (colour) shades = *colour;
-  line.optional("colour", shades, colour.has_value());
+  line.optional(key, shades, colour.has_value());
   if (!line.reads() || shades.is_null()) return;
   const auto is_shade = [](const auto& shade) { return shade.is_number_unsigned() && shade <= 255; };
   if (!shades.is_array() || shades.size() != 3 || !std::all_of(shades.begin(), shades.end(), is_shade))
@@ -23,37 +72,28 @@ void spell_colour(Fields& line, std::optional<Colour>& colour) {
   colour = shades.get<Colour>();
 }
 
-constexpr Names<Side, 3> body_sides{{{"none", Side::none}, {"left", Side::left}, {"right", Side::right}}};
-
-void spell_side(Fields& line, std::optional<Side>& side) {
-  if (line.reads() ? !line.has("side") : !side.has_value()) return;
+void spell_member(Fields& line, const char* key, std::optional<Side>& side) {
+  if (line.reads() ? !line.has(key) : !side.has_value()) return;
   Side of_body = side.value_or(Side::none);
-  line.member("side", body_sides, of_body);
+  line.member(key, body_sides, of_body);
   side = of_body;
 }
 
-void spell_shared(Fields& line, std::optional<std::vector<SharedWith>>& shared) {
-  if (line.reads() ? !line.has("shared") : !shared.has_value()) return;
+void spell_member(Fields& line, const char* key, std::optional<std::vector<SharedWith>>& shared) {
+  if (line.reads() ? !line.has(key) : !shared.has_value()) return;
   Fields::Json json = shared ? shared_to_json(*shared) : Fields::Json();
-  line.member("shared", json);
+  line.member(key, json);
   if (line.reads()) shared = shared_from_json(json);
 }
+
+void spell_member(Fields&, const char*, BesideValues<Template>&) {}
 
 void spell_structure(Fields& line, SetStructure& action) {
   Fields structure = line.object("structure");
   structure.member("id", action.id);
-  structure.optional("name", action.name);
-  structure.optional("label", action.label);
-  structure.optional("layer", action.layer);
-  spell_colour(structure, action.colour);
-  structure.optional("confidence", action.confidence);
-  structure.optional("doubt", action.doubt);
-  spell_side(structure, action.side);
-  structure.optional("partner", action.partner);
-  spell_shared(structure, action.shared);
-  structure.optional("template", action.source, !action.source.empty());
-  structure.optional("placement", action.placement);
-  structure.optional("template_mark", action.mark, !action.mark.empty());
+  for_each_member(structure_rows, [&](const auto& row) {
+    if (row.key != std::string_view("id")) spell_member(structure, row.key, action.*row.of);
+  });
 }
 
 std::string quoted(const std::string& id) {
@@ -73,16 +113,23 @@ Result<Structure> begun(const SetStructure& action, const Document& document) {
   return structure;
 }
 
+template <class Value>
+void tell(const std::optional<Value>& value, Value& told) {
+  if (value) told = *value;
+}
+
+void tell(const std::optional<Colour>& colour, std::optional<Colour>& told) {
+  if (colour) told = colour;
+}
+
+void tell(const std::optional<std::string>& partner, std::optional<std::string>& told) {
+  if (partner) told = partner->empty() ? std::nullopt : partner;
+}
+
 void describe(const SetStructure& action, Structure& structure) {
-  structure.name = action.name.value_or(structure.name);
-  structure.label = action.label.value_or(structure.label);
-  structure.layer = action.layer.value_or(structure.layer);
-  if (action.colour) structure.colour = action.colour;
-  structure.confidence = action.confidence.value_or(structure.confidence);
-  structure.doubt = action.doubt.value_or(structure.doubt);
-  structure.side = action.side.value_or(structure.side);
-  if (action.partner) structure.partner = action.partner->empty() ? std::nullopt : action.partner;
-  structure.shared = action.shared.value_or(structure.shared);
+  for_each_member(structure_rows, [&]<class Value, class Told>(const StructureRow<Value, Told>& row) {
+    if constexpr (!std::is_same_v<Told, std::nullptr_t>) tell(action.*row.of, structure.*row.told);
+  });
 }
 
 /// Errors: a partner, or one to share vertices with, that is no other structure of the case; a vertex that there is
@@ -181,11 +228,29 @@ std::vector<SharedWith> shared_from_json(const nlohmann::ordered_json& json) {
   return shared;
 }
 
+namespace {
+
+constexpr const char* set_structure_example =
+    R"({"structure":{"id":"s2","name":"left kidney","label":"left kidney","layer":0,"colour":[96,165,214],"confidence":0.97,"doubt":"It is too small.","side":"left","partner":"s1","shared":[{"with":"s1","vertices":"12:40 13:41"}],"template":"kidney.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[12,-40,310]},"template_mark":[1.5,-2,0.25,10]}})";
+
+constexpr bool example_has_each_key() {
+  constexpr std::string_view example = set_structure_example;
+  const auto stands_there = [&](std::string_view key) {
+    for (std::size_t at = example.find(key); at != std::string_view::npos; at = example.find(key, at + 1))
+      if (example[at - 1] == '"' && example.substr(at + key.size()).starts_with("\":")) return true;
+    return false;
+  };
+  return std::apply([&](const auto&... row) { return ((*row.key == '\0' || stands_there(row.key)) && ...); },
+                    structure_rows);
+}
+static_assert(example_has_each_key(), "put each member into the example; the schema is compared with it");
+
+}  // namespace
+
 const ActionKind<SetStructure>& action_kind(const SetStructure&) {
   static constexpr ActionKind<SetStructure> kind{
       .key = "structure",
-      .example =
-          R"({"structure":{"id":"s2","name":"left kidney","label":"left kidney","layer":0,"colour":[96,165,214],"confidence":0.97,"side":"left","partner":"s1","shared":[{"with":"s1","vertices":"12:40 13:41"}],"template":"kidney.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[12,-40,310]},"template_mark":[1.5,-2,0.25,10]}})",
+      .example = set_structure_example,
       .meaning =
           "adds a structure: its template (a path as in the first line) and where it lies, what it is called, its "
           "label in the label map, its colour. `confidence` is the probability (0 to 1) that its mesh is right, and "

@@ -8,11 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "core/base/same_values.h"
 #include "core/case/actions/kind.h"
 
 namespace homolog {
 
-/// Adds a structure to the case, or changes what is said of one that is there.
+/// Adds a structure to the case, or changes what is said of one that is there. How each member stands in the line, and
+/// what it changes, is in the list of structures.cpp.
 struct SetStructure {
   std::string id;
   std::optional<std::string> name{}, label{};
@@ -28,14 +30,9 @@ struct SetStructure {
   std::optional<Similarity> placement{};  ///< of a new one; without it in the middle of the image
   std::vector<double> mark{};  ///< of a new one's template [template_mark.h]; lines of older versions have none
   /// The template of a new one. A line holds its source alone: who reads the line loads it [case_templates.h].
-  std::shared_ptr<const Template> the_template{};
+  BesideValues<Template> the_template{};
 
-  bool operator==(const SetStructure& other) const {
-    return id == other.id && name == other.name && label == other.label && layer == other.layer &&
-           colour == other.colour && confidence == other.confidence && doubt == other.doubt && side == other.side &&
-           partner == other.partner && shared == other.shared && source == other.source &&
-           placement == other.placement && mark == other.mark;
-  }
+  bool operator==(const SetStructure&) const = default;
 };
 const ActionKind<SetStructure>& action_kind(const SetStructure&);
 

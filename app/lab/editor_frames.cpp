@@ -1,14 +1,15 @@
 #include "app/lab/editor_frames.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "app/editor/update/controls.h"
+#include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/lab/bench_hand.h"
 #include "core/base/numbers/statistics.h"
@@ -64,12 +65,23 @@ std::vector<double> drag_ms(EditorApp& app, BenchHand& hand, int tool, int frame
   return times;
 }
 
-struct StrokeTool {
-  const char* name;
+struct DragTool {
+  std::string name;
   int key;
 };
-constexpr std::array<StrokeTool, 6> tools{
-    {{"pull", 'P'}, {"grab", 'G'}, {"slide", 'S'}, {"relax", 'R'}, {"stiffness brush", 'B'}, {"confirm brush", 'C'}}};
+
+/// The tools whose drags edit the mesh, in the order of the strip: strokes, then brushes.
+const std::vector<DragTool>& drag_tools() {
+  static const std::vector<DragTool> tools = [] {
+    std::vector<DragTool> those;
+    for (const ToolKind* kind : tool_kinds) {
+      if (kind->stroke) those.push_back({kind->log_name, *kind->key});
+      if (is_brush(kind->tool)) those.push_back({kind->log_name + std::string(" brush"), *kind->key});
+    }
+    return those;
+  }();
+  return tools;
+}
 
 Result<EditSession> demo_session(const fs::path& file) {
   auto document = demo_document(Organ::kidney, 1);
@@ -96,12 +108,12 @@ Result<EditSession> crowded_session(const fs::path& file, int structures) {
   return session;
 }
 
-/// The frames of the first tools, in the order of `tools`.
+/// The frames of the first tools, in the order of `drag_tools`.
 std::vector<std::vector<double>> drags(EditorApp& app, Framebuffer* framebuffer, int frames, std::size_t count) {
   BenchHand hand(app, framebuffer);
   hand.rest();
   std::vector<std::vector<double>> times;
-  for (std::size_t k = 0; k < count; ++k) times.push_back(drag_ms(app, hand, tools[k].key, frames));
+  for (std::size_t k = 0; k < count; ++k) times.push_back(drag_ms(app, hand, drag_tools()[k].key, frames));
   return times;
 }
 
@@ -119,7 +131,7 @@ Result<void> add_costs(const Session& session, int structures, std::size_t count
     constexpr int frames = 40;
     const auto times = drags(app, nullptr, frames, count);
     for (std::size_t k = 0; k < count; ++k)
-      costs.push_back({tools[k].name, structures, median_of(times[k]), std::ranges::max(times[k]), {}});
+      costs.push_back({drag_tools()[k].name, structures, median_of(times[k]), std::ranges::max(times[k]), {}});
   }
   const auto gl = OffscreenContext::make();
   if (!gl) return {};
@@ -142,7 +154,7 @@ Result<std::vector<FrameCost>> frame_costs() {
   const ScratchFolder folder("homolog-bench-editor");
   std::vector<FrameCost> costs;
   const auto alone = [&](const std::string& name) { return demo_session(folder.path / (name + ".homolog")); };
-  if (auto added = add_costs(alone, 1, tools.size(), costs); !added) return fail(added.error());
+  if (auto added = add_costs(alone, 1, drag_tools().size(), costs); !added) return fail(added.error());
   constexpr int many = 60;
   const auto crowded = [&](const std::string& name) {
     return crowded_session(folder.path / (name + "-crowded.homolog"), many);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/deform/stroke_kinds.h"
 #include "core/template/template.h"
 
 namespace homolog {
@@ -64,7 +65,7 @@ std::string edit_words(const Action& action, const std::optional<ShapeView>& sho
   if (!shown) return words;
   const ShapeView& before = *shown;
   if (const auto* stroke = std::get_if<Stroke>(&action)) {
-    if (stroke->tool != Tool::relax) words += in_mm((stroke->to - stroke->at).norm());
+    if (!kind_of_stroke(stroke->tool).is_dab()) words += in_mm((stroke->to - stroke->at).norm());
     return words + place_words(before, stroke->at);
   }
   if (const auto* placed = std::get_if<SetPlacement>(&action))

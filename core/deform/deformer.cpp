@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/deform/stroke_kinds.h"
 #include "core/mesh/check_mesh.h"
 
 namespace homolog {
@@ -57,10 +58,11 @@ Result<void> Deformer::prepare(const StrokeStart& start) {
 Result<StrokeOutcome> Deformer::stroke(const StrokeStart& start, const Stroke& stroke, Pass pass) {
   if (!usable(stroke)) return fail("stroke", "has a number that is not finite, or a σ or strength out of range");
   if (auto ready = prepare(start); !ready) return fail(ready.error());
-  const bool goes_on = stroke.tool != Tool::relax && gesture_ && gesture_->continues(start, stroke);
+  const StrokeKind& kind = kind_of_stroke(stroke.tool);
+  const bool goes_on = !kind.is_dab() && gesture_ && gesture_->continues(start, stroke);
   if (!goes_on)
     if (auto sound = check_points_of(start); !sound) return fail(sound.error());
-  if (stroke.tool == Tool::relax) return relax(start, *solver_, stroke);
+  if (kind.is_dab()) return kind.dab(start, *solver_, stroke);
   if (!goes_on) {
     gesture_ = std::make_unique<Gesture>(start, *solver_, stroke.tool, stroke.at, stroke.through_space);
   }

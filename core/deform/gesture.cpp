@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/deform/falloff.h"
+#include "core/deform/stroke_kinds.h"
 #include "core/deform/tangential.h"
 #include "core/mesh/mesh_quality.h"
 
@@ -22,14 +23,14 @@ double value_at(const Topology& topology, const VertexScalars& values, const Sur
 Gesture::Gesture(const StrokeStart& start, const ShapeSolver& solver, Tool tool, const Vec3& at, bool through_space)
     : start_(start),
       solver_(solver),
-      tool_(tool),
+      kind_(kind_of_stroke(tool)),
       at_(at),
       through_space_(through_space),
       edge_mm_(mean_edge_mm(*start.topology, *start.points)),
       grabbed_(nearest_on_surface(*start.topology, *start.points, at).at),
       free_(grabbed_),
       guard_(*start_.topology, *start_.placed, *start_.points) {
-  if (tool == Tool::pull) {
+  if (kind_.follows_cursor) {
     const Vec3 from = grabbed_.interpolate(*start_.topology, *start_.points).transpose();
     follower_ = std::make_unique<SurfaceFollower>(*start_.topology, *start_.points, grabbed_, from);
   }
@@ -39,8 +40,8 @@ bool Gesture::continues(const StrokeStart& start, const Stroke& stroke) const {
   return start.topology == start_.topology && start.points == start_.points && start.reference == start_.reference &&
          start.confirmed == start_.confirmed && start.scheme == start_.scheme &&
          start.paper_events == start_.paper_events && start.even_spacing == start_.even_spacing &&
-         start.stiffness == start_.stiffness && start.stiffness_base == start_.stiffness_base && stroke.tool == tool_ &&
-         stroke.at == at_ && stroke.through_space == through_space_;
+         start.stiffness == start_.stiffness && start.stiffness_base == start_.stiffness_base &&
+         stroke.tool == kind_.tool && stroke.at == at_ && stroke.through_space == through_space_;
 }
 
 void Gesture::aim(const SurfacePoint& centre, double sigma_mm, Pass pass, StrokeOutcome& outcome) {
@@ -52,7 +53,7 @@ void Gesture::aim(const SurfacePoint& centre, double sigma_mm, Pass pass, Stroke
   response_.reset();  // where memory runs out below, nothing is known of either place
   const VertexScalars g =
       gaussian_falloff(*start_.topology, *start_.points, centre, sigma_mm, edge_mm_, through_space_);
-  if (start_.scheme == Scheme::anchored || tool_ == Tool::slide) {
+  if (start_.scheme == Scheme::anchored || kind_.along_surface) {
     VertexScalars u = solver_.solve(g);
     ++outcome.solves;
     u /= value_at(*start_.topology, u, centre);
@@ -74,7 +75,7 @@ bool Gesture::held(const SurfacePoint& at) const {
 Result<StrokeOutcome> Gesture::move(const Stroke& stroke, Pass pass) {
   StrokeOutcome outcome;
   SurfacePoint centre = grabbed_;
-  if (tool_ == Tool::pull) {
+  if (kind_.follows_cursor) {
     if (stroke.on) {
       centre = nearest_on_surface(*start_.topology, *start_.points, *stroke.on).at;
     } else {
@@ -95,7 +96,7 @@ Result<StrokeOutcome> Gesture::move(const Stroke& stroke, Pass pass) {
   outcome.on = position;
   outcome.response = response_;
 
-  if (tool_ == Tool::slide) {
+  if (kind_.along_surface) {
     slide(d, outcome);
   } else if (start_.scheme == Scheme::raw) {
     outcome.points = *start_.points + *response_ * d.transpose();

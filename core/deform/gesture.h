@@ -11,6 +11,8 @@
 
 namespace homolog {
 
+struct StrokeKind;
+
 /// The start of a stroke and the settings it runs under. All n×3 in LPS mm.
 struct StrokeStart {
   std::shared_ptr<const Topology> topology;
@@ -62,14 +64,14 @@ class Gesture {
 
   StrokeStart start_;
   const ShapeSolver& solver_;
-  Tool tool_;
+  const StrokeKind& kind_;
   Vec3 at_;
   bool through_space_;
   double edge_mm_;
   SurfacePoint grabbed_;
-  SurfacePoint free_;  ///< Pull: where the follower last was outside confirmed regions
+  SurfacePoint free_;  ///< where the follower last was outside confirmed regions
   FoldGuard guard_;
-  std::unique_ptr<SurfaceFollower> follower_;  ///< Pull only
+  std::unique_ptr<SurfaceFollower> follower_;  ///< only of a kind that follows the cursor
 
   // The response in use and what it was solved for.
   std::shared_ptr<const VertexScalars> response_;

@@ -6,7 +6,8 @@
 
 namespace homolog {
 
-/// The effect of a drag; the method and its limits are in docs/editing.md.
+/// The effect of a drag; the method and its limits are in docs/editing.md. What each is called, and does, is a row of
+/// stroke_kinds.h.
 enum class Tool {
   pull,   ///< the surface to the cursor along its normal [Erdt 2009, §2.2, Fig. 2c]
   grab,   ///< a feature with its vertices, normal and lateral

@@ -6,6 +6,7 @@
 #include "core/base/encoding/json.h"
 #include "core/case/actions/fields.h"
 #include "core/deform/deformer.h"
+#include "core/deform/stroke_kinds.h"
 #include "core/mesh/construction/icosphere.h"
 #include "core/session/case_lines.h"
 #include "core/session/checkpoint_members.h"
@@ -31,8 +32,8 @@ const std::string& name_of_solver() {
     start.stiffness = std::make_shared<const VertexScalars>(VertexScalars::Ones(ball.points.rows()));
     const Vec3 top(0, 0, 40);
     Hash hash;
-    for (const Tool tool : {Tool::pull, Tool::grab, Tool::slide, Tool::relax}) {
-      const Stroke stroke{.tool = tool, .at = top, .to = top + Vec3(4, 0, 12), .sigma_mm = 15};
+    for (const StrokeKind& kind : stroke_kinds) {
+      const Stroke stroke{.tool = kind.tool, .at = top, .to = top + Vec3(4, 0, 12), .sigma_mm = 15};
       const auto outcome = Deformer().stroke(start, stroke, Pass::commit);
       if (!outcome) continue;
       for (const double mm : outcome->points.reshaped()) hash.add(std::bit_cast<std::uint64_t>(mm));

@@ -9,6 +9,7 @@
 #include "core/case/edit_words.h"
 #include "core/case/moved_points.h"
 #include "core/case/placing.h"
+#include "core/deform/stroke_kinds.h"
 #include "core/session/case_keeping.h"
 
 namespace homolog {
@@ -31,7 +32,7 @@ std::size_t steps_in_half_a_second(const Document& document) {
 /// where on the surface it ended, so that replaying it needs no cursor path.
 Result<void> resolve(const Document& document, Deformer& deformer, EditStep& step, int& solves) {
   auto* stroke = std::get_if<Stroke>(&step.action);
-  if (stroke == nullptr || stroke->tool != Tool::pull || stroke->on) return {};
+  if (stroke == nullptr || !kind_of_stroke(stroke->tool).follows_cursor || stroke->on) return {};
   const auto followed = update(document, step.of, step.action, deformer, Pass::preview);
   if (!followed) return fail(followed.error());
   stroke->on = followed->report.on;

@@ -72,5 +72,5 @@ def add_to(case):
         if key not in ("undo", "redo"):
             name = _METHODS.get(key, key)
             setattr(case, name, _method(key, example, meaning))
-    for tool in ("pull", "grab", "slide"):
+    for tool in _core.drag_tools():
         setattr(case, tool, _stroke(tool))

@@ -1,4 +1,5 @@
 #include "core/case/action_line.h"
+#include "core/deform/stroke_kinds.h"
 #include "python/homolog/case_parts.h"
 
 namespace homolog::python {
@@ -12,6 +13,14 @@ py::list action_kinds() {
   return kinds;
 }
 
+/// The names of the strokes that are drags, in their order.
+py::list drag_tools() {
+  py::list names;
+  for (const StrokeKind& kind : stroke_kinds)
+    if (!kind.is_dab()) names.append(kind.name);
+  return names;
+}
+
 }  // namespace
 
 void add_cases(py::module_& module) {
@@ -21,6 +30,7 @@ void add_cases(py::module_& module) {
   add_case_edits(type);
   add_case_fits(type);
   add_case_views(type);
+  module.def("drag_tools", &drag_tools, "The tools whose strokes are drags.");
   module.def("action_kinds", &action_kinds, "[(key, example, meaning)] of all actions of a case.");
 }
 

@@ -4,6 +4,7 @@
 #include "app/editor/panels/sections.h"
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/scene/mesh_colouring.h"
+#include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
@@ -87,7 +88,7 @@ void draw_colour_choice(const UiContext& ui, Outbox& out) {
   if (!why_not_scored(ui).empty())
     refusals[static_cast<std::size_t>(Colouring::score)] = "Choose a model in the section Score first.";
   const Colouring shown = shown_colouring(ui.state);
-  const bool brush = ui.state.hand.tool == MouseTool::confirm || ui.state.hand.tool == MouseTool::stiffness;
+  const bool brush = is_brush(ui.state.hand.tool);
   int colouring = static_cast<int>(shown);
   caption(theme, "Colours of the mesh");
   if (choice(theme, "overlay", names, colouring,

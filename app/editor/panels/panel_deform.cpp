@@ -2,7 +2,9 @@
 
 #include "app/editor/panels/sections.h"
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/deform/stroke_kinds.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/solve/shape_solver.h"
 
@@ -143,15 +145,15 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   draw_sigma(ui, out);
   if (!ui.has_shape()) return;
-  const MouseTool tool = ui.state.hand.tool;
-  if (tool == MouseTool::relax) {
+  const ToolKind& tool = kind_of(ui.state.hand.tool);
+  if (tool.stroke && kind_of_stroke(*tool.stroke).is_dab()) {
     double strength = 100 * ui.state.hand.relax_strength;
     bool released = false;
     if (slider(theme, "Strength", strength, {0, 100, "%.0f", "%", false},
                "How far each dab brings the mesh back towards the template's shape", released))
       out.send(SetRelaxStrength{strength / 100});
   }
-  if (tool == MouseTool::stiffness || tool == MouseTool::confirm) draw_brush(ui, out);
+  if (is_brush(tool.tool)) draw_brush(ui, out);
   draw_snap(ui, out);
   const ShapeView shown = ui.shown();
   const Document& committed = *ui.snapshot().document;

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "core/adapt/judge_fit.h"
+#include "core/base/enumerators.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {
@@ -350,13 +351,7 @@ const std::array<ColouringKind, colourings>& colouring_kinds() {
        .colour = colour_confidence,
        .legend = confidence_legend},
   }};
-  static_assert(
-      [] {
-        for (std::size_t k = 0; k < kinds.size(); ++k)
-          if (kinds[k].colouring != static_cast<Colouring>(k)) return false;
-        return true;
-      }(),
-      "the rows are in the order of Colouring");
+  static_assert(has_row_of_each<Colouring>(kinds, &ColouringKind::colouring), "a row for each Colouring, in their order");
   return kinds;
 }
 

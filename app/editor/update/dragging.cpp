@@ -18,12 +18,9 @@ bool click_is_free(const EditorState& state) {
   return tool.stroke || (works_on_mesh && !hover.on_mesh && hover.part == PlacePart::none);
 }
 
-/// Whether a press of the tool in hand would edit the structure that is worked on.
+/// Whether the press that has begun would edit the structure that is worked on.
 bool press_edits(const EditorState& state) {
-  const Hover& hover = *state.pointer.hover;
-  if (state.pointer.begun_with == MouseTool::ruler) return false;
-  if (state.pointer.begun_with == MouseTool::contour) return hover.view != ViewKind::space;
-  return hover.on_mesh || hover.part != PlacePart::none || state.hand.tool == MouseTool::landmark;
+  return kind_of(state.pointer.begun_with).edits_at(*state.pointer.hover);
 }
 
 void start_left_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {

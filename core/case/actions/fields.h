@@ -5,10 +5,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "core/base/enumerators.h"
 #include "core/base/numbers/geometry.h"
 #include "core/base/result.h"
 #include "core/base/text/text.h"
@@ -35,7 +38,7 @@ auto caught(const Read& read) -> Result<decltype(read())> {
   }
 }
 
-/// The names of an enumeration's values in a case file.
+/// The names of an enumeration's values in a case file. Each has one, or what uses them does not compile.
 template <class Value, std::size_t count>
 using Names = std::array<std::pair<const char*, Value>, count>;
 
@@ -43,7 +46,7 @@ template <class Value, std::size_t count>
 const char* name_of(const Names<Value, count>& names, Value value) {
   for (const auto& [name, known] : names)
     if (known == value) return name;
-  return "";
+  throw std::logic_error("a value of an enumeration has no name");
 }
 
 /// The members of a JSON object, read into an action or written from it. So one description of them serves both ways.
@@ -76,6 +79,7 @@ class Fields {
   /// The same for an enumeration.
   template <class Value, std::size_t count>
   void member(const char* key, const Names<Value, count>& names, Value& value) {
+    if constexpr (std::is_enum_v<Value>) static_assert(count == enumerators<Value>(), "each value needs its name");
     std::string name = name_of(names, value);
     member(key, name);
     if (reads()) value = named(names, name);

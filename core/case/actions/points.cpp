@@ -28,6 +28,7 @@ constexpr Names<FoundBy, 11> finder_names{{{"fit", FoundBy::fit},
                                            {"start of the cine", FoundBy::start_of_cine},
                                            {"projection", FoundBy::projection},
                                            {"shared vertices", FoundBy::shared}}};
+static_assert(finder_names.size() + 1 == enumerators<FoundBy>(), "each value but `other` needs its word");
 
 void spell_finder(Fields& line, PointsFinder& by) {
   std::string word = by.word();

@@ -7,36 +7,40 @@
 #include "core/case/actions/decided.h"
 #include "core/case/actions/fields.h"
 #include "core/case/held_landmarks.h"
+#include "core/deform/stroke_kinds.h"
 
 namespace homolog {
 
 namespace {
 
-constexpr Names<Tool, 4> tool_names{
-    {{"pull", Tool::pull}, {"grab", Tool::grab}, {"slide", Tool::slide}, {"relax", Tool::relax}}};
+constexpr auto tool_names = [] {
+  Names<Tool, stroke_kinds.size()> names;
+  for (std::size_t k = 0; k < names.size(); ++k) names[k] = {stroke_kinds[k].name, stroke_kinds[k].tool};
+  return names;
+}();
 
 void spell_stroke(Fields& line, Stroke& stroke) {
   line.member("tool", tool_names, stroke.tool);
   line.member("at", stroke.at);
   if (line.reads()) stroke.to = stroke.at;
-  if (stroke.tool == Tool::relax)
+  const bool is_dab = kind_of_stroke(stroke.tool).is_dab();
+  if (is_dab)
     line.optional("to", stroke.to);
   else
     line.member("to", stroke.to);
   line.member("sigma_mm", stroke.sigma_mm);
   line.optional("on", stroke.on);
   line.optional("through_space", stroke.through_space, stroke.through_space);
-  line.optional("strength", stroke.strength, stroke.tool == Tool::relax);
+  line.optional("strength", stroke.strength, is_dab);
 }
 
 /// Why the mesh hardly followed a drag, where something that is held near it is the reason; empty where it followed, or
 /// nothing is held.
 std::string hold_words(const ShapeView& before, const Stroke& stroke, double moved_mm) {
   constexpr double least_drag_mm = 0.5;
-  // A pull along the surface moves it little by itself.
-  const double followed_share = stroke.tool == Tool::pull ? 0.25 : 0.5;
+  const StrokeKind& kind = kind_of_stroke(stroke.tool);
   const double dragged_mm = (stroke.to - stroke.at).norm();
-  if (stroke.tool == Tool::relax || dragged_mm < least_drag_mm || moved_mm >= followed_share * dragged_mm) return {};
+  if (kind.is_dab() || dragged_mm < least_drag_mm || moved_mm >= kind.followed_share * dragged_mm) return {};
   const Shape& shape = before.shape;
   if (!shape.confirmed) return {};
   const auto of_mm = [](double value) {
@@ -83,8 +87,8 @@ Result<EditReport> apply_stroke(const Stroke& stroke, ShapeEdit& edit) {
   if (report.stopped_by_guard && report.message.empty()) report.message = "Stopped before a triangle turned over.";
   Shape& after = edit.after;
   if (shape.unaided) {
-    // Relax, and every stroke of `paper`, put a vertex somewhere; other strokes carry it by a distance.
-    const bool absolute = stroke.tool == Tool::relax || document.scheme == Scheme::paper;
+    // Every stroke of `paper` puts a vertex somewhere.
+    const bool absolute = kind_of_stroke(stroke.tool).sets_places || document.scheme == Scheme::paper;
     after.unaided =
         std::make_shared<const Points>(absolute ? unaided_after(*shape.unaided, *shape.points, outcome->points)
                                                 : Points(*shape.unaided + outcome->points - *shape.points));
@@ -109,7 +113,7 @@ const ActionKind<Stroke>& action_kind(const Stroke&) {
           "ended on. `\"through_space\":true` lets the falloff reach other sheets. With `\"tool\":\"relax\"`, "
           "`\"strength\":1` and no `to` it is one dab of Relax",
       .role = LineRole::stroke,
-      .name = [](const Stroke& stroke) -> std::string { return name_of(tool_names, stroke.tool); },
+      .name = [](const Stroke& stroke) -> std::string { return kind_of_stroke(stroke.tool).name; },
       .spell = spell_stroke,
       .apply = apply_stroke};
   return kind;

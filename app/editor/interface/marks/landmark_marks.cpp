@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/editor/state/views.h"
+#include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/case/held_landmarks.h"
 
@@ -158,7 +159,7 @@ void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
     if (a.placed.has_value() != b.placed.has_value()) return a.placed.has_value();
     return a.alpha > b.alpha;
   });
-  const bool named = ui.state.hand.tool == MouseTool::template_landmark || ui.state.hand.tool == MouseTool::landmark;
+  const bool named = kind_of(ui.state.hand.tool).names_landmarks;
   constexpr float faint = 0.3f;
   for (const ShownLandmark& one : shown) {
     if (one.carried) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "app/editor/state/views.h"
+#include "core/deform/stroke_kinds.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/solve/shape_solver.h"
 
@@ -47,10 +48,6 @@ void ask_model(Editing& editing) {
 
 }  // namespace
 
-bool moves_boundary(Tool tool) {
-  return tool == Tool::pull || tool == Tool::grab;
-}
-
 SnapArea snap_region(const ShapeView& shown, const Stroke& stroke) {
   const double edge_mm = mean_edge_mm(*shown.the_template().topology, *shown.shape.points);
   return {stroke.to, std::hypot(stroke.sigma_mm, stiffness_length_mm(shown.paint().base, edge_mm))};
@@ -61,7 +58,7 @@ std::vector<Compute> assistance(const Editing& editing, const Action& action) {
   if (const auto* drawn = std::get_if<SetContours>(&action); drawn != nullptr && drawn->curves)
     then.push_back(contour_compute());
   const auto* stroke = std::get_if<Stroke>(&action);
-  if (stroke == nullptr || !moves_boundary(stroke->tool)) return then;
+  if (stroke == nullptr || !kind_of_stroke(stroke->tool).moves_boundary) return then;
   const auto shown = editing.shape();
   if (shown && editing.state.automatic.snap.with_strokes && editing.shown.document().scan.image)
     then.push_back(snap_compute(snap_region(*shown, *stroke), editing.state.automatic.snap));

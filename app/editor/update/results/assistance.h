@@ -8,8 +8,6 @@ namespace homolog {
 
 // The automatic steps on the open case: the fit to a label, the snap of strokes, the help of the study's model.
 
-/// Whether a stroke with this tool moves the boundary. A snap and the model's help, where they are on, follow it.
-bool moves_boundary(Tool tool);
 /// The area that a stroke moves: its falloff, spread by the stiffness.
 SnapArea snap_region(const ShapeView& shown, const Stroke& stroke);
 

@@ -103,6 +103,8 @@ constinit const ToolKind landmark_tool{.tool = MouseTool::landmark,
                                        .cursor = hand_over_landmarks,
                                        .hint = landmark_hint,
                                        .follows_mesh = true,
+                                       .names_landmarks = true,
+                                       .edits_at = [](const Hover&) { return true; },
                                        .begin = begin_landmark,
                                        .move = move_landmark,
                                        .action = landmark_action,
@@ -112,6 +114,7 @@ constinit const ToolKind template_landmark_tool{.tool = MouseTool::template_land
                                                 .name = "Template landmark",
                                                 .log_name = "template landmark",
                                                 .hint = template_landmark_hint,
+                                                .names_landmarks = true,
                                                 .begin = begin_template_landmark,
                                                 .follow = follow_template_landmark};
 

@@ -1,6 +1,7 @@
 #include "app/editor/state/icons.h"
 #include "app/editor/update/results/assistance.h"
 #include "app/editor/update/tools/tool.h"
+#include "core/deform/stroke_kinds.h"
 
 namespace homolog {
 
@@ -39,7 +40,7 @@ std::optional<Action> stroke_action(const EditorState& state) {
 void follow_stroke(EditorState& state, const Action& action, const ControlsContext& context, Outbox& out) {
   const auto& stroke = std::get<Stroke>(action);
   state.preferences.hints.dragged = true;
-  if (!moves_boundary(stroke.tool)) return let_shared_follow(context.document, context.structure, out);
+  if (!kind_of_stroke(stroke.tool).moves_boundary) return let_shared_follow(context.document, context.structure, out);
   const auto shown = context.shape();
   if (shown && state.automatic.snap.with_strokes && context.document.scan.image)
     out.send(SnapMesh{snap_region(*shown, stroke), true});

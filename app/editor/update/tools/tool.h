@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/editor/update/controls.h"
+#include "core/base/enumerators.h"
 
 namespace homolog {
 
@@ -65,6 +66,9 @@ PointerShape hand_over_mesh(const EditorState& state);
 /// The same for those that take hold of landmarks alone.
 PointerShape hand_over_landmarks(const EditorState& state);
 
+/// Whether a press would take hold of the mesh, or of a handle of its placement.
+bool edits_mesh_at(const Hover& hover);
+
 /// Everything about a tool of the mouse.
 struct ToolKind {
   MouseTool tool;
@@ -86,6 +90,10 @@ struct ToolKind {
   std::optional<Tool> stroke = {};  ///< the gesture that its drags make; none: they are no strokes
   /// Whether its drags act on what lies under the pointer then, so that this is looked up at every step.
   bool follows_mesh = false;
+  /// The names of landmarks stand beside them while it is in hand.
+  bool names_landmarks = false;
+  /// Whether its drag at a place edits the structure that is worked on, so that a lock refuses it.
+  bool (*edits_at)(const Hover& hover) = edits_mesh_at;
   /// Begins what a press asks for: a drag, or a click that is held. False where there is nothing for it.
   bool (*begin)(const Press& press) = nullptr;
   /// The drag goes on; null for a tool that makes none.
@@ -117,6 +125,7 @@ inline constexpr std::array tool_kinds{&pull_tool,
                                        &ruler_tool,
                                        &contour_tool,
                                        &template_landmark_tool};
+static_assert(tool_kinds.size() == enumerators<MouseTool>(), "a row for each MouseTool, in their order");
 
 /// The row of a tool.
 const ToolKind& kind_of(MouseTool tool);

@@ -19,6 +19,10 @@ bool is_brush(MouseTool tool) {
   return kind_of(tool).marks == ToolMarks::brush_circle;
 }
 
+bool edits_mesh_at(const Hover& hover) {
+  return hover.on_mesh || hover.part != PlacePart::none;
+}
+
 PointerShape hand_over_mesh(const EditorState& state) {
   if (state.pointer.drag) return PointerShape::hand;
   return state.pointer.hover && state.pointer.hover->on_mesh ? PointerShape::hand : hand_over_landmarks(state);

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <string>
 #include <utility>
 
 #include "core/measure/recipe/step_kinds.h"
@@ -25,22 +24,37 @@ class LinesOfStep {
 
   MeasuredLines lines(std::size_t number) {
     const RecipeStep& step = recipe_.steps[number];
-    const std::string word = kind_word(step);
     MeasuredLines drawn;
-    if (word == "distance")
-      add_distance(drawn, measuring_.of(step, "from"), measuring_.of(step, "to"));
-    else if (word == "angle")
-      add_angle(drawn, step);
-    else if (word == "radius" || word == "diameter" || word == "rms" || word == "girth")
-      drawn.at = add_value(drawn, measuring_.of(step, "of"));
-    else if (word == "length")
-      add_way(drawn, step);
-    else if (word == "extent")
-      add_extent(drawn, step);
-    else if (word == "area")
-      add_area(drawn, step);
-    else if (word == "ratio" || word == "difference" || word == "sum" || word == "asymmetry")
-      add_parts(drawn, step);
+    switch (step.kind->draws) {
+      case Draws::nothing:
+        break;
+      case Draws::distance:
+        add_distance(drawn, measuring_.of(step, "from"), measuring_.of(step, "to"));
+        break;
+      case Draws::along: {
+        const Vec3 from = measuring_.point(step, "from"), along = measuring_.axis(step, "along").direction;
+        add_distance(drawn, from, Vec3(from + (measuring_.point(step, "to") - from).dot(along) * along));
+        break;
+      }
+      case Draws::angle:
+        add_angle(drawn, step);
+        break;
+      case Draws::value:
+        drawn.at = add_value(drawn, measuring_.of(step, "of"));
+        break;
+      case Draws::way:
+        add_way(drawn, step);
+        break;
+      case Draws::extent:
+        add_extent(drawn, step);
+        break;
+      case Draws::area:
+        add_area(drawn, step);
+        break;
+      case Draws::parts:
+        add_parts(drawn, step);
+        break;
+    }
     return drawn;
   }
 

@@ -123,19 +123,25 @@ const std::vector<StepKind>& part_kinds() {
   constexpr unsigned point = bits(Gives::point), part = bits(Gives::part);
   const StepMember of_part{"of", Takes::steps, part, 0}, along{"along", Takes::steps, any_axis};
   static const std::vector<StepKind> kinds{
-      {"whole", Gives::part, "", {}, whole},
-      {"region", Gives::part, "", {{"region", Takes::text, 0, 0}}, painted_region},
-      {"vertices", Gives::part, "", {{"vertices", Takes::whole_numbers, 0, 1, many}}, listed_vertices},
-      {"near", Gives::part, "", {{"point", Takes::steps, point}, {"within_mm", Takes::length}, of_part}, near_point},
+      {"whole", Gives::part, "", Draws::nothing, {}, whole},
+      {"region", Gives::part, "", Draws::nothing, {{"region", Takes::text, 0, 0}}, painted_region},
+      {"vertices", Gives::part, "", Draws::nothing, {{"vertices", Takes::whole_numbers, 0, 1, many}}, listed_vertices},
+      {"near",
+       Gives::part,
+       "",
+       Draws::nothing,
+       {{"point", Takes::steps, point}, {"within_mm", Takes::length}, of_part},
+       near_point},
       {"slab",
        Gives::part,
        "",
+       Draws::nothing,
        {{"at", Takes::steps, point}, along, {"from_mm", Takes::length}, {"to_mm", Takes::length}, of_part},
        slab},
-      {"facing", Gives::part, "", {along, {"within_deg", Takes::number}, of_part}, facing},
-      {"rim", Gives::part, "", {of_part}, rim},
-      {"sheet", Gives::part, "", {{"sheet", Takes::whole_numbers}, of_part}, sheet},
-      {"joined", Gives::part, "", {{"of", Takes::steps, part, 2, many}}, joined},
+      {"facing", Gives::part, "", Draws::nothing, {along, {"within_deg", Takes::number}, of_part}, facing},
+      {"rim", Gives::part, "", Draws::nothing, {of_part}, rim},
+      {"sheet", Gives::part, "", Draws::nothing, {{"sheet", Takes::whole_numbers}, of_part}, sheet},
+      {"joined", Gives::part, "", Draws::nothing, {{"of", Takes::steps, part, 2, many}}, joined},
   };
   return kinds;
 }

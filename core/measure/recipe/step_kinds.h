@@ -31,11 +31,25 @@ struct StepMember {
 
 using MeasureStep = Result<StepValue>(Measuring& measuring, const RecipeStep& step);
 
+/// The lines that show a measurement on its shape [measured_lines.h].
+enum class Draws {
+  nothing,   ///< it is of no points, or no number
+  distance,  ///< from `from` to `to`
+  along,     ///< the same, as far as it goes along an axis
+  angle,     ///< the arms `from`, `at` and `to`, or both of `between`
+  value,     ///< the circles, the axis or the outline of `of`
+  way,       ///< over the surface, `through` points
+  extent,    ///< as far as `of` reaches `along` a line
+  area,      ///< the outline of `of` where that is a section
+  parts      ///< what the measurements in `of` draw
+};
+
 /// A kind of step. A word may have several, told apart by their keys.
 struct StepKind {
   const char* word;
   Gives gives;
   const char* unit;  ///< of a number; "": that of the steps that it is made of
+  Draws draws;
   std::vector<StepMember> members;
   MeasureStep* measure;
 };

@@ -208,11 +208,12 @@ const std::vector<StepKind>& surface_kinds() {
   const StepMember of_part{"of", Takes::steps, part, 0};
   const StepMember statistic{"statistic", Takes::text, 0, 0, 1, {"mean", "median", "min", "max"}};
   static const std::vector<StepKind> kinds{
-      {"area", Gives::number, "mm2", {{"of", Takes::steps, part | bits(Gives::section), 0}}, area},
-      {"volume", Gives::number, "ml", {of_part}, volume},
+      {"area", Gives::number, "mm2", Draws::area, {{"of", Takes::steps, part | bits(Gives::section), 0}}, area},
+      {"volume", Gives::number, "ml", Draws::nothing, {of_part}, volume},
       {"thickness",
        Gives::number,
        "mm",
+       Draws::nothing,
        {of_part,
         {"to", Takes::steps, part, 0},
         {"direction", Takes::text, 0, 0, 1, {"inward", "outward"}},
@@ -222,6 +223,7 @@ const std::vector<StepKind>& surface_kinds() {
       {"image_mean",
        Gives::number,
        "image",
+       Draws::nothing,
        {of_part, {"from_mm", Takes::length, 0, 0}, {"to_mm", Takes::length, 0, 0}, statistic},
        image_along_normals},
   };

@@ -14,7 +14,7 @@ namespace homolog {
 TEST_CASE("the schema of a stroke names the tools in their order") {
   const std::string text =
       test::must(read_whole_file(std::string(HOMOLOG_SOURCE_DIR) + "/docs/schemas/case-line.schema.json"));
-  const Json schema = Json::parse(text);
+  const nlohmann::json schema = nlohmann::json::parse(text);
   std::vector<std::string> names;
   for (const StrokeKind& kind : stroke_kinds) names.emplace_back(kind.name);
   CHECK(schema.at("$defs").at("stroke").at("properties").at("tool").at("enum").get<std::vector<std::string>>() ==

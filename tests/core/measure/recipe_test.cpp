@@ -306,7 +306,8 @@ TEST_CASE("the lines of a measurement are as long as it says and lie where it wa
     {"name":"width","kind":"extent","along":"to a"},
     {"name":"radius","kind":"radius","of":"ball"},
     {"name":"both","kind":"sum","of":["points","width"]},
-    {"name":"content","kind":"volume"}]})"));
+    {"name":"content","kind":"volume"},
+    {"name":"along","kind":"distance","from":"a","to":"middle","along":"to a"}]})"));
   MeasuredShape shape;
   shape.structures.push_back({"", ball, places, {}});
   Measuring measuring(recipe, shape);
@@ -322,6 +323,7 @@ TEST_CASE("the lines of a measurement are as long as it says and lie where it wa
     CHECK_MESSAGE(drawn_mm(k) == doctest::Approx(*number.value).epsilon(1e-9),
                   recipe.steps[recipe.measurements[k]].name);
   }
+  CHECK(drawn_mm(10) == doctest::Approx(20).epsilon(0.01));
   CHECK(drawn_mm(3) == doctest::Approx(40).epsilon(0.01));               // two arms from the middle
   CHECK(drawn_mm(7) == doctest::Approx(3 * 2 * pi * 20).epsilon(0.01));  // three circles about the ball
   CHECK(lines_of_measurement(measuring, recipe, recipe.measurements[9]).lines.empty());

@@ -24,8 +24,8 @@ Result<CaseLabels> read_case_labels(const StudyCase& one, const FitSettings& set
   int wanted = settings.all_labels ? 0 : settings.label;
   bool all = settings.all_labels;
   std::string asked = wanted == 0 ? "" : std::to_string(wanted);
-  if (const auto own = one.other.find("label"); own != one.other.end() && (own->is_number() || own->is_string())) {
-    asked = own->is_string() ? own->get<std::string>() : std::to_string(static_cast<int>(own->get<double>()));
+  if (const auto& own = one.label; !own.is_null()) {
+    asked = own.is_string() ? own.get<std::string>() : std::to_string(static_cast<int>(own.get<double>()));
     all = false;  // as the study was made with
   }
   const auto chosen = choose_segments(one.labels, asked, *read);

@@ -26,14 +26,13 @@ namespace {
 /// What is known of a study's case: the columns of the table that `study make` was given, and others that its file has.
 std::map<std::string, std::string> known_of(const StudyCase& one) {
   std::map<std::string, std::string> known;
-  const auto take = [&](const auto& fields) {
-    for (const auto& [key, value] : fields.items())
-      if (!value.is_structured() && !value.is_null())
-        known.emplace(key, value.is_string() ? value.template get<std::string>() : value.dump());
+  const auto take = [&](const std::string& key, const auto& value) {
+    if (!value.is_structured() && !value.is_null())
+      known.emplace(key, value.is_string() ? value.template get<std::string>() : value.dump());
   };
-  if (const auto covariates = one.other.find("covariates"); covariates != one.other.end() && covariates->is_object())
-    take(*covariates);
-  take(one.other);
+  for (const auto& [key, value] : one.covariates.items()) take(key, value);
+  take("label", one.label);
+  for (const auto& [key, value] : one.other.items()) take(key, value);
   return known;
 }
 

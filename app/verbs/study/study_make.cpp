@@ -183,18 +183,16 @@ Result<StudyCase> case_of_row(const MakeJob& job, const RowOfCase& row, RowsOfTa
   else
     one = case_of_scan(job, name, *files, std::move(grid), rows, progress);
   if (!one) return one;
-  Json covariates = Json::object();
   for (const auto& [column, text] : row) {
     if (column == "group")
       one->group = text;
     else if (column == "notes")
       one->notes = text;
     else if (column == "label" && !text.empty())
-      one->other["label"] = value_of(text);
+      one->label = value_of(text);
     else if (!is_own_column(column) && !text.empty())
-      covariates[column] = value_of(text);
+      one->covariates[column] = value_of(text);
   }
-  if (!covariates.empty()) one->other["covariates"] = std::move(covariates);
   return one;
 }
 
@@ -353,7 +351,8 @@ Result<std::size_t> write_cases_into(const fs::path& study_file, const fs::path&
     if (known->state == CaseState::to_do) known->state = one.state;
     if (!one.group.empty()) known->group = one.group;
     if (!one.notes.empty()) known->notes = one.notes;
-    known->other.update(one.other);
+    if (!one.label.is_null()) known->label = one.label;
+    if (!one.covariates.empty()) known->covariates = one.covariates;
   }
   const std::string of_alone = study == alone ? record : std::string();
   if (auto written = write_study(study, study_file, of_alone); !written) return fail(written.error());

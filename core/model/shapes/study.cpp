@@ -75,6 +75,8 @@ void each_member(Case& one, Visitor& visit) {
   visit.optional("gestures", one.gestures);
   visit.optional("group", one.group);
   visit.optional("notes", one.notes);
+  visit.optional("label", one.label);
+  visit.optional("covariates", one.covariates);
 }
 
 /// Looks for a member that is to be a text and is none.
@@ -152,6 +154,12 @@ class CaseReader {
     to = from.get<std::int64_t>();
     return true;
   }
+  /// An object where the member is one, else a number or a text.
+  bool take(const Json& from, const char*, Json& to) {
+    if (to.is_object() ? !from.is_object() || from.empty() : !from.is_number() && !from.is_string()) return false;
+    to = from;
+    return true;
+  }
   bool refuse(const std::string& what) {
     fault_ = Error{"", what};
     return false;
@@ -184,6 +192,7 @@ class CaseWriter {
   static bool says_something(bool flag) { return flag; }
   static bool says_something(double seconds) { return seconds > 0; }
   static bool says_something(std::int64_t count) { return count > 0; }
+  static bool says_something(const Json& value) { return !value.empty(); }
 
   Json written(const std::string& text) const { return text; }
   Json written(const fs::path& file) const { return relative_source(folder_, file.string()); }
@@ -192,6 +201,7 @@ class CaseWriter {
   Json written(bool flag) const { return flag; }
   Json written(double seconds) const { return std::round(10 * seconds) / 10; }
   Json written(std::int64_t count) const { return count; }
+  Json written(const Json& value) const { return value; }
 
   Json& json_;
   const fs::path& folder_;

@@ -31,7 +31,9 @@ struct StudyCase {
   double seconds = 0;              ///< that a person worked on it
   std::int64_t gestures = 0;       ///< that a person did on it
   std::string structure;           ///< of a case file, by its id; empty: the first
-  nlohmann::ordered_json other = nlohmann::ordered_json::object();  ///< fields that are not known here, kept
+  nlohmann::ordered_json label;    ///< of `labels`: its number or its name; null: none is said
+  nlohmann::ordered_json covariates = nlohmann::ordered_json::object();  ///< by column: numbers and texts; empty: none
+  nlohmann::ordered_json other = nlohmann::ordered_json::object();       ///< fields that are not known here, kept
 
   /// Whether it has no shape of its own yet: the template lies somewhere in its scan.
   bool waits() const { return from_scan && state == CaseState::to_do; }

@@ -112,9 +112,9 @@ TEST_CASE("study make takes a table with groups and covariates and what was fitt
   const Study study = test::must(read_study(folder.path / "k.study.json")).study;
   CHECK(study.template_file == "built-in:kidney");
   CHECK(study.cases[0].waits());
-  CHECK(study.cases[0].other["covariates"]["age"] == 63);
-  CHECK(study.cases[0].other["covariates"]["sex"] == "f");
-  CHECK(study.cases[0].other["label"] == 1);
+  CHECK(study.cases[0].covariates["age"] == 63);
+  CHECK(study.cases[0].covariates["sex"] == "f");
+  CHECK(study.cases[0].label == 1);
   CHECK(study.cases[1].group == "ill, much");
   const auto shape = test::must(test::must(read_shapes_of(study.cases[1].file)).shape({}, ""));
   CHECK((shape->points - test::must(read_mesh_file(folder.path / "two.ply")).points).cwiseAbs().maxCoeff() < 1e-4);

@@ -145,6 +145,37 @@ TEST_CASE("fields that are not known are kept where they stood") {
   CHECK(json["cases"][0]["side"] == "left");
 }
 
+TEST_CASE("the label and the covariates of a case are written as they were read") {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path / "s.study.json";
+  touch(folder.path / "a.ply");
+  std::ofstream(path) << R"({"homolog_study": 1, "cases": [
+    {"file": "a.ply", "age": 61, "label": "left kidney", "covariates": {"sex": "f", "mass": 71.5}},
+    {"name": "b", "file": "a.ply", "label": [1, 2], "covariates": "none"},
+    {"name": "c", "file": "a.ply", "label": null, "covariates": {}}]})";
+  Study study = read_study(path).value().study;
+  CHECK(study.cases[0].label == "left kidney");
+  CHECK(study.cases[0].covariates == nlohmann::ordered_json{{"sex", "f"}, {"mass", 71.5}});
+  CHECK(study.cases[0].other == nlohmann::ordered_json{{"age", 61}});
+  for (const std::size_t odd : {1U, 2U}) {  // what is of another kind is kept, and nothing is known by it
+    CHECK(study.cases[odd].label.is_null());
+    CHECK(study.cases[odd].covariates.empty());
+    CHECK(study.cases[odd].other.size() == 2);
+  }
+  REQUIRE(write_study(study, path));
+  const auto json = nlohmann::ordered_json::parse(read_whole_file(path).value());
+  const auto& first = json["cases"][0];
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : first.items()) keys.push_back(key);
+  CHECK(keys == std::vector<std::string>{"name", "file", "state", "label", "covariates", "age"});
+  CHECK(first["covariates"].dump() == R"({"sex":"f","mass":71.5})");
+  CHECK(json["cases"][1]["label"] == nlohmann::ordered_json{1, 2});
+  CHECK(json["cases"][1]["covariates"] == "none");
+  CHECK(json["cases"][2]["label"].is_null());
+  CHECK(json["cases"][2]["covariates"].empty());
+  CHECK(read_study(path).value().study == study);
+}
+
 TEST_CASE("the next case is the next one that is not done") {
   const TemporaryFolder folder;
   Study study = read_study(some_study(folder)).value().study;

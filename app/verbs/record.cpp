@@ -263,13 +263,13 @@ GivenCommand GivenCommand::with(std::string_view option, const std::vector<fs::p
 
 GivenCommand given_command(const CLI::App& verb) {
   GivenCommand command{full_name(verb), {}};
-  const RecordedVerb& known = *recorded_verb(command.verb);
+  const RecordedVerb* known = recorded_verb(command.verb);
   for (const CLI::Option* option : verb.get_options()) {
     const std::string name = option->get_name();
     if (name == "--recipe" && option->count() == 0 && verb.count("--template") > 0)
       if (std::string beside = recipe_of_template(verb.get_option("--template")->as<std::string>()); !beside.empty())
         command.options.push_back({name, {std::move(beside)}});
-    if (option->count() == 0 || changes_no_byte(name) || known.writes(name)) continue;
+    if (option->count() == 0 || changes_no_byte(name) || (known != nullptr && known->writes(name))) continue;
     GivenOption given{name, {}};
     if (option->get_items_expected_max() > 0) given.values = option->results();
     if (const char delimiter = option->get_delimiter(); delimiter != '\0' && given.values.size() > 1) {
@@ -283,7 +283,10 @@ GivenCommand given_command(const CLI::App& verb) {
 }
 
 Result<std::string> record_of(const GivenCommand& given, Progress& progress) {
-  const RecordedVerb& known = *recorded_verb(given.verb);
+  const RecordedVerb* known = recorded_verb(given.verb);
+  if (known == nullptr)
+    return fail(given.verb,
+                "has no row in recorded_verbs of app/verbs/record.cpp, so no record can be made; add its row");
   const GivenCommand command = with_shapes_opened(given);
   const bool of_names = asks_for_names(command);
   const auto one_row = std::ranges::find(command.options, std::string_view("--case"), &GivenOption::name);
@@ -296,7 +299,7 @@ Result<std::string> record_of(const GivenCommand& given, Progress& progress) {
     Json values = option.values.empty() ? Json(true) : Json::array();
     for (const std::string& value : option.values) {
       std::error_code none;
-      if (!known.reads(option.name) || !names_file(value) || !fs::exists(value, none)) {
+      if (!known->reads(option.name) || !names_file(value) || !fs::exists(value, none)) {
         values.push_back(value);
         continue;
       }

@@ -51,12 +51,12 @@ struct GivenCommand {
   GivenCommand with(std::string_view option, const std::vector<std::filesystem::path>& values) const;
 };
 
-/// The command that was parsed. The verb is one that `recorded_verb` knows. A recipe that lies beside --template is
-/// read as well: it stands where it would had it been given by --recipe.
+/// The command that was parsed. A recipe that lies beside --template is read as well: it stands where it would had it
+/// been given by --recipe.
 GivenCommand given_command(const CLI::App& verb);
 
-/// The record of the file that the command makes, in one line of ASCII. Reads the inputs. Errors: an input that cannot
-/// be read; cancelled.
+/// The record of the file that the command makes, in one line of ASCII. Reads the inputs. Errors: a verb that
+/// `recorded_verb` does not know; an input that cannot be read; cancelled.
 Result<std::string> record_of(const GivenCommand& command, Progress& progress);
 
 /// The same record for one file, `output`, of the folder that the command makes.

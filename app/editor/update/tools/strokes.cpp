@@ -92,14 +92,15 @@ constinit const ToolKind slide_tool =
                  .glyph = icon::slide,
                  .tip = "Slide (S): move vertices along the surface; the surface stays",
                  .stroke = Tool::slide});
-constinit const ToolKind relax_tool = stroke_kind({.tool = MouseTool::relax,
-                                                   .name = "Relax",
-                                                   .log_name = "relax",
-                                                   .key = "R",
-                                                   .in_keys = "Relax",
-                                                   .glyph = icon::relax,
-                                                   .tip = "Relax (R): paint to bring back the template's shape",
-                                                   .ends_group = true,
-                                                   .stroke = Tool::relax});
+constinit const ToolKind relax_tool =
+    stroke_kind({.tool = MouseTool::relax,
+                 .name = "Relax",
+                 .log_name = "relax",
+                 .key = "R",
+                 .in_keys = "Relax",
+                 .glyph = icon::relax,
+                 .tip = "Relax (R): drag to bring back the template's shape where you press",
+                 .ends_group = true,
+                 .stroke = Tool::relax});
 
 }  // namespace homolog

@@ -351,7 +351,8 @@ const std::array<ColouringKind, colourings>& colouring_kinds() {
        .colour = colour_confidence,
        .legend = confidence_legend},
   }};
-  static_assert(has_row_of_each<Colouring>(kinds, &ColouringKind::colouring), "a row for each Colouring, in their order");
+  static_assert(has_row_of_each<Colouring>(kinds, &ColouringKind::colouring),
+                "a row for each Colouring, in their order");
   return kinds;
 }
 

@@ -200,6 +200,7 @@ Result<std::vector<SlicerCurve>> curves_of(const Json& json) {
     if (auto added = add_slicer_markup(markup, points, "a point of a curve"); !added) return fail(added.error());
     SlicerCurve& curve = curves.emplace_back();
     curve.closed = type == "ClosedCurve";
+    curve.type = text_of(markup, "curveType");
     for (const Landmark& point : points) curve.points.push_back(point.position);
   }
   if (curves.empty()) return fail("", "holds no curves, points at most; draw curves in 3D Slicer and save these");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "core/base/numbers/geometry.h"
@@ -12,6 +13,8 @@ namespace homolog {
 struct SlicerCurve {
   std::vector<Vec3> points;  ///< that were placed, LPS mm
   bool closed = true;
+  std::string
+      type{};  ///< how it runs between them: "spline", "linear", …; empty: not said, as in 3D Slicer's own files
 };
 
 /// Reads the curves of a `.mrk.json`: markups "Curve" and "ClosedCurve"; RAS is turned to LPS. Errors: as of

@@ -42,12 +42,15 @@ ImageInMemory::~ImageInMemory() {
   images_in_memory.by_name.erase(place_);
 }
 
-Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress, bool resample) {
+Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress, bool resample,
+                              const ReferencedImages& of_images) {
   constexpr double share_of_work = 0.05;  // what is done with an image takes longer than to read it
   Progress own(progress, share_of_work);
   VolumeReadOptions reading;
   reading.progress = &own;
   reading.resample = resample;
+  reading.of_images = of_images;
+  reading.names_no_series = true;
   const auto lent = image_in_memory(path);
   if (lent && resample) return fail(path.string(), "is in memory, so --resample has no effect; leave it out");
   if (auto usable = check_reading(path, "", false, resample); !usable) return fail(usable.error());

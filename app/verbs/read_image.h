@@ -29,8 +29,9 @@ class ImageInMemory {
 };
 
 /// The image, of which `frame` must exist. `resample`: VolumeReadOptions::resample; an error where it has no effect
-/// [check_reading].
-Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress, bool resample = false);
+/// [check_reading]. `of_images`: VolumeReadOptions::of_images.
+Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress, bool resample = false,
+                              const ReferencedImages& of_images = {});
 
 /// The warning that a frame was taken of several that nobody asked for.
 std::string frame_taken(const std::filesystem::path& path, int frames, int frame);

@@ -54,7 +54,10 @@ struct ReferencedImages {
 };
 
 struct VolumeReadOptions {
-  std::string series_uid;                ///< which series of a folder that holds several
+  std::string series_uid;  ///< which series of a folder that holds several
+  /// DICOM: of a folder that holds several series that of these images, where `series_uid` names none.
+  ReferencedImages of_images{};
+  bool names_no_series = false;          ///< whoever reads has no way to give `series_uid`: errors offer none
   std::optional<Vec3> stack_spacing_mm;  ///< required for a folder (or one file) of PNG/TIFF slices
   Progress* progress = nullptr;          ///< reported to and asked for cancellation when given
   /// NIfTI, NRRD and MetaImage: grid and frames are enough, as their headers say them; `data` stays empty.

@@ -15,6 +15,7 @@
 #include "core/model/files/statismo.h"
 #include "core/template/other_side.h"
 #include "core/volume/contour_labels.h"
+#include "core/volume/dicom/dicom_series.h"
 #include "core/volume/labels/label_likeness.h"
 #include "core/volume/labels/map_on_grid.h"
 #include "core/volume/labels/soft_mask.h"
@@ -44,6 +45,11 @@ struct ConvertJob {
   const CLI::App* verb = nullptr;  ///< whose options these are
 
   bool has(const char* option) const { return verb->count(option) > 0; }
+  /// Of a file there is no series to choose: then --series is that of --like.
+  bool series_is_of_like() const {
+    std::error_code ignored;
+    return !like.empty() && !fs::is_directory(in, ignored);
+  }
 };
 
 // Each kind of input first refuses what has no effect on it, then does its work. `record`: for the file that is
@@ -51,8 +57,10 @@ struct ConvertJob {
 
 /// Errors: an option was given that is for meshes and images alone. `what`: what the input is, as "is a model".
 Result<void> refuse_reading(const ConvertJob& job, const std::string& what) {
-  for (const char* name : {"--times", "--from-ras", "--spacing", "--series"})
+  for (const char* name : {"--times", "--from-ras", "--spacing"})
     if (job.has(name)) return fail(job.in.string(), what + ", so that " + name + " has no effect; leave it out");
+  if (job.has("--series") && job.like.empty())
+    return fail(job.in.string(), what + ", so that --series has no effect; leave it out");
   return {};
 }
 
@@ -82,9 +90,9 @@ bool is_mask(const Volume& volume) {
 
 /// Contours as a label map on the grid of an image.
 Result<Report> convert_contours(const ConvertJob& job, const std::string& record, Progress& progress) {
-  const fs::path &in = job.in, &like = job.like;
+  const fs::path& in = job.in;
   if (auto refused = refuse_reading(job, "holds contours"); !refused) return fail(refused.error());
-  if (like.empty())
+  if (job.like.empty())
     return fail(in.string(),
                 "holds contours, which become a label map on the grid of an image; name the series that "
                 "they were drawn on by --like");
@@ -96,12 +104,15 @@ Result<Report> convert_contours(const ConvertJob& job, const std::string& record
     contours->rois = {ContourRoi(**roi)};
     contours->warnings = doubts_about(in, contours->rois);
   }
-  const auto image = read_like(like, job.resample, progress);
+  const LikeImage wanted =
+      like_of({.path = job.like, .resample = job.resample, .series = job.series}, contours->referenced);
+  const fs::path& like = wanted.path;
+  const auto image = read_like(wanted, contours->referenced, progress);
   if (!image) return fail(image.error());
   auto map = labels_of_contours(in, *contours, like, image->volume, &progress, image->resampled);
   if (!map) return fail(map.error());
   map->resampled = image->resampled;
-  const auto written = write_labels(*map, job.out, like, progress, record);
+  const auto written = write_labels(*map, job.out, like, progress, record, image->volume.series_uid);
   if (!written) return fail(written.error());
   std::vector<std::string> warnings = image->warnings;
   warnings.insert(warnings.end(), map->warnings.begin(), map->warnings.end());
@@ -111,10 +122,15 @@ Result<Report> convert_contours(const ConvertJob& job, const std::string& record
   return report;
 }
 
-/// A label map on the grid of an image, with the voxels that it has.
-Result<VolumeRead> read_on_image(const fs::path& in, VolumeReadOptions reading, const fs::path& like, bool resample) {
-  const auto image = read_like(like, resample, *reading.progress);
+/// A label map on the grid of an image, with the voxels that it has. `wanted` becomes the folder and the series of
+/// that image.
+Result<VolumeRead> read_on_image(const fs::path& in, VolumeReadOptions reading, LikeImage& wanted) {
+  const ReferencedImages made_on = images_made_on(in);
+  wanted = like_of(std::move(wanted), made_on);
+  const fs::path& like = wanted.path;
+  const auto image = read_like(wanted, made_on, *reading.progress);
   if (!image) return fail(image.error());
+  wanted.series = image->volume.series_uid;
   reading.image =
       ImageGrid{image->volume.geometry, image->volume.frame_of_reference, image->volume.images, image->resampled};
   auto map = read_volume(in, reading);
@@ -193,14 +209,17 @@ Result<Report> convert_volume(const ConvertJob& job, const std::string& record, 
     return fail(job.in.string(),
                 "is a volume, on which --times and --from-ras have no effect; correct the geometry in its header");
   const bool on_image = !job.like.empty();
-  const VolumeReadOptions reading = read_options(job.series, job.spacing_mm, progress, job.resample && !on_image);
-  auto read = on_image ? read_on_image(job.in, reading, job.like, job.resample) : read_volume(job.in, reading);
+  LikeImage like{.path = job.like, .resample = job.resample, .series = {}};
+  if (job.series_is_of_like()) like.series = job.series;
+  const VolumeReadOptions reading =
+      read_options(job.series_is_of_like() ? "" : job.series, job.spacing_mm, progress, job.resample && !on_image);
+  auto read = on_image ? read_on_image(job.in, reading, like) : read_volume(job.in, reading);
   if (!read) return fail(read.error());
   if (is_dicom_name(job.out) && read->segmentation.segments.empty() && !is_mask(read->volume))
     return fail(job.in.string(),
                 "is no label map, and DICOM files are written of label maps alone; choose another "
                 "format");
-  const auto written = write_labels(*read, job.out, job.like, progress, record);
+  const auto written = write_labels(*read, job.out, like.path, progress, record, like.series.value_or(""));
   if (!written) return fail(written.error());
   warnings.insert(warnings.begin(), read->warnings.begin(), read->warnings.end());
   warnings.insert(warnings.end(), written->begin(), written->end());
@@ -216,7 +235,8 @@ Result<Report> convert(const ConvertJob& job, Progress& progress) {
   if (!job.has("--sample") && holds_contours(job.in)) return convert_contours(job, *record, progress);
   const bool is_mesh = is_mesh_name(job.in) || is_built_in(job.in.string());
   if (auto kinds = check_kinds(job, is_mesh); !kinds) return fail(kinds.error());
-  auto warnings = check_reading(job.in, job.series, !job.spacing_mm.empty(), job.resample && job.like.empty());
+  auto warnings = check_reading(job.in, job.series_is_of_like() ? "" : job.series, !job.spacing_mm.empty(),
+                                job.resample && job.like.empty());
   if (!warnings) return fail(warnings.error());
   return is_mesh ? convert_mesh(job, *record) : convert_volume(job, *record, std::move(*warnings), progress);
 }
@@ -232,7 +252,9 @@ void add_convert(CLI::App& app, CommandLine& asked) {
           "a mesh")
       ->required();
   verb->add_option("OUT", options->out, "The file to write; its extension chooses the format")->required();
-  verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
+  verb->add_option(
+      "--series", options->series,
+      "UID of the series, where a DICOM folder holds several; of a file with --like: which of that folder");
   add_spacing_option(*verb, options->spacing_mm);
   verb->add_option("--times", options->times,
                    "Multiply a mesh's coordinates, which are in another unit than mm: 1000 for metres, 10 for cm")

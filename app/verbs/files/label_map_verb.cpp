@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// All structures of a case as voxels on a volume's grid, with their names.
-Result<Report> label_map_of_case(const fs::path& path, const fs::path& like_path, bool resample, const fs::path& out,
+Result<Report> label_map_of_case(const fs::path& path, const fs::path& asked_like, bool resample, const fs::path& out,
                                  const GivenCommand& command, Progress& progress) {
   ReplayOptions replay;
   replay.progress = &progress;
@@ -36,7 +36,13 @@ Result<Report> label_map_of_case(const fs::path& path, const fs::path& like_path
   const auto meshes = segments_of(document);
   if (meshes.empty())
     return fail(path.string(), "has no mesh in the frame that it shows; show another one and save it");
-  const auto like = read_like(like_path, resample, progress);
+  // A case knows which series it was made on.
+  ReferencedImages made_on;
+  if (document.scan.image && !document.scan.image->series_uid.empty())
+    made_on.series = {document.scan.image->series_uid};
+  const LikeImage wanted = like_of({.path = asked_like, .resample = resample}, made_on);
+  const fs::path& like_path = wanted.path;
+  const auto like = read_like(wanted, made_on, progress);
   if (!like) return fail(like.error());
   const bool layered = keeps_layers(out);
   MapOfMeshes made =
@@ -44,7 +50,7 @@ Result<Report> label_map_of_case(const fs::path& path, const fs::path& like_path
   made.map.resampled = like->resampled;
   const auto record = record_of(command, progress);
   if (!record) return fail(record.error());
-  const auto written = write_labels(made.map, out, like_path, progress, *record);
+  const auto written = write_labels(made.map, out, like_path, progress, *record, like->volume.series_uid);
   if (!written) return fail(written.error());
   Report report;
   report.warnings = read->warnings;
@@ -107,7 +113,7 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
     if (!file) return fail(file.error());
     const auto mesh = sound_mesh(*file);
     if (!mesh) return fail(options->mesh.string(), mesh.error().what);
-    auto like = read_like(options->like, options->resample, progress);
+    auto like = read_like({.path = options->like, .resample = options->resample}, {}, progress);
     if (!like) return fail(like.error());
     const auto misfit = misfit_in_image(bounds_of(mesh->points), like->volume.geometry);
     const Volume labels = label_map(*mesh, like->volume.geometry, options->value);
@@ -118,7 +124,7 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
       VolumeRead map{.volume = labels, .warnings = {}, .segmentation = {}, .other_layers = {}};
       map.segmentation.add({.name = file_stem(options->mesh), .value = options->value});
       map.resampled = like->resampled;
-      const auto written = write_labels(map, options->out, options->like, progress, *record);
+      const auto written = write_labels(map, options->out, options->like, progress, *record, like->volume.series_uid);
       if (!written) return fail(written.error());
       warnings.insert(warnings.end(), written->begin(), written->end());
     } else if (auto written = has_ending(options->out, formats::mgh.endings)

@@ -16,6 +16,7 @@
 #include "core/mesh/files/mesh_frame.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/placement/similarity_fit.h"
+#include "core/volume/dicom/dicom_series.h"
 #include "core/volume/referenced_images.h"
 
 namespace homolog {
@@ -194,7 +195,8 @@ Result<Report> fit_contours(const FitJob& options, const FitShared& shared, Prog
     mask = std::move(*read);
   }
   if (!options.image.empty()) {
-    auto read = read_image(options.image, options.snap.frame, progress, options.resample);
+    auto read = read_image(options.image, options.snap.frame, progress, options.resample,
+                           images_made_on(options.contours.front()));
     if (!read) return fail(read.error());
     image = std::move(*read);
   }

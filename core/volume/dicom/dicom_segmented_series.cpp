@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "core/volume/contours.h"
 #include "core/volume/dicom/dicom_arrangement.h"
 #include "core/volume/dicom/dicom_copies.h"
 #include "core/volume/dicom/dicom_segments.h"
@@ -40,8 +41,6 @@ std::optional<ImageGrid> grid_of_series(const fs::path& folder, const std::vecto
   return ImageGrid{*grid, headers.front().frame_of_reference, images_of(headers, *arrangement)};
 }
 
-using SeriesByUid = std::map<std::string, std::vector<DicomHeader>>;
-
 /// The series in the folder of a segmentation that lie in its space. Files that cannot be read are no part of it.
 SeriesByUid series_beside(const DicomSet& segmentation, Progress* progress) {
   const std::string space = text_of(segmentation.elements, 0x00200052);
@@ -57,7 +56,8 @@ SeriesByUid series_beside(const DicomSet& segmentation, Progress* progress) {
   return series;
 }
 
-/// The series that a segmentation was made on: the one that most of its images lie in, else the one that it names.
+}  // namespace
+
 SeriesByUid::const_iterator series_of(const ReferencedImages& made_on, const SeriesByUid& series) {
   const std::set<std::string> wanted(made_on.instances.begin(), made_on.instances.end());
   auto best = series.end();
@@ -72,8 +72,6 @@ SeriesByUid::const_iterator series_of(const ReferencedImages& made_on, const Ser
     if (best == series.end()) best = series.find(uid);
   return best;
 }
-
-}  // namespace
 
 Result<VolumeRead> read_segmentation_on_series(const DicomSet& set, const std::optional<ImageGrid>& image,
                                                Progress* progress) {
@@ -108,6 +106,33 @@ std::vector<fs::path> segmentations_in(const fs::path& folder) {
       return {};  // a scan, with what was segmented of it
   }
   return found.size() > 1 ? found : std::vector<fs::path>();
+}
+
+ReferencedImages images_made_on(const fs::path& path) {
+  if (!looks_like_dicom(path)) return {};
+  const auto set = parse_dicom(path);
+  if (set && is_dicom_segmentation(*set)) return segmented_images(*set);
+  const auto contours = set ? read_contours(path) : Result<Contours>(Contours());
+  return contours ? contours->referenced : ReferencedImages();
+}
+
+fs::path folder_of_series(const fs::path& folder, const std::vector<std::string>& series) {
+  std::error_code ignored;
+  if (series.empty() || !fs::is_directory(folder, ignored) || !dicom_files_in(folder).empty()) return folder;
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error))
+    if (entry->is_directory(ignored)) folders.push_back(entry->path());
+  std::sort(folders.begin(), folders.end());
+  for (const fs::path& one : folders)
+    for (const fs::path& file : dicom_files_in(one)) {
+      const auto set = parse_dicom(file);
+      if (set && dicom_header(*set).is_image() &&
+          std::ranges::find(series, dicom_header(*set).series_uid) != series.end())
+        return one;
+    }
+  return folder;
 }
 
 }  // namespace homolog

@@ -8,6 +8,7 @@
 #include "core/base/result.h"
 #include "core/volume/dicom/dicom_arrangement.h"
 #include "core/volume/volume.h"
+#include "core/volume/volume_io.h"
 
 namespace homolog {
 
@@ -27,5 +28,12 @@ Result<DicomSeries> read_dicom_series(const std::filesystem::path& path, Progres
 
 /// The segmentations (SEG) of a folder that holds several of them and no images, by name; none of any other folder.
 std::vector<std::filesystem::path> segmentations_in(const std::filesystem::path& folder);
+
+/// The images that the segmentation or structure set of a file was made on; none of any other file.
+ReferencedImages images_made_on(const std::filesystem::path& path);
+
+/// The folder in `folder` that holds one of these series, where the latter holds no DICOM files itself (a study); else
+/// `folder`.
+std::filesystem::path folder_of_series(const std::filesystem::path& folder, const std::vector<std::string>& series);
 
 }  // namespace homolog

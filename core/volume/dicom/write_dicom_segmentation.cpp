@@ -289,8 +289,9 @@ std::vector<std::string> numbered_anew(const fs::path& path, const std::vector<W
 }  // namespace
 
 Result<std::vector<std::string>> write_dicom_segmentation(const VolumeRead& map, const fs::path& path,
-                                                          const fs::path& series_path, Progress* progress) {
-  auto series = read_dicom_series(series_path, progress, map.resampled.has_value());
+                                                          const fs::path& series_path, Progress* progress,
+                                                          const std::string& series_uid) {
+  auto series = read_dicom_series(series_path, progress, map.resampled.has_value(), series_uid);
   if (!series) return fail(series.error());
   if (is_resampled(*series)) series->grid = map.volume.geometry;
   if (auto whole = check_series(series_path, *series); !whole) return fail(whole.error());

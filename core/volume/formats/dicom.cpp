@@ -184,7 +184,7 @@ Result<void> check_others(const std::vector<fs::path>& dicom, const std::vector<
 
 /// What lies in a folder: image headers by series, and segmentations, each of which is a file.
 struct FolderContents {
-  std::map<std::string, std::vector<DicomHeader>> series;
+  SeriesByUid series;
   std::vector<DicomSet> segmentations;
 };
 
@@ -238,7 +238,8 @@ Result<VolumeRead> read_lone_segmentation(const fs::path& folder, const std::vec
                                    " DICOM segmentations and no images; name one of the files: " + listed(names, ", "));
 }
 
-/// `series_uid` chooses where the folder holds several series. Segmentations beside images count as series only there.
+/// `series_uid` chooses where the folder holds several series, else what images are wanted of. Segmentations beside
+/// images count as series only there.
 Result<VolumeRead> read_dicom_folder(const fs::path& folder, const VolumeReadOptions& options) {
   const std::string& series_uid = options.series_uid;
   const auto contents = scan_folder(folder, options.progress);
@@ -248,9 +249,10 @@ Result<VolumeRead> read_dicom_folder(const fs::path& folder, const VolumeReadOpt
     if (!series_uid.empty() && text_of(set.elements, 0x0020000e) == series_uid)
       return read_segmentation_on_series(set, options.image, options.progress);
   if (series.empty() && series_uid.empty()) return read_lone_segmentation(folder, contents->segmentations, options);
-  const auto chosen = series_uid.empty() ? series.begin() : series.find(series_uid);
-  if (chosen != series.end() && (!series_uid.empty() || series.size() == 1))
-    return read_headers(folder, chosen->second, options.resample, options.progress);
+  const auto chosen = !series_uid.empty()  ? series.find(series_uid)
+                      : series.size() == 1 ? series.begin()
+                                           : series_of(options.of_images, series);
+  if (chosen != series.end()) return read_headers(folder, chosen->second, options.resample, options.progress);
   std::vector<std::string> list;
   for (const auto& [uid, headers] : series)
     list.push_back(uid + " (" + headers.front().modality + " \"" + headers.front().series_description + "\", " +
@@ -258,8 +260,11 @@ Result<VolumeRead> read_dicom_folder(const fs::path& folder, const VolumeReadOpt
   if (!series_uid.empty())
     return fail(folder.string(),
                 "holds no series " + series_uid + (list.empty() ? "" : "; it holds " + listed(list, ", ")));
-  return fail(folder.string(), "holds " + std::to_string(series.size()) +
-                                   " series; choose one with --series UID: " + listed(list, ", "));
+  return fail(folder.string(),
+              "holds " + std::to_string(series.size()) +
+                  (options.names_no_series ? " series; copy the files of one to a folder of their own, and give that: "
+                                           : " series; choose one with --series UID: ") +
+                  listed(list, ", "));
 }
 
 Result<VolumeRead> read_dicom(const fs::path& path, const VolumeReadOptions& options) {

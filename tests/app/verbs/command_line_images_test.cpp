@@ -8,7 +8,7 @@
 #include "tests/ball_folder.h"
 #include "tests/case_folder.h"
 #include "tests/command_line.h"
-#include "tests/core/volume/dicom_slices.h"
+#include "tests/core/volume/structure_set_file.h"
 #include "tests/real_data.h"
 #include "tests/tiff_bytes.h"
 
@@ -289,4 +289,43 @@ TEST_CASE("--resample is refused where there are no DICOM slices") {
   REQUIRE(write_volume(image, folder.path / "image.nii.gz"));
   check_refused(run(folder, "convert image.nii.gz out.nrrd --resample"), "--resample has no effect");
   check_refused(run(folder, "info image.nii.gz --resample"), "--resample has no effect");
+}
+
+TEST_CASE("contours in a folder of several series become a label map on the one that they were drawn on") {
+  const TemporaryFolder folder;
+  fs::create_directories(folder.path / "study/thick");
+  fs::create_directories(folder.path / "flat");
+  Slice slice;
+  slice.put(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2");
+  slice.put(0x0020000d, "UI", "1.2.1");
+  slice.put(0x00200052, "UI", "1.2.9");
+  for (const char* series : {"1.2.3", "1.2.4"})
+    for (int k = 0; k < 3; ++k) {
+      slice.series = series;
+      slice.z = (series == std::string("1.2.3") ? 2.5 : 5) * k;
+      slice.put(0x00080018, "UI", series + ("." + std::to_string(k)));
+      const std::string name = series + ("-" + std::to_string(k) + ".dcm");
+      write_bytes(folder.path / "flat" / name, slice.bytes());
+      if (series == std::string("1.2.4")) write_bytes(folder.path / "study/thick" / name, slice.bytes());
+    }
+  RtFile file;
+  file.series = "1.2.4";
+  file.drawn = {{1, "CLOSED_PLANAR", "-1\\-1\\5\\1\\-1\\5\\1\\1\\5\\-1\\1\\5"}};
+  write_bytes(folder.path / "rt.dcm", file.bytes());
+  const auto slices_mm = [&](const std::string& how) {
+    const Ran ran = run(folder, "convert rt.dcm o.seg.nrrd --json --like " + how);
+    REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+    return ran.json()["spacing_mm"][2].get<double>();
+  };
+  CHECK(slices_mm("flat") == 5);
+  CHECK(slices_mm("study") == 5);
+  CHECK(slices_mm("flat --series 1.2.3") == 2.5);
+  REQUIRE(run(folder, "convert rt.dcm o.dcm --like flat").status == 0);
+  CHECK(read_volume(folder.path / "o.dcm")->referenced.series == std::vector<std::string>{"1.2.4"});
+  // Written as a segmentation it finds its series too, and a verb without --series offers none.
+  CHECK(run(folder, "convert o.dcm again.seg.nrrd --like flat").status == 0);
+  REQUIRE(run(folder, "convert built-in:kidney k.ply").status == 0);
+  check_refused(run(folder, "label-map k.ply --like flat -o o.nii.gz"),
+                "copy the files of one to a folder of their own");
+  check_refused(run(folder, "convert rt.dcm o.seg.nrrd --series 1.2.3"), "--series has no effect");
 }

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 
 // Segmentations of a few voxels, byte by byte. tests/dicom makes larger ones, as programs of the field write them.
 using namespace homolog;
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -258,7 +260,6 @@ TEST_CASE("a folder of images with a segmentation in it is the images and alone 
 }
 
 TEST_CASE("a folder of several segmentations and no images gives each of them by name") {
-  namespace fs = std::filesystem;
   const TemporaryFolder folder;
   CHECK(segmentations_in(folder.path / "absent").empty());
   CHECK(segmentations_in(folder.path).empty());
@@ -510,4 +511,41 @@ TEST_CASE("a segmentation of other images than those beside it says so") {
   REQUIRE(warnings(file).size() == 1);
   CHECK(warnings(file).front().find("refers to the series 1.2.4, and the image beside it is series 1.2.3") !=
         std::string::npos);
+}
+
+TEST_CASE("of several series in a folder the one is read that a segmentation was made on") {
+  const TemporaryFolder folder;
+  const fs::path flat = folder.path / "flat", study = folder.path / "study";
+  for (const auto& one : {flat, study / "a", study / "b"}) fs::create_directories(one);
+  Slice slice;
+  for (const char* series : {"1.2.3", "1.2.4"})
+    for (int k = 0; k < (series == std::string("1.2.3") ? 3 : 2); ++k) {
+      slice.series = series;
+      slice.z = 2.5 * k;
+      slice.put(0x00080018, "UI", series + ("." + std::to_string(k)));
+      const std::string name = series + ("-" + std::to_string(k) + ".dcm");
+      write_bytes(flat / name, slice.bytes());
+      write_bytes(study / (series == std::string("1.2.3") ? "a" : "b") / name, slice.bytes());
+    }
+  SegFile file;
+  file.references = references_to("1.2.9", {"1.2.4.0", "1.2.4.1", "1.2.3.0"});
+  write_bytes(flat / "seg.dcm", file.bytes());
+  const ReferencedImages made_on = images_made_on(flat / "seg.dcm");
+  CHECK(made_on.instances.size() == 3);
+  CHECK(images_made_on(flat / "1.2.3-0.dcm").series.empty());
+  const auto slices_of = [&](const ReferencedImages& images) {
+    VolumeReadOptions options;
+    options.of_images = images;
+    const auto read = read_volume(flat, options);
+    if (!read) FAIL(read.error().sentence());
+    return read->volume.geometry.dims[2];
+  };
+  CHECK(slices_of(made_on) == 2);
+  CHECK(slices_of({{"1.2.3"}, {}, {}}) == 3);
+  VolumeReadOptions options;
+  options.names_no_series = true;
+  CHECK(says(read_volume(flat, options), "holds 2 series; copy the files of one to a folder of their own"));
+  CHECK(folder_of_series(study, {"1.2.4"}) == study / "b");
+  CHECK(folder_of_series(study, {"1.2.5"}) == study);
+  CHECK(folder_of_series(flat, {"1.2.4"}) == flat);
 }

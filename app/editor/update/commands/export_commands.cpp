@@ -58,10 +58,15 @@ std::string closed_flat_of(const Structure& structure) {
   return closed.empty() ? closed : structure_name(structure) + " " + closed + ".";
 }
 
+/// The image that a label map lies on: where it is, and which series of a folder.
+struct SourceOfMap {
+  std::string path, series_uid;
+};
+
 /// Writes a label map by its name: one of DICOM refers to the series that the image is.
-Result<void> write_map(const VolumeRead& map, const fs::path& to, const std::string& image, Progress& progress) {
+Result<void> write_map(const VolumeRead& map, const fs::path& to, const SourceOfMap& image, Progress& progress) {
   if (lower_case(to.extension().string()) != ".dcm") return write_segmentation(map, to, &progress);
-  const auto written = write_dicom_segmentation(map, to, image, &progress);
+  const auto written = write_dicom_segmentation(map, to, image.path, &progress, image.series_uid);
   return written ? Result<void>() : fail(written.error());
 }
 
@@ -140,7 +145,8 @@ void ExportLabelMap::run(Editing& editing) const {
     write_beside(
         editing, file,
         [mesh = ShapeView{*structure, *structure->shape(frame), frame}.mesh(), grid = document.scan.image->geometry,
-         name = structure_name(*structure), image = document.scan.source](const fs::path& to, Progress& progress) {
+         name = structure_name(*structure), image = SourceOfMap{document.scan.source, document.scan.image->series_uid}](
+            const fs::path& to, Progress& progress) {
           VolumeRead map;
           map.volume = label_map(mesh, grid, 1);
           if (lower_case(to.extension().string()) != ".dcm") return write_volume(map.volume, to, &progress);
@@ -166,8 +172,9 @@ void ExportStructuresMap::run(Editing& editing) const {
       remark += (remark.empty() ? "" : " ") + closed;
   write_beside(
       editing, path,
-      [meshes = std::move(meshes), grid = document.scan.image->geometry, image = document.scan.source](
-          const fs::path& to, Progress& progress) {
+      [meshes = std::move(meshes), grid = document.scan.image->geometry,
+       image = SourceOfMap{document.scan.source, document.scan.image->series_uid}](const fs::path& to,
+                                                                                   Progress& progress) {
         const MapOfMeshes made = keeps_layers(to) ? map_in_layers(meshes, grid) : map_of_meshes(meshes, grid);
         return write_map(made.map, to, image, progress);
       },

@@ -6,7 +6,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <set>
 
 #include "core/base/processes/memory.h"
 #include "core/base/text/text.h"
@@ -35,16 +34,6 @@ struct SlicedRoi {
   std::size_t elsewhere = 0;            ///< how many refer to the image of another slice than the one that they lie on
   std::pair<int, int> first_elsewhere;  ///< of the first of them both
 };
-
-/// The slice of each image by its UID; of those that several have, none.
-std::map<std::string, int> slices_by_uid(const std::vector<SourceImage>& images) {
-  std::map<std::string, int> slices;
-  std::set<std::string> several;
-  for (const SourceImage& image : images)
-    if (!slices.emplace(image.uid, image.slice).second) several.insert(image.uid);
-  for (const std::string& uid : several) slices.erase(uid);
-  return slices;
-}
 
 std::string about_roi(const ContourRoi& roi) {
   return "structure " + std::to_string(roi.number) + " (" + excerpt(roi.name) + ")";
@@ -102,9 +91,9 @@ class ResampledPlanes {
 };
 
 /// The contours of a structure on the slices across the axis where most of them lie on some. `resampled`: null where
-/// the grid is that of the series. `images`: their slices.
+/// the grid is that of the series. `images`: the image's, by their names.
 SlicedRoi sliced(const ContourRoi& roi, const VolumeGeometry& grid, const ResampledPlanes* resampled,
-                 const std::map<std::string, int>& images) {
+                 const std::map<std::string, const SourceImage*>& images) {
   struct Drawn {
     Polygon polygon;
     bool cuts_out = false;
@@ -138,8 +127,8 @@ SlicedRoi sliced(const ContourRoi& roi, const VolumeGeometry& grid, const Resamp
     }
     if (resampled == nullptr) result.slices[*slice].emplace_back(std::move(polygon), cuts_out);
     const auto image = result.axis == 2 ? images.find(uid) : images.end();
-    if (image == images.end() || image->second == *slice) continue;
-    if (result.elsewhere++ == 0) result.first_elsewhere = {*slice, image->second};
+    if (image == images.end() || image->second == nullptr || image->second->slice == *slice) continue;
+    if (result.elsewhere++ == 0) result.first_elsewhere = {*slice, image->second->slice};
   }
   return result;
 }
@@ -326,7 +315,7 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
     result.warnings.push_back(path.string() +
                               ": numbers a structure beyond what a label can be (1 to 65535), so that labels count its "
                               "structures from 1");
-  const auto slices_of_images = slices_by_uid(image.images);
+  const auto named_images = images_by_name(image.images);
   std::optional<ResampledPlanes> planes;
   if (resampled) planes.emplace(*resampled);
   if (resampled) result.warnings.push_back(taken_sentence(path, "contours", *resampled, grid));
@@ -336,7 +325,7 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
     const ContourRoi& roi = contours.rois[r];
     if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
     if (progress) progress->report(static_cast<double>(r) / static_cast<double>(contours.rois.size()));
-    const SlicedRoi on_slices = sliced(roi, grid, planes ? &*planes : nullptr, slices_of_images);
+    const SlicedRoi on_slices = sliced(roi, grid, planes ? &*planes : nullptr, named_images);
     if (on_slices.elsewhere > 0) result.warnings.push_back(path.string() + ": " + elsewhere_words(roi, on_slices));
     if (on_slices.off_slices > 0) {  // the others go on
       const std::string words = off_slices_words(roi, on_slices, image_path);

@@ -18,7 +18,7 @@ struct Contour {
   std::vector<Vec3> points;  ///< the last is joined to the first where it is closed, and is not the first again
   bool closed = true;
   bool cuts_out = false;  ///< combined with the others of its plane by exclusive or (CLOSEDPLANAR_XOR)
-  std::string image{};    ///< UID of the only image that it was drawn on; empty: not said
+  std::string image{};    ///< the only image that it was drawn on [named_image]; empty: not said
 
   /// The same line, whatever image it names.
   bool operator==(const Contour& other) const {

@@ -1,12 +1,45 @@
 #include "core/volume/referenced_images.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "core/base/text/text.h"
 
 namespace homolog {
 namespace fs = std::filesystem;
+
+namespace {
+
+std::string name_of_plane(const std::string& uid, int frame) {
+  return uid + ":" + std::to_string(frame);
+}
+
+}  // namespace
+
+std::string named_image(const DicomItem& reference) {
+  constexpr DicomTag instance = 0x00081155, frame_number = 0x00081160;
+  const std::string uid = text_of(reference, instance);
+  const auto frames = numbers_of(reference, frame_number);
+  constexpr double most_frames = 1e9;
+  if (uid.empty() || frames.size() > 1) return {};
+  return !frames.empty() && std::abs(frames.front()) < most_frames
+             ? name_of_plane(uid, static_cast<int>(frames.front()))
+             : uid;
+}
+
+std::map<std::string, const SourceImage*> images_by_name(const std::vector<SourceImage>& images) {
+  std::map<std::string, const SourceImage*> found;
+  const auto add = [&](const std::string& name, const SourceImage& image) {
+    const auto [at, is_new] = found.try_emplace(name, &image);
+    if (!is_new) at->second = nullptr;
+  };
+  for (const SourceImage& image : images) {
+    if (image.frame == 0) add(image.uid, image);
+    add(name_of_plane(image.uid, std::max(1, image.frame)), image);
+  }
+  return found;
+}
 
 std::optional<std::string> other_images(const fs::path& path, const ReferencedImages& referenced,
                                         const std::string& image, const std::string& series_uid,

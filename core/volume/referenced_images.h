@@ -1,14 +1,23 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/volume/dicom/dicom_set.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {
+
+/// The name of the image that an item of a DICOM file refers to: its UID, and of a file of several planes, where the
+/// item says which, also the number of that one. Empty where it names none, or several.
+std::string named_image(const DicomItem& reference);
+
+/// Images by these names; null where several have one.
+std::map<std::string, const SourceImage*> images_by_name(const std::vector<SourceImage>& images);
 
 /// The warning that a segmentation or contours (`path`) were made on other images than those that they are used with,
 /// though both lie in one space; nothing where they were not, or where one of both does not say. `image`: what the

@@ -63,6 +63,7 @@ struct SourceImage {
   std::string uid;
   std::optional<Vec3> position_mm{};  ///< of its first voxel as the file says it, LPS mm; none of several planes
   int slice = 0;                      ///< of the volume: where that plane lies
+  int frame = 0;                      ///< of a file of several planes: which, from 1; else 0
 };
 
 /// A scan, a label map, or a cine (several frames on one grid). Voxels are stored i fastest, then j, k, frame.

@@ -62,7 +62,8 @@ std::string beside_voxels(const HeldVolume& self) {
   if (read.volume.frame_seconds != 0) said["frame_seconds"] = read.volume.frame_seconds;
   if (!read.volume.modality.empty()) said["modality"] = read.volume.modality;
   if (!read.volume.frame_of_reference.empty()) said["frame_of_reference"] = read.volume.frame_of_reference;
-  for (const SourceImage& image : read.volume.images) said["instances"].push_back(image.uid);
+  for (const SourceImage& image : read.volume.images)
+    if (image.frame <= 1) said["instances"].push_back(image.uid);
   if (read.volume.empty_beyond_slices) said["empty_beyond_slices"] = true;
   if (!read.referenced.series.empty()) said["of_series"] = read.referenced.series;
   if (!read.referenced.instances.empty()) said["of_instances"] = read.referenced.instances;

@@ -169,10 +169,11 @@ std::vector<SourceImage> images_of(const std::vector<DicomHeader>& headers, cons
   for (std::size_t place = 0; place < arrangement.planes.size(); ++place) {
     const DicomPlaneSource& source = arrangement.planes[place];
     const DicomHeader& header = headers[source.file];
-    if (header.instance_uid.empty() || source.plane_in_file > 0) continue;
+    if (header.instance_uid.empty()) continue;
     SourceImage& image = images.emplace_back();
     image.uid = header.instance_uid;
     if (header.planes.size() == 1) image.position_mm = source.plane->position_mm;
+    if (header.planes.size() > 1) image.frame = static_cast<int>(source.plane_in_file) + 1;
     image.slice = static_cast<int>(place) % arrangement.slices;
   }
   return images;

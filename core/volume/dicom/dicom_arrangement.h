@@ -38,7 +38,7 @@ struct DicomArrangement {
 Result<DicomArrangement> arrange(const std::filesystem::path& path, const std::vector<DicomHeader>& headers,
                                  std::vector<std::string>& warnings, bool resample = false);
 
-/// The files that have a UID, as the images of the volume that an arrangement is of.
+/// The planes whose file has a UID, as the images of the volume that an arrangement is of.
 std::vector<SourceImage> images_of(const std::vector<DicomHeader>& headers, const DicomArrangement& arrangement);
 
 }  // namespace homolog

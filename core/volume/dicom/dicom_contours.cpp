@@ -11,6 +11,7 @@
 #include "core/volume/dicom/dicom_set.h"
 #include "core/volume/dicom/dicom_text.h"
 #include "core/volume/labels/segmentation.h"
+#include "core/volume/referenced_images.h"
 
 namespace homolog {
 namespace fs = std::filesystem;
@@ -132,11 +133,11 @@ struct OddContours {
   }
 };
 
-/// The UID of the image that a contour was drawn on; empty where it names none, or several.
+/// The image that a contour was drawn on [named_image]; empty where it names none, or several.
 std::string image_of(const DicomItem& item) {
-  std::set<std::string> uids;
-  for_each_item(item, rt::images, [&](const DicomItem& image) { uids.insert(text_of(image, rt::instance)); });
-  return uids.size() == 1 ? *uids.begin() : std::string();
+  std::set<std::string> names;
+  for_each_item(item, rt::images, [&](const DicomItem& image) { names.insert(named_image(image)); });
+  return names.size() == 1 ? *names.begin() : std::string();
 }
 
 /// Adds one contour. Errors: its points are missing, no numbers, or fewer or more than it says.

@@ -6,6 +6,7 @@
 
 #include "core/volume/dicom/dicom_stack.h"
 #include "core/volume/readers.h"
+#include "core/volume/referenced_images.h"
 
 namespace homolog {
 namespace fs = std::filesystem;
@@ -208,16 +209,6 @@ Result<void> check_beside(const fs::path& path, const PlacedFrames& frames, cons
                                  "is tilted), or export it on slices that lie straight behind one another");
 }
 
-/// Images by their UIDs; null where several have one.
-std::map<std::string, const SourceImage*> by_uid(const std::vector<SourceImage>& images) {
-  std::map<std::string, const SourceImage*> found;
-  for (const SourceImage& image : images) {
-    const auto [at, is_new] = found.try_emplace(image.uid, &image);
-    if (!is_new) at->second = nullptr;
-  }
-  return found;
-}
-
 }  // namespace
 
 Result<FrameLattice> lattice_of(const fs::path& path, const PlacedFrames& frames, std::vector<std::string>& warnings) {
@@ -290,7 +281,7 @@ std::optional<FrameLattice> on_grid(const PlacedFrames& frames, const VolumeGeom
 std::optional<FrameLattice> on_images(const PlacedFrames& frames, const ImageGrid& series) {
   const VolumeGeometry& grid = series.geometry;
   if (grid.dims[0] != frames.columns || grid.dims[1] != frames.rows) return {};
-  const auto images = by_uid(series.images);
+  const auto images = images_by_name(series.images);
   const Vec3 close = near_voxels(grid.spacing_mm);
   if (!goes_along(frames, grid, close)) return {};
   FrameLattice lattice{grid, {}, true};
@@ -341,7 +332,7 @@ std::vector<std::string> doubts_about_places(const fs::path& path, const PlacedF
                                              const FrameLattice& lattice, const std::vector<SourceImage>& series) {
   constexpr double noticed_mm = 0.1;
   std::vector<std::string> doubts;
-  const auto images = by_uid(series);
+  const auto images = images_by_name(series);
   double worst = 0;
   for (std::size_t f = 0; f < frames.positions_mm.size(); ++f) {
     const int slice = lattice.slices[f];

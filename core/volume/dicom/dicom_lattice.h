@@ -17,7 +17,7 @@ struct PlacedFrames {
   std::pair<Vec3, Vec3> axes;          ///< unit directions of increasing column and row index
   std::pair<double, double> pixel_mm;  ///< distance between columns, between rows
   std::vector<Vec3> positions_mm;      ///< of each frame, the centre of its first voxel
-  std::vector<std::string> images{};   ///< of each frame: the UID of the only image it was made of; empty: not said
+  std::vector<std::string> images{};   ///< of each frame: the only image it was made of [named_image]; empty: not said
   /// Distance between slices and their thickness, as far as the file gives them.
   std::optional<double> spacing_mm, thickness_mm;
 };

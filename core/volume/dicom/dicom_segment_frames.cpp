@@ -8,6 +8,7 @@
 
 #include "core/base/text/text.h"
 #include "core/volume/dicom/dicom_text.h"
+#include "core/volume/referenced_images.h"
 
 namespace homolog {
 
@@ -22,7 +23,6 @@ constexpr DicomTag frame_of_reference = 0x00200052, position = 0x00200032, orien
 constexpr DicomTag slide_group = 0x0048021a, position_group = 0x00209113, orientation_group = 0x00209116,
                    measures_group = 0x00289110, segment_group = 0x0062000a, referenced_number = 0x0062000b,
                    groups_of_frames = 0x52009230, derivation_group = 0x00089124, source_images = 0x00082112;
-constexpr DicomTag instance = 0x00081155;  // UID of an image that is referred to
 }  // namespace seg
 
 std::optional<std::array<double, 3>> three_shorts(const DicomItem& item, DicomTag tag, bool big_endian) {
@@ -137,18 +137,18 @@ std::optional<std::pair<Vec3, Vec3>> axes_of(const std::vector<double>& numbers)
   return std::pair(columns.normalized(), rows.normalized());
 }
 
-/// The UID of the image that a frame was made of; empty where it names none, or several.
+/// The image that a frame was made of [named_image]; empty where it names none, or several.
 std::string source_of(const DicomItem& data, std::size_t frame) {
-  std::string uid;
+  std::string name;
   const DicomItem* derivation = own_aspect(data, frame, seg::derivation_group);
   for (std::size_t k = 0; derivation != nullptr; ++k) {
     const DicomItem* image = item_of(*derivation, seg::source_images, k);
     if (image == nullptr) break;
-    const std::string own = text_of(*image, seg::instance);
-    if (!uid.empty() && own != uid) return {};
-    uid = own;
+    const std::string own = named_image(*image);
+    if (k > 0 && own != name) return {};
+    name = own;
   }
-  return uid;
+  return name;
 }
 
 /// Errors: the place, direction or pixel size of a frame is missing, or differs where all have to be alike.

@@ -191,6 +191,23 @@ TEST_CASE("contours between slices are left out and the structure keeps the othe
   CHECK(warned(read->warnings, "draws 1 of 3 contours of its structure 1 (spleen) on planes that are no slices"));
 }
 
+TEST_CASE("contours on planes of one file are not said to refer to others and one that does is") {
+  Volume image = turned_image();
+  for (int k = 0; k < 4; ++k) image.images.push_back({.uid = "1.5", .slice = 3 - k, .frame = k + 1});
+  RtFile file;
+  for (const double k : {1, 2}) file.drawn.push_back({1, "CLOSED_PLANAR", in_mm(image, square(0.5, 2.5, k))});
+  Contours contours = test::must(read_rt(file));
+  auto& drawn = contours.rois.front().contours;
+  const auto words = [&] { return test::must(labels_of_contours("rt.dcm", contours, "image", image)).warnings; };
+  drawn[0].image = drawn[1].image = "1.5";
+  CHECK_FALSE(warned(words(), "refers to the image of another slice"));
+  drawn[0].image = "1.5:3";
+  drawn[1].image = "1.5:2";
+  CHECK_FALSE(warned(words(), "refers to the image of another slice"));
+  drawn[1].image = "1.5:4";
+  CHECK(warned(words(), "it lies on slice 3 of its series and refers to the image of slice 1"));
+}
+
 TEST_CASE("voxels whose centres lie on a contour belong to its structure and around a hole too") {
   const Volume image = turned_image();
   RtFile file;

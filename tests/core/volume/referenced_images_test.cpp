@@ -83,3 +83,34 @@ TEST_CASE("the study counts where no image is named") {
   image.study_uid.clear();
   CHECK(warning_of({{}, {}, "1.2.7"}, image).empty());
 }
+
+TEST_CASE("a plane of a file of several is named by its number and a file of one with and without") {
+  DicomItem reference;
+  CHECK(named_image(reference).empty());
+  reference[0x00081155].value = "1.5";
+  const std::string whole = named_image(reference);
+  const auto plane = [&](const std::string& number) {
+    reference[0x00081160].value = number;
+    return named_image(reference);
+  };
+  const std::vector<SourceImage> images{{.uid = "1.5", .slice = 2, .frame = 1},
+                                        {.uid = "1.5", .slice = 0, .frame = 2},
+                                        {.uid = "1.6", .slice = 1},
+                                        {.uid = "1.7", .slice = 1},
+                                        {.uid = "1.7", .slice = 2}};
+  const auto by_name = images_by_name(images);
+  const auto slice_of = [&](const std::string& name) {
+    const auto found = by_name.find(name);
+    return found == by_name.end() || found->second == nullptr ? -1 : found->second->slice;
+  };
+  CHECK(slice_of(whole) == -1);
+  CHECK(slice_of(plane("1")) == 2);
+  CHECK(slice_of(plane("2 ")) == 0);
+  CHECK(slice_of(plane("3")) == -1);
+  CHECK(plane("1\\2").empty());
+  reference[0x00081155].value = "1.6";
+  CHECK(slice_of(plane("1")) == 1);
+  CHECK(slice_of(plane("")) == 1);
+  reference[0x00081155].value = "1.7";
+  CHECK(slice_of(plane("")) == -1);
+}

@@ -59,6 +59,41 @@ std::string mm_text(double mm) {
   return text;
 }
 
+/// Errors: the outside of a mesh is of another size than the template, as one in another unit is.
+Result<void> check_size(double diagonal, double template_diagonal, bool of_units_alone) {
+  struct Unit {
+    double times;
+    const char *name, *factor;
+  };
+  constexpr double near = 1.1, rounding = 1e-3;
+  const double times = diagonal / template_diagonal;
+  char shown[48];
+  std::snprintf(shown, sizeof shown, "%.3g", times);
+  const std::string size = std::string("has an outside ") + shown + " times as large as the template";
+  for (const Unit& unit : {Unit{1e-3, "metres", "1000"}, Unit{0.1, "cm", "10"}, Unit{1e3, "micrometres", "0.001"}})
+    if (times > unit.times / near && times < unit.times * near)
+      return fail("", size + ", as a mesh in " + unit.name + " has; write it in mm (its coordinates times " +
+                          unit.factor + ")");
+  if (!of_units_alone && (times > near + rounding || times < 1 / near - rounding))
+    return fail("", size + ", so it is not of this template; mesh the template itself");
+  return {};
+}
+
+/// How far a vertex of a template lies from the outside of a mesh at most; 0 where that is no surface.
+double farthest_from_outside(const VolumeMesh& mesh, const Mesh& the_template) {
+  const auto outside = outside_of(mesh);
+  if (!outside) return 0;
+  const SurfaceSearch search(*outside);
+  double farthest = 0;
+  std::int32_t likely = 0;
+  for (Eigen::Index i = 0; i < the_template.points.rows(); ++i) {
+    const auto nearest = search.nearest(the_template.points.row(i), likely);
+    likely = nearest.at.face;
+    farthest = std::max(farthest, nearest.distance_mm);
+  }
+  return farthest;
+}
+
 /// The elements of which a point is `chosen`, as rows.
 std::vector<Eigen::Index> elements_around(const Tetrahedra& tetrahedra, const std::vector<char>& chosen) {
   std::vector<Eigen::Index> rows;
@@ -93,6 +128,11 @@ Result<VolumeCarrier> VolumeCarrier::make(const VolumeMesh& mesh, const Mesh& th
   }
   const SurfaceSearch search(the_template);
   const double diagonal = bounds_of(the_template.points).sizes().norm();
+  Box outside;
+  for (const Eigen::Index i : carrier.fixed_)
+    if (carrier.outside_[static_cast<std::size_t>(i)] != 0) outside.extend(Vec3(mesh.points.row(i)));
+  const double own_diagonal = outside.sizes().norm();
+  if (auto usual = check_size(own_diagonal, diagonal, true); !usual) return fail(usual.error());
   std::int32_t likely = 0;
   for (const Eigen::Index i : carrier.fixed_) {
     const auto nearest = search.nearest(mesh.points.row(i), likely);
@@ -101,9 +141,15 @@ Result<VolumeCarrier> VolumeCarrier::make(const VolumeMesh& mesh, const Mesh& th
     if (carrier.outside_[static_cast<std::size_t>(i)] != 0)
       carrier.off_mm_ = std::max(carrier.off_mm_, nearest.distance_mm);
   }
-  if (carrier.off_mm_ > 0.1 * diagonal)
+  constexpr double too_far = 0.1;  // of the diagonal
+  if (carrier.off_mm_ > too_far * diagonal)
     return fail("", "has an outside that lies up to " + mm_text(carrier.off_mm_) +
                         " off the template's surface, so it is not of this template; mesh the template itself");
+  if (auto alike = check_size(own_diagonal, diagonal, false); !alike) return fail(alike.error());
+  if (const double lacking = farthest_from_outside(mesh, the_template); lacking > too_far * diagonal)
+    return fail("", "has no outside within " + mm_text(lacking) +
+                        " of a part of the template's surface, so it does not fill this template; mesh the template "
+                        "itself");
   carrier.far_off_ = carrier.off_mm_ > 0.01 * diagonal;
   carrier.least_ = scaled_jacobians(mesh.tetrahedra, mesh.points).minCoeff();
   carrier.prepare();

@@ -27,7 +27,8 @@ struct CarriedVolume {
 /// and stretched as the face is. Points within lie where the elements are least distorted [volume_energy.h].
 class VolumeCarrier {
  public:
-  /// Errors: the outside lies off the template by more than a tenth of its diagonal, so it is another body's.
+  /// Errors: the outside lies off the template by more than a tenth of its diagonal, or the template off the outside,
+  /// so it is another body's; its diagonal is another by more than a tenth, as that of a mesh in another unit is.
   static Result<VolumeCarrier> make(const VolumeMesh& mesh, const Mesh& the_template);
 
   /// `shape`: the template's vertices in the case, LPS mm. Errors: another number of vertices; a

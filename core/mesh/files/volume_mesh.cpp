@@ -148,12 +148,39 @@ VertexScalars scaled_jacobians(const Tetrahedra& tetrahedra, const Points& point
   return values;
 }
 
-std::vector<char> on_outside(const VolumeMesh& mesh) {
+namespace {
+
+/// The corners of the outer faces, three a face.
+std::vector<std::int32_t> outer_corners(const VolumeMesh& mesh) {
   const std::vector<std::int32_t> corners(mesh.tetrahedra.data(), mesh.tetrahedra.data() + mesh.tetrahedra.size());
   const std::vector<double> coordinates(mesh.points.data(), mesh.points.data() + mesh.points.size());
+  return formats::outer_faces(corners, coordinates);
+}
+
+}  // namespace
+
+std::vector<char> on_outside(const VolumeMesh& mesh) {
   std::vector<char> outside(static_cast<std::size_t>(mesh.points.rows()), 0);
-  for (const std::int32_t v : formats::outer_faces(corners, coordinates)) outside[static_cast<std::size_t>(v)] = 1;
+  for (const std::int32_t v : outer_corners(mesh)) outside[static_cast<std::size_t>(v)] = 1;
   return outside;
+}
+
+std::optional<Mesh> outside_of(const VolumeMesh& mesh) {
+  const std::vector<std::int32_t> corners = outer_corners(mesh);
+  std::vector<Eigen::Index> rows;
+  std::vector<std::int32_t> index(static_cast<std::size_t>(mesh.points.rows()), -1);
+  Triangles triangles(std::ssize(corners) / 3, 3);
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    std::int32_t& own = index[static_cast<std::size_t>(corners[c])];
+    if (own < 0) {
+      own = static_cast<std::int32_t>(rows.size());
+      rows.push_back(corners[c]);
+    }
+    triangles(static_cast<Eigen::Index>(c / 3), static_cast<Eigen::Index>(c % 3)) = own;
+  }
+  auto topology = Topology::make(std::ssize(rows), std::move(triangles));
+  if (!topology) return {};
+  return Mesh{std::move(*topology), mesh.points(rows, Eigen::all)};
 }
 
 }  // namespace homolog

@@ -2,11 +2,13 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/numbers/geometry.h"
 #include "core/base/result.h"
+#include "core/mesh/topology.h"
 
 namespace homolog {
 
@@ -44,5 +46,8 @@ VertexScalars sixfold_volumes(const Tetrahedra& tetrahedra, const Points& points
 
 /// Which points lie on the outside.
 std::vector<char> on_outside(const VolumeMesh& mesh);
+
+/// The outside as a surface of its own, LPS mm; nothing where its faces are no manifold.
+std::optional<Mesh> outside_of(const VolumeMesh& mesh);
 
 }  // namespace homolog

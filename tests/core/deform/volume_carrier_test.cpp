@@ -212,3 +212,29 @@ TEST_CASE("volume meshes that are wrong are refused by a sentence") {
   all_turned.tetrahedra.col(0).swap(all_turned.tetrahedra.col(1));
   CHECK(file.try_read("b.vtu", all_turned.vtu()));
 }
+
+TEST_CASE("a mesh in metres or of a part of the template is refused with what it seems to be") {
+  const BallInFile file;
+  const auto carried = [&](const Points& points, const Mesh& the_template) {
+    VolumeMesh mesh = file.mesh;
+    mesh.points = points;
+    return VolumeCarrier::make(mesh, the_template);
+  };
+  // A template whose surface goes through the origin, so that a tiny mesh lies on it.
+  const Mesh beside{file.surface.topology, file.surface.points.rowwise() - file.surface.points.row(0)};
+  CHECK(says(carried(file.mesh.points / 1000, beside),
+             "has an outside 0.001 times as large as the template, as a mesh in metres has; write it in mm (its "
+             "coordinates times 1000)"));
+  CHECK(says(carried(file.mesh.points / 10, file.surface),
+             "as a mesh in cm has; write it in mm (its coordinates times 10)"));
+  CHECK(says(carried(file.mesh.points * 1000, file.surface), "as a mesh in micrometres has"));
+  Points small = file.mesh.points / 8;
+  small.rowwise() += file.surface.points.row(0);
+  CHECK(
+      says(carried(small, file.surface), "has an outside 0.125 times as large as the template, so it is not of this"));
+  CHECK(carried(file.mesh.points * 0.97, file.surface).has_value());
+  const auto outside = outside_of(file.mesh);
+  REQUIRE(outside);
+  CHECK(outside->points.rows() == 162);
+  CHECK(outside->topology->triangles().rows() == file.surface.topology->triangles().rows());
+}

@@ -1,12 +1,9 @@
 #include "core/volume/dicom/write_dicom_segmentation.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
-#include <set>
 
 #include "core/base/encoding/hash.h"
 #include "core/base/files/files.h"
@@ -17,6 +14,7 @@
 #include "core/volume/dicom/dicom_series.h"
 #include "core/volume/dicom/dicom_text.h"
 #include "core/volume/dicom/dicom_written_frames.h"
+#include "core/volume/dicom/dicom_written_segments.h"
 #include "core/volume/labels/map_on_grid.h"
 
 namespace homolog {
@@ -34,52 +32,6 @@ std::string made_uid(Hash hash, std::string_view of) {
   constexpr std::uint64_t digits_19 = 10'000'000'000'000'000'000U;
   std::string end = std::to_string(lower.value % digits_19);
   return "2.25." + std::to_string(hash.value % digits_19 + 1) + std::string(19 - end.size(), '0') + end;
-}
-
-DicomElements coded(const std::string& value, const char* scheme, const char* meaning) {
-  DicomElements code;
-  code.put(0x00080100, "SH", value).put(0x00080102, "SH", scheme).put(0x00080104, "LO", meaning);
-  return code;
-}
-
-/// sRGB as CIELab in 16 bits with the white point that is read too.
-std::vector<std::uint16_t> lab_of(const std::array<std::uint8_t, 3>& colour) {
-  Vec3 rgb;
-  for (int c = 0; c < 3; ++c) {
-    const double share = colour[static_cast<std::size_t>(c)] / 255.0;
-    rgb[c] = share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
-  }
-  Mat3 to_xyz;
-  to_xyz << 0.4124564, 0.3575761, 0.1804375, 0.2126729, 0.7151522, 0.0721750, 0.0193339, 0.1191920, 0.9503041;
-  const Vec3 xyz = (to_xyz * rgb).cwiseQuotient(Vec3(0.950456, 1, 1.088754));
-  const auto f = [](double t) { return t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116; };
-  const double l = 116 * f(xyz.y()) - 16, a = 500 * (f(xyz.x()) - f(xyz.y())), b = 200 * (f(xyz.y()) - f(xyz.z()));
-  const auto stored = [](double share) {
-    return static_cast<std::uint16_t>(std::lround(65535 * std::clamp(share, 0.0, 1.0)));
-  };
-  return {stored(l / 100), stored((a + 128) / 255), stored((b + 128) / 255)};
-}
-
-/// A name as DICOM takes it: up to 64 characters, without a backslash, which divides values.
-std::string label_text(const Segment& segment) {
-  std::string name = segment.name.empty() ? "Label " + std::to_string(segment.value) : segment.name;
-  std::replace(name.begin(), name.end(), '\\', '/');
-  std::size_t characters = 0, end = 0;
-  for (; end < name.size(); ++end)
-    if ((static_cast<unsigned char>(name[end]) & 0xc0) != 0x80 && ++characters > 64) break;
-  return name.substr(0, end);
-}
-
-DicomElements described(const WrittenSegment& one) {
-  DicomElements segment;
-  segment.put_items(0x00620003, {coded("91723000", "SCT", "Anatomical Structure")})
-      .put_shorts(0x00620004, {static_cast<std::uint16_t>(one.number)})
-      .put(0x00620005, "LO", label_text(one.segment))
-      .put(0x00620008, "CS", "SEMIAUTOMATIC")
-      .put(0x00620009, "LO", "Homolog")
-      .put_items(0x0062000f, {coded("91723000", "SCT", "Anatomical Structure")});
-  if (one.segment.colour) segment.put_shorts(0x0062000d, lab_of(*one.segment.colour));
-  return segment;
 }
 
 /// The segmentation lies on a grid that the series was resampled to, whose slices are no images.
@@ -218,7 +170,7 @@ void add_text(const std::string& text, Hash& hash) {
 }
 
 /// All elements but the UID of the instance and the pixels. `of_series`: what makes UIDs the series' own.
-DicomElements data_set(const DicomSeries& series, const std::vector<WrittenSegment>& segments,
+DicomElements data_set(const DicomSeries& series, const std::vector<DicomElements>& described_ones,
                        const WrittenFrames& frames, const Hash& of_series, std::vector<std::string>& lost) {
   DicomElements data;
   put_patient_and_study(series.about, data, lost);
@@ -226,8 +178,7 @@ DicomElements data_set(const DicomSeries& series, const std::vector<WrittenSegme
   put_dimensions(made_uid(of_series, "dimensions"), data);
   put_image(series.grid, frames, data);
   put_loss(series, data);
-  std::vector<DicomElements> described_ones, groups, images;
-  for (const WrittenSegment& one : segments) described_ones.push_back(described(one));
+  std::vector<DicomElements> groups, images;
   std::map<int, std::uint32_t> ranks;  // of the slices that have frames
   for (const auto& [number, slice] : frames.of) ranks[slice] = 0;
   for (std::uint32_t next = 1; auto& [slice, rank] : ranks) rank = next++;
@@ -319,7 +270,9 @@ Result<std::vector<std::string>> write_dicom_segmentation(const VolumeRead& map,
   add_text(text_of(series->about, 0x0020000d), of_series);
   add_text(series->headers.front().series_uid, of_series);
   std::vector<std::string> lost;
-  DicomElements data = data_set(*series, *segments, frames, of_series, lost);
+  std::vector<std::string> about_segments;
+  const auto described = described_segments(path, *segments, about_segments);
+  DicomElements data = data_set(*series, described, frames, of_series, lost);
   Hash of_all = of_series;
   add_text(data.bytes(), of_all);
   const std::string instance = made_uid(of_all, "instance");
@@ -336,6 +289,7 @@ Result<std::vector<std::string>> write_dicom_segmentation(const VolumeRead& map,
   const std::string content = std::string(128, '\0') + "DICM" + length.bytes() + head + data.bytes();
   if (auto written = write_whole_file(path, content); !written) return fail(written.error());
   std::vector<std::string> warnings = lost_texts(path, *series, lost);
+  warnings.insert(warnings.end(), about_segments.begin(), about_segments.end());
   if (frames.full == 0)
     for (std::string& one : numbered_anew(path, *segments)) warnings.push_back(std::move(one));
   constexpr double equal = 1e-6;

@@ -250,14 +250,17 @@ Result<Report> describe_contours(const std::filesystem::path& path) {
   const auto contours = read_curves(path);
   if (!contours) return fail(contours.error());
   Json rois = Json::array();
-  for (const ContourRoi& roi : contours->rois)
+  for (const ContourRoi& roi : contours->rois) {
+    const auto apart = roi.planes_apart_mm();
     rois.push_back({{"name", roi.name},
                     {"number", roi.number},
                     {"type", roi.type.empty() ? Json() : Json(roi.type)},
                     {"colour", roi.colour ? Json(hex_of(*roi.colour)) : Json()},
                     {"contours", roi.contours.size()},
                     {"points", roi.all_points()},
-                    {"planes", roi.planes()}});
+                    {"planes", roi.planes()},
+                    {"planes_apart_mm", apart ? Json(*apart) : Json()}});
+  }
   return Report{{{"kind", "contours"}, {"series", contours->referenced.series}, {"rois", std::move(rois)}},
                 contours->warnings};
 }

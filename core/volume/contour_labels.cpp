@@ -142,6 +142,24 @@ std::string off_slices_words(const ContourRoi& roi, const SlicedRoi& sliced, con
          "; give the series that it was drawn on by --like, and not resampled";
 }
 
+/// That contours leave most slices between them out: a sentence without its file; empty: they do not, or there are too
+/// few to tell.
+std::string striped_words(const ContourRoi& roi, const SlicedRoi& sliced, const VolumeGeometry& grid) {
+  constexpr std::size_t fewest = 3;
+  std::vector<int> gaps;
+  for (auto slice = sliced.slices.begin(); slice != sliced.slices.end(); ++slice)
+    if (const auto next = std::next(slice); next != sliced.slices.end()) gaps.push_back(next->first - slice->first);
+  if (gaps.size() + 1 < fewest) return {};
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
+  std::nth_element(gaps.begin(), middle, gaps.end());
+  if (*middle < 2) return {};
+  const double slice_mm = grid.spacing_mm[sliced.axis];
+  return "its " + about_roi(roi) + " is drawn on " + std::to_string(sliced.slices.size()) + " planes, mostly " +
+         mm_text(*middle * slice_mm) + " apart, and the slices lie " + mm_text(slice_mm) +
+         " apart, so that those between its planes stay empty; draw it on all of them, or fit a mesh to its contours "
+         "(homolog fit TEMPLATE --contours FILE)";
+}
+
 /// That contours refer to images of other slices than their own: a sentence without its file.
 std::string elsewhere_words(const ContourRoi& roi, const SlicedRoi& sliced) {
   const bool one = sliced.elsewhere == 1;
@@ -327,6 +345,8 @@ Result<VolumeRead> labels_of_contours(const fs::path& path, const Contours& cont
     if (progress) progress->report(static_cast<double>(r) / static_cast<double>(contours.rois.size()));
     const SlicedRoi on_slices = sliced(roi, grid, planes ? &*planes : nullptr, named_images);
     if (on_slices.elsewhere > 0) result.warnings.push_back(path.string() + ": " + elsewhere_words(roi, on_slices));
+    if (const std::string striped = planes ? std::string() : striped_words(roi, on_slices, grid); !striped.empty())
+      result.warnings.push_back(path.string() + ": " + striped);
     if (on_slices.off_slices > 0) {  // the others go on
       const std::string words = off_slices_words(roi, on_slices, image_path);
       result.warnings.push_back(path.string() + ": " + words + " (left out)");

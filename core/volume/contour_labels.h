@@ -17,7 +17,8 @@ namespace homolog {
 /// sideways as its pixels were. A label is the number of its structure; structures that overlap lie in layers. `path`
 /// and `image_path` are named in sentences. `warnings` of the result: structures without an inside; contours off the
 /// slices of the grid, which are left out; contours that leave the image; contours within one another that are not said
-/// to be holes; contours that refer to the image of another slice than the one they lie on. Errors: another frame of
+/// to be holes; contours that refer to the image of another slice than the one they lie on; structures of which
+/// most planes leave slices between them out. Errors: another frame of
 /// reference; no closed contour at all, or none on a slice; cancelled.
 Result<VolumeRead> labels_of_contours(const std::filesystem::path& path, const Contours& contours,
                                       const std::filesystem::path& image_path, const Volume& image,

@@ -42,6 +42,8 @@ struct ContourRoi {
   std::size_t all_points() const;
   /// On how many planes its closed contours lie.
   std::size_t planes() const;
+  /// How far neighbours of these lie apart: the median. Nothing where there is one, or where they are not parallel.
+  std::optional<double> planes_apart_mm() const;
 };
 
 /// The contours of a file (DICOM RTSTRUCT).
@@ -56,6 +58,10 @@ struct Contours {
 /// line.
 std::pair<Vec3, Vec3> plane_of(const Contour& contour);
 
+/// Whether two contours are one line: the same points, also in the other direction, and where they are closed from
+/// another point on.
+bool is_same_line(const Contour& a, const Contour& b);
+
 /// Whether a polygon crosses itself, with edges that meet between their ends; edges that lie on one another, as in a
 /// keyhole, do not.
 bool crosses_itself(const Contour& contour);
@@ -63,7 +69,8 @@ bool crosses_itself(const Contour& contour);
 /// Whether a file is a DICOM structure set.
 bool holds_contours(const std::filesystem::path& path);
 
-/// Reads a structure set [DICOM PS3.3, A.19, C.8.8.5 and C.8.8.6]. A contour that is there twice is read once.
+/// Reads a structure set [DICOM PS3.3, A.19, C.8.8.5 and C.8.8.6]. A contour that is there twice, in either direction
+/// [is_same_line], is read once.
 /// `warnings`: what doubts_about says. Errors: no structure set; contours of a structure that is not described; points
 /// that are missing or no numbers; no frame of reference, or several.
 Result<Contours> read_contours(const std::filesystem::path& path);

@@ -111,6 +111,7 @@ Result<std::vector<ContourRoi>> described_rois(const DicomSet& set, std::vector<
 
 /// What of the contours of a structure is not taken as it stands.
 struct OddContours {
+  std::vector<std::size_t> keys;  ///< of those that were taken [key_of]
   int doubled = 0, short_ones = 0, moved = 0;
   std::string unknown_kind;
   int of_unknown_kind = 0;
@@ -138,6 +139,17 @@ std::string image_of(const DicomItem& item) {
   std::set<std::string> names;
   for_each_item(item, rt::images, [&](const DicomItem& image) { names.insert(named_image(image)); });
   return names.size() == 1 ? *names.begin() : std::string();
+}
+
+/// A number that is the same for the same points in any order.
+std::size_t key_of(const Contour& contour) {
+  std::size_t key = 0;
+  for (const Vec3& point : contour.points) {
+    std::size_t own = 0;
+    for (const double mm : point) own = own * 1'000'003 + std::hash<double>()(mm);
+    key += own;
+  }
+  return key;
 }
 
 /// Adds one contour. Errors: its points are missing, no numbers, or fewer or more than it says.
@@ -177,11 +189,16 @@ Result<void> add_contour(const DicomItem& item, ContourRoi& roi, OddContours& od
     roi.points.insert(roi.points.end(), contour.points.begin(), contour.points.end());
     return {};
   }
+  const std::size_t key = key_of(contour);
   // Two that are combined by exclusive or cancel out, as they are meant to.
-  if (!contour.cuts_out && std::ranges::find(roi.contours, contour) != roi.contours.end())
-    ++odd.doubled;
-  else
-    roi.contours.push_back(std::move(contour));
+  if (!contour.cuts_out)
+    for (std::size_t k = 0; k < roi.contours.size(); ++k)
+      if (odd.keys[k] == key && is_same_line(roi.contours[k], contour)) {
+        ++odd.doubled;
+        return {};
+      }
+  odd.keys.push_back(key);
+  roi.contours.push_back(std::move(contour));
   return {};
 }
 
@@ -215,6 +232,24 @@ std::string roi_words(const ContourRoi& roi) {
   return "structure " + std::to_string(roi.number) + " (" + excerpt(roi.name) + ")";
 }
 
+constexpr double same_direction = 1e-3;
+
+/// The planes on which closed contours lie: of each the centre of the first, and the unit normal.
+std::vector<std::pair<Vec3, Vec3>> planes_with(const std::vector<Contour>& contours) {
+  constexpr double same_mm = 0.01;
+  std::vector<std::pair<Vec3, Vec3>> known;
+  for (const Contour& contour : contours) {
+    if (!contour.closed) continue;
+    const auto [centre, normal] = plane_of(contour);
+    if (std::none_of(known.begin(), known.end(), [&, at = centre, across = normal](const auto& plane) {
+          return across.cross(plane.second).norm() < same_direction &&
+                 std::abs((at - plane.first).dot(plane.second)) < same_mm;
+        }))
+      known.emplace_back(centre, normal);
+  }
+  return known;
+}
+
 double cross2(double ax, double ay, double bx, double by) {
   return ax * by - ay * bx;
 }
@@ -228,18 +263,43 @@ std::size_t ContourRoi::all_points() const {
 }
 
 std::size_t ContourRoi::planes() const {
-  constexpr double same_mm = 0.01, same_direction = 1e-3;
-  std::vector<std::pair<Vec3, Vec3>> known;
-  for (const Contour& contour : contours) {
-    if (!contour.closed) continue;
-    const auto [centre, normal] = plane_of(contour);
-    if (std::none_of(known.begin(), known.end(), [&, at = centre, across = normal](const auto& plane) {
-          return across.cross(plane.second).norm() < same_direction &&
-                 std::abs((at - plane.first).dot(plane.second)) < same_mm;
-        }))
-      known.emplace_back(centre, normal);
+  return planes_with(contours).size();
+}
+
+std::optional<double> ContourRoi::planes_apart_mm() const {
+  const auto planes = planes_with(contours);
+  if (planes.size() < 2) return {};
+  const Vec3& normal = planes.front().second;
+  std::vector<double> heights, gaps;
+  for (const auto& [centre, own] : planes) {
+    if (normal.cross(own).norm() >= same_direction) return {};
+    heights.push_back(centre.dot(normal));
   }
-  return known.size();
+  std::sort(heights.begin(), heights.end());
+  for (std::size_t k = 1; k < heights.size(); ++k) gaps.push_back(heights[k] - heights[k - 1]);
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
+  std::nth_element(gaps.begin(), middle, gaps.end());
+  return *middle;
+}
+
+bool is_same_line(const Contour& a, const Contour& b) {
+  const std::size_t n = a.points.size();
+  if (a.closed != b.closed || a.cuts_out != b.cuts_out || n != b.points.size()) return false;
+  const auto runs = [&](std::size_t begin, bool forward) {
+    for (std::size_t k = 0; k < n; ++k)
+      if (a.points[k] != b.points[(begin + (forward ? k : n - k)) % n]) return false;
+    return true;
+  };
+  if (n == 0) return true;
+  if (!a.closed) return runs(0, true) || runs(n - 1, false);
+  // No contour that somebody drew comes back to its first point more often.
+  int returns = 64;
+  for (std::size_t begin = 0; begin < n && returns > 0; ++begin)
+    if (b.points[begin] == a.points[0]) {
+      --returns;
+      if (runs(begin, true) || runs(begin, false)) return true;
+    }
+  return false;
 }
 
 std::pair<Vec3, Vec3> plane_of(const Contour& contour) {

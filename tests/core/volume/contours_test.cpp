@@ -130,6 +130,52 @@ TEST_CASE("a gap between contours stays a gap and structures that overlap lie in
   CHECK(warned(read->warnings, "structure 3 (marks) has points or lines alone"));
 }
 
+TEST_CASE("contours on every second slice are said to be stripes and one gap is none") {
+  Volume image = turned_image();
+  image.geometry.dims[2] = 8;
+  image.data = std::vector<std::uint8_t>(800);
+  RtFile file;
+  const auto drawn_on = [&](const std::vector<int>& slices) {
+    file.drawn.clear();
+    for (const int k : slices) file.drawn.push_back({1, "CLOSED_PLANAR", in_mm(image, square(0.5, 2.5, k))});
+    return test::must(read_rt(file));
+  };
+  const auto warnings = [&](const Contours& contours) {
+    return test::must(labels_of_contours("rt.dcm", contours, "image", image)).warnings;
+  };
+  Contours striped = drawn_on({5, 1, 3});
+  CHECK(warned(warnings(striped),
+               "its structure 1 (spleen) is drawn on 3 planes, mostly 4.00 mm apart, and the slices lie "
+               "2.00 mm apart, so that those between its planes stay empty"));
+  CHECK(striped.rois.front().planes_apart_mm().value() == doctest::Approx(4));
+  CHECK(warnings(drawn_on({1, 2, 3, 6, 7})).empty());
+  CHECK(warnings(drawn_on({1, 2, 5})).empty());
+  CHECK(warnings(drawn_on({1, 5})).empty());
+  CHECK_FALSE(drawn_on({1}).rois.front().planes_apart_mm().has_value());
+}
+
+TEST_CASE("a contour that is there again in the other direction or from another point on counts once") {
+  const Volume image = turned_image();
+  const std::vector<Vec3> once = square(0.5, 3.5, 1);
+  const std::vector<Vec3> reversed(once.rbegin(), once.rend()), later{once[2], once[3], once[0], once[1]},
+      crossed{once[0], once[2], once[1], once[3]};
+  for (const auto& again : {once, reversed, later}) {
+    RtFile file;
+    file.drawn = {{1, "CLOSED_PLANAR", in_mm(image, once)}, {1, "CLOSED_PLANAR", in_mm(image, again)}};
+    const Contours contours = test::must(read_rt(file));
+    CHECK(contours.rois.front().contours.size() == 1);
+    CHECK(warned(contours.warnings, "1 contour twice; one of each was taken"));
+    CHECK(count_of(labels_of_contours("rt.dcm", contours, "image", image), 1) == 9);
+    for (ContourItem& one : file.drawn) one.kind = "CLOSEDPLANAR_XOR";
+    CHECK(test::must(read_rt(file)).rois.front().contours.size() == 2);
+    for (ContourItem& one : file.drawn) one.kind = "OPEN_PLANAR";
+    CHECK(test::must(read_rt(file)).rois.front().contours.size() == (again == later ? 2 : 1));
+  }
+  RtFile file;
+  file.drawn = {{1, "CLOSED_PLANAR", in_mm(image, once)}, {1, "CLOSED_PLANAR", in_mm(image, crossed)}};
+  CHECK(test::must(read_rt(file)).rois.front().contours.size() == 2);
+}
+
 TEST_CASE("contours that cross themselves and structures without points are named") {
   const Volume image = turned_image();
   RtFile file;

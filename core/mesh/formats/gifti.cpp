@@ -176,16 +176,42 @@ class GiftiReader {
     return bytes->substr(offset, size);
   }
 
+  /// Errors: a matrix that takes points nowhere, or not all alike.
+  static Result<void> check_affine(const Eigen::Matrix4d& matrix) {
+    constexpr double nothing = 1e-6;
+    const Eigen::Matrix3d turn = matrix.topLeftCorner<3, 3>();
+    const Eigen::RowVector4d last(0, 0, 0, 1);
+    const bool affine = (matrix.row(3) - last).cwiseAbs().maxCoeff() <= nothing,
+               flat = std::abs(turn.determinant()) <= nothing * turn.colwise().norm().prod();
+    if (matrix.allFinite() && affine && !flat) return {};
+    return fail("", std::string("has a matrix of its space that ") +
+                        (!matrix.allFinite() ? "holds no finite numbers"
+                         : !affine           ? "is not affine (its last row is not 0 0 0 1)"
+                                             : "is singular, so that all points would lie in a plane") +
+                        "; export it again");
+  }
+
+  /// Takes each point x to turn·x + shift. A mirror image has its faces reversed, so that they are seen from outside.
+  static void move(const Eigen::Matrix3d& turn, const Vec3& shift, MeshFile& mesh) {
+    mesh.points = (mesh.points * turn.transpose()).rowwise() + shift.transpose();
+    if (turn.determinant() > 0) return;
+    Triangles reversed = *mesh.triangles;
+    reversed.col(1).swap(reversed.col(2));
+    mesh.triangles = SharedTriangles(std::move(reversed));
+  }
+
   /// Moves the points from the file's own space to that of the scan, where the file tells how.
   static Result<void> place(pugi::xml_node array, MeshFile& mesh) {
-    bool in_scanner = false;
+    bool stays = false;  // in the scanner's space, or in a standard one to which nothing leads from elsewhere
     const std::string_view scanner = "NIFTI_XFORM_SCANNER_ANAT";
     pugi::xml_node to_scanner;
     for (const auto system : array.children("CoordinateSystemTransformMatrix")) {
-      if (trimmed(system.child_value("DataSpace")) == scanner) in_scanner = true;
+      const std::string_view space = trimmed(system.child_value("DataSpace"));
+      const bool standard = space == "NIFTI_XFORM_TALAIRACH" || space == "NIFTI_XFORM_MNI_152";
+      if (space == scanner || (standard && space == trimmed(system.child_value("TransformedSpace")))) stays = true;
       if (!to_scanner && trimmed(system.child_value("TransformedSpace")) == scanner) to_scanner = system;
     }
-    if (in_scanner) return {};
+    if (stays) return {};
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     if (to_scanner) {
       Text numbers(to_scanner.child_value("MatrixData"));
@@ -195,12 +221,12 @@ class GiftiReader {
         value = *number;
       }
     }
-    if (!matrix.allFinite() || matrix.isIdentity()) {
+    if (auto usable = check_affine(matrix); !usable) return fail(usable.error());
+    if (matrix.isIdentity()) {
       place_by_scan(array, mesh);
       return {};
     }
-    mesh.points =
-        (mesh.points * matrix.topLeftCorner<3, 3>().transpose()).rowwise() + matrix.topRightCorner<3, 1>().transpose();
+    move(matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>(), mesh);
     mesh.warnings.emplace_back("its points were moved to the scanner's space, as its matrix says");
     return {};
   }
@@ -221,7 +247,7 @@ class GiftiReader {
     taken << -1, 0, 0, 0, 0, 1, 0, -1, 0;
     const Eigen::Matrix3d turn = axes * taken.transpose();
     if (turn.isIdentity(1e-9) && middle.isZero()) return;
-    mesh.points = (mesh.points * turn.transpose()).rowwise() + middle.transpose();
+    move(turn, middle, mesh);
     mesh.warnings.emplace_back(
         "lies in FreeSurfer's coordinates about the middle of a scan, and was moved to where that scan lies; if "
         "mris_convert --to-scanner made it, remove its VolGeom notes, since it lay there already");

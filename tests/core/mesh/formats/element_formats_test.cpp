@@ -157,6 +157,39 @@ TEST_CASE("a GIFTI surface of FreeSurfer comes to where its scan lies") {
   CHECK(is_octahedron(test::must(folder.read("c.gii", to_scanner("<MetaData />", "5.0"))), {-5, 0, 0}));
   CHECK(is_octahedron(test::must(folder.read("d.gii", to_scanner(notes, "5.0"))), {-5, 0, 0}));
   CHECK(is_octahedron(test::must(folder.read("e.gii", to_scanner(notes, "0.0"))), {46.25, 47.5, -13.75}));
+  // In a standard space, as Workbench leaves the notes of where a surface came from.
+  for (const char* space : {"NIFTI_XFORM_TALAIRACH", "NIFTI_XFORM_MNI_152"}) {
+    std::string standard = gifti_text(notes, space);
+    standard = replaced(standard, "<TransformedSpace>NIFTI_XFORM_TALAIRACH", "<TransformedSpace>" + std::string(space));
+    const MeshFile stays = test::must(folder.read("f.gii", standard));
+    CHECK(is_octahedron(stays));
+    CHECK(stays.warnings.empty());
+  }
+}
+
+TEST_CASE("a matrix that mirrors a GIFTI surface keeps its faces outside and one that is no map is refused") {
+  const ElementFolder folder;
+  const auto read = [&](const std::string& what, const std::string& by) {
+    return folder.read("a.gii", replaced(replaced(gifti_text(), "<TransformedSpace>NIFTI_XFORM_TALAIRACH",
+                                                  "<TransformedSpace>NIFTI_XFORM_SCANNER_ANAT"),
+                                         what, by));
+  };
+  const std::string first = "<MatrixData>  1.000000   0.000000", last = "0.000000   1.000000</MatrixData>";
+  const auto volume_of = [](const MeshFile& mesh) {
+    double sixfold = 0;
+    for (const auto& t : mesh.triangles->rowwise()) {
+      const Vec3 a = mesh.points.row(t[0]), b = mesh.points.row(t[1]), c = mesh.points.row(t[2]);
+      sixfold += a.dot(b.cross(c));
+    }
+    return sixfold;
+  };
+  const double whole = volume_of(test::must(folder.read("a.gii", gifti_text())));
+  CHECK(volume_of(test::must(read(first, "<MatrixData> -1 0.000000"))) == doctest::Approx(whole));
+  CHECK(says(read(first, "<MatrixData> 0 0.000000"), "is singular, so that all points would lie in a plane"));
+  CHECK(says(read(last, "0.5   1.000000</MatrixData>"), "is not affine"));
+  CHECK(says(read(last, "0.000000   2</MatrixData>"), "is not affine"));
+  CHECK_FALSE(read(first, "<MatrixData> nan 0.000000").has_value());
+  CHECK_FALSE(read(first, "<MatrixData> inf 0.000000").has_value());
 }
 
 TEST_CASE("GIFTI files that are wrong are refused by a sentence") {

@@ -233,13 +233,13 @@ void describe_labels(const Volume& map, const Segmentation& known, std::optional
   }
 }
 
-/// The segments of a DICOM segmentation that have no voxels: its description is all that there is of them.
+/// The segments of a file that have no voxels: its description is all that there is of them.
 void describe_empty_segments(const Segmentation& known, Json& labels) {
   for (const Segment& segment : known.segments)
     if (std::none_of(labels.begin(), labels.end(),
                      [&](const Json& one) { return one["value"] == segment.value && one["layer"] == segment.layer; }))
       labels.push_back({{"value", segment.value},
-                        {"name", segment.name},
+                        {"name", segment.name.empty() ? Json() : Json(segment.name)},
                         {"voxels", 0},
                         {"volume_ml", 0.0},
                         {"layer", segment.layer},
@@ -314,7 +314,7 @@ Result<Report> describe_file(const std::filesystem::path& path, const VolumeRead
     Json labels = Json::array();
     describe_labels(read->volume, known, others.empty() ? std::optional<std::size_t>() : 0, frame.value_or(0), labels);
     for (std::size_t k = 0; k < others.size(); ++k) describe_labels(others[k], known, k + 1, frame.value_or(0), labels);
-    if (read->volume.modality == "SEG") describe_empty_segments(known, labels);
+    if (read->segments_are_own) describe_empty_segments(known, labels);
     report.values["labels"] = std::move(labels);
   }
   return report;

@@ -164,11 +164,29 @@ Result<void> check_frame(const Volume& mask, const std::vector<int>& labels, int
                       (others.size() > 1 ? ", or another of " + listed_frames(others) : ""));
 }
 
+/// "; kidney_left and liver are empty": the file's own segments that have no voxels; nothing where there are none.
+std::string empty_ones(const VolumeRead& read, const std::map<int, std::size_t>& held) {
+  if (!read.segments_are_own || !read.other_layers.empty()) return {};
+  std::vector<std::string> names;
+  constexpr std::size_t most = 8;
+  for (const Segment& segment : read.segmentation.segments)
+    if (!held.contains(segment.value))
+      names.push_back(segment.name.empty() ? std::to_string(segment.value) : excerpt(segment.name));
+  if (names.empty()) return {};
+  const bool one = names.size() == 1;
+  if (names.size() > most) {
+    names.resize(most);
+    names.emplace_back("…");
+  }
+  return "; " + listed(names, " and ") + (one ? " is empty" : " are empty");
+}
+
 /// "1, 2 (spleen) and 3" of what a frame holds.
 std::string labels_there(const VolumeRead& read, int frame) {
   std::vector<std::string> names;
   constexpr std::size_t most = 20;
-  for (const auto& [label, voxels] : labels_of(read.volume, frame)) {
+  const auto held = labels_of(read.volume, frame);
+  for (const auto& [label, voxels] : held) {
     if (names.size() == most) {
       names.emplace_back("…");
       break;
@@ -177,7 +195,7 @@ std::string labels_there(const VolumeRead& read, int frame) {
     names.push_back(std::to_string(label) +
                     (known && !known->name.empty() ? " (" + excerpt(known->name) + ")" : std::string()));
   }
-  return names.empty() ? "it holds none" : "it holds " + listed(names, " and ");
+  return (names.empty() ? "it holds none" : "it holds " + listed(names, " and ")) + empty_ones(read, held);
 }
 
 /// Whether a voxel of the frame has one of the labels.

@@ -77,6 +77,9 @@ struct VolumeRead {
   Volume volume;
   std::vector<std::string> warnings;
   Segmentation segmentation;  ///< names and colours of labels, where the file gives some; of layers all labels
+  /// The segments are those of the file, so that one without voxels is an empty structure and not only a name: of a
+  /// folder of masks, 3D Slicer, DICOM.
+  bool segments_are_own = false;
   /// The layers behind `volume`, which is the first, of a segmentation whose segments overlap or share labels (3D
   /// Slicer). Each lies on the same grid, except those of a folder of masks. read_labels.h chooses among them.
   std::vector<Volume> other_layers;

@@ -363,6 +363,7 @@ Result<VolumeRead> read_dicom_segmentation(const DicomSet& set, const std::optio
   const auto frames = segment_frames(set, header);
   if (!frames) return fail(frames.error());
   VolumeRead result;
+  result.segments_are_own = true;
   result.referenced = segmented_images(set);
   result.warnings = frames->warnings;
   auto lattice = series ? lattice_on_series(frames->placed, *series) : std::nullopt;

@@ -135,6 +135,7 @@ Result<VolumeRead> read_masks(const fs::path& folder, const VolumeReadOptions& o
     return fail(folder.string(), "holds more than " + std::to_string(most_files) +
                                      " images, which is no folder of single masks; name one file of it");
   VolumeRead result;
+  result.segments_are_own = true;
   std::vector<Volume> layers;
   for (std::size_t k = 0; k < files.size(); ++k) {
     if (options.progress) options.progress->report(static_cast<double>(k) / static_cast<double>(files.size()));

@@ -173,6 +173,7 @@ Result<VoxelRun> find_nrrd_run(const NrrdHeader& header, const Nrrd& nrrd, const
 void name_list(const fs::path& path, const NrrdHeader& header, VolumeRead& read) {
   const auto layers = header.is_segmentation ? static_cast<std::size_t>(read.volume.frames) : 1;
   read.segmentation = slicer_segments(path, header.segment_pairs, layers, read.warnings);
+  read.segments_are_own = !read.segmentation.segments.empty();
   if (read.volume.frames < 2) return;
   if (header.is_segmentation) return take_layers(path, read);
   if (header.is_diffusion)

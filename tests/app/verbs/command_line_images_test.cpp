@@ -329,3 +329,33 @@ TEST_CASE("contours in a folder of several series become a label map on the one 
                 "copy the files of one to a folder of their own");
   check_refused(run(folder, "convert rt.dcm o.seg.nrrd --series 1.2.3"), "--series has no effect");
 }
+
+TEST_CASE("an empty mask of a folder is listed with 0 voxels and named as empty") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path / "masks");
+  Volume mask;
+  mask.geometry.dims = {4, 4, 4};
+  mask.data = std::vector<std::uint8_t>(64);
+  REQUIRE(write_volume(mask, folder.path / "masks/kidney_left.nii.gz"));
+  std::vector<std::uint8_t> filled(64);
+  filled[21] = filled[22] = 1;
+  mask.data = filled;
+  mask.range_max = 1;
+  REQUIRE(write_volume(mask, folder.path / "masks/liver.nii.gz"));
+  filled = std::vector<std::uint8_t>(64);
+  filled[42] = 1;
+  mask.data = filled;
+  REQUIRE(write_volume(mask, folder.path / "masks/spleen.nii.gz"));
+  const Json labels = run(folder, "info masks --json").json()["labels"];
+  REQUIRE(labels.size() == 3);
+  CHECK(labels[2]["name"] == "kidney_left");
+  CHECK(labels[2]["value"] == 1);
+  CHECK(labels[2]["voxels"] == 0);
+  check_refused(run(folder, "template masks -o t.ply --label kidney_left"),
+                "label 1 does not occur in the label map; it holds 2 (liver) and 3 (spleen); kidney_left is empty");
+  check_refused(run(folder, "template masks -o t.ply"), "; kidney_left is empty");
+  // Names alone, as a table gives them, are no structures of the file.
+  REQUIRE(write_volume(mask, folder.path / "map.nii.gz"));
+  REQUIRE(write_whole_file(folder.path / "map.json", R"({"1": "spleen", "2": "liver"})"));
+  CHECK(run(folder, "info map.nii.gz --json").json()["labels"].size() == 1);
+}

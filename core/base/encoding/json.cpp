@@ -1,7 +1,9 @@
 #include "core/base/encoding/json.h"
 
 #include <array>
+#include <set>
 #include <type_traits>
+#include <vector>
 
 namespace homolog {
 
@@ -60,6 +62,21 @@ Result<Json> read_json(std::string_view text) {
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded()) return fail("", "is no valid JSON (cut short or edited by hand)");
   return json;
+}
+
+std::optional<std::string> doubled_key(std::string_view text) {
+  using Json = nlohmann::json;
+  std::optional<std::string> doubled;
+  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  const auto see = [&](int, Json::parse_event_t event, Json& value) {
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second && !doubled)
+      doubled = value.get<std::string>();
+    return !doubled;  // what is left is not needed
+  };
+  [[maybe_unused]] const Json all = Json::parse(text, see, false);
+  return doubled;
 }
 
 template Result<nlohmann::json> read_json(std::string_view text);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "core/base/result.h"
@@ -14,6 +16,10 @@ namespace homolog {
 /// says which, without a remedy.
 template <class Json>
 Result<Json> read_json(std::string_view text);
+
+/// The first key that an object of JSON text has twice, of which read_json keeps one value alone; none where there is
+/// no such. `text`: one that read_json reads.
+std::optional<std::string> doubled_key(std::string_view text);
 
 extern template Result<nlohmann::json> read_json(std::string_view text);
 extern template Result<nlohmann::ordered_json> read_json(std::string_view text);

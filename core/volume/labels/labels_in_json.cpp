@@ -64,17 +64,25 @@ Result<Segmentation> labels_of_members(const Json& object, bool lists) {
   return labels;
 }
 
+Result<Segmentation> labels_in_json(const Json& json) {
+  if (json.is_array()) return labels_of_list(json);
+  if (!json.is_object()) return Segmentation();
+  const auto labels = json.find("labels");
+  if (labels == json.end()) return labels_of_members(json, false);
+  if (labels->is_array()) return labels_of_list(*labels);
+  return labels->is_object() ? labels_of_members(*labels, true) : Segmentation();
+}
+
 }  // namespace
 
 Result<Segmentation> labels_of_json(std::string_view text) {
   const auto json = read_json<Json>(text);
   if (!json) return fail("", "is no JSON (" + json.error().what + ")");
-  if (json->is_array()) return labels_of_list(*json);
-  if (!json->is_object()) return Segmentation();
-  const auto labels = json->find("labels");
-  if (labels == json->end()) return labels_of_members(*json, false);
-  if (labels->is_array()) return labels_of_list(*labels);
-  return labels->is_object() ? labels_of_members(*labels, true) : Segmentation();
+  auto labels = labels_in_json(*json);
+  if (!labels || labels->segments.empty()) return labels;
+  // The parser keeps one of two values of a key, so that the other name would be lost.
+  if (const auto twice = doubled_key(text)) return fail("", "has the key \"" + excerpt(*twice) + "\" twice");
+  return labels;
 }
 
 }  // namespace homolog

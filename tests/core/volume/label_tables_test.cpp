@@ -85,6 +85,12 @@ TEST_CASE("names of labels are read from JSON in the forms that programs write")
   CHECK(names_in(labels_of_json("[1, 2]")).empty());
   CHECK(says(labels_of_json(R"({"spleen": 1, "liver": 1})"), "two names (liver and spleen)"));
   CHECK(says(labels_of_json("{"), "is no JSON"));
+  CHECK(says(labels_of_json(R"({"1": "spleen", "2": "vein", "1": "liver"})"), "has the key \"1\" twice"));
+  CHECK(says(labels_of_json(R"({"labels": {"spleen": 1, "spleen": 2}})"), "has the key \"spleen\" twice"));
+  CHECK(says(labels_of_json(R"([{"id": 3, "name": "vein", "name": "liver"}])"), "has the key \"name\" twice"));
+  CHECK(names_in(labels_of_json(R"({"EchoTime": 0.002, "EchoTime": 0.003})")).empty());
+  CHECK(with_file_beside("a_seg.json", R"({"1": "spleen", "1": "liver"})").warnings.size() == 1);
+  CHECK(with_file_beside("a_seg.json", R"({"1": "spleen", "1": "liver"})").segmentation.segments.empty());
 }
 
 TEST_CASE("names of labels are read from the tables of ITK-SNAP and FreeSurfer and 3D Slicer") {

@@ -73,3 +73,10 @@ TEST_CASE("a hundred thousand brackets are refused wherever JSON is read") {
   REQUIRE(mesh->warnings.size() == 1);
   CHECK(mesh->warnings.front().size() < 300);
 }
+
+TEST_CASE("a key that an object has twice is found and one of two objects is none") {
+  CHECK(doubled_key(R"({"a": 1, "b": {"c": 1, "d": [{"c": 2}, {"e": 1, "e": 2}]}, "b": 3})") == "e");
+  CHECK(doubled_key(R"({"a": 1, "b": 2, "a": {"x": 1}})") == "a");
+  CHECK_FALSE(doubled_key(R"([{"a": 1}, {"a": 2, "b": {"a": 3}}])").has_value());
+  CHECK_FALSE(doubled_key("3").has_value());
+}

@@ -29,6 +29,19 @@ constexpr int deepest = 32;
 constexpr std::string_view deflated_syntax = "1.2.840.10008.1.2.1.99", big_endian_syntax = "1.2.840.10008.1.2.2",
                            implicit_syntax = "1.2.840.10008.1.2";
 
+/// Whether the structure of a file of a transfer syntax can be followed: of the standard's [DICOM PS3.5, A], whose
+/// compressed ones are all explicit and little-endian. A private one may be anything.
+bool is_known_syntax(std::string_view uid) {
+  constexpr std::array known{implicit_syntax,
+                             std::string_view("1.2.840.10008.1.2.1"),
+                             std::string_view("1.2.840.10008.1.2.1.98"),
+                             deflated_syntax,
+                             big_endian_syntax,
+                             std::string_view("1.2.840.10008.1.2.5"),
+                             std::string_view("1.2.840.10008.1.2.8.1")};
+  return uid.starts_with("1.2.840.10008.1.2.4.") || std::ranges::find(known, uid) != known.end();
+}
+
 /// Sequences that a file without type marks does not declare but that are needed: functional groups and their parts,
 /// those of segmentations (group 62) and those of contours (group 3006).
 constexpr std::array<DicomTag, 30> known_sequences{
@@ -287,6 +300,10 @@ Result<DicomSet> parse_dicom(const fs::path& path) {
   set.transfer_syntax = text_of(meta, transfer_syntax_tag);
   if (set.transfer_syntax.empty() && marked)
     return fail(path.string(), "does not say how it is encoded (its transfer syntax is missing); export it again");
+  if (!set.transfer_syntax.empty() && !is_known_syntax(set.transfer_syntax))
+    return fail(path.string(), "is encoded in the transfer syntax " + excerpt(set.transfer_syntax) +
+                                   (set.transfer_syntax == "1.2.840.113619.5.2" ? " (a private one of GE)" : "") +
+                                   ", which cannot be read; export it uncompressed (Explicit VR Little Endian)");
   if (set.transfer_syntax == deflated_syntax) {
     if (auto parsed = parse_deflated(parser.position(), set); !parsed) return fail(parsed.error());
   } else {

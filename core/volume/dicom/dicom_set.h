@@ -48,8 +48,9 @@ struct DicomSet {
 /// Whether a file bears DICOM's mark or its extension .dcm, or begins as an unmarked data set.
 bool looks_like_dicom(const std::filesystem::path& path);
 
-/// Parses a file's structure [DICOM PS3.5 §7, PS3.10 §7] without reading its pixels. Fails where it is no DICOM file
-/// or ends within an element. GDCM does not parse files here: it aborts on many damaged ones.
+/// Parses a file's structure [DICOM PS3.5 §7, PS3.10 §7] without reading its pixels. Fails where it is no DICOM file,
+/// ends within an element, or has a transfer syntax that is not the standard's. GDCM does not parse files here: it
+/// aborts on many damaged ones.
 Result<DicomSet> parse_dicom(const std::filesystem::path& path);
 
 /// A text value without its padding; empty where it is missing.

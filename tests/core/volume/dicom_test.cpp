@@ -476,3 +476,26 @@ TEST_CASE("frames that lie in another order than in their file are put in place 
   const std::array<int, 5> first_at{6, 18, 24, 12, 0};  // of z = 0…4
   for (int k = 0; k < 5; ++k) CHECK(read->volume.at(0, 0, k) == first_at[static_cast<std::size_t>(k)]);
 }
+
+TEST_CASE("a transfer syntax that is not known is refused by its name and those of the standard are followed") {
+  Slice slice;
+  for (const char* uid :
+       {"1.2.840.113619.5.2", "1.2.840.10008.1.20", "1.2.840.10008.1.2.99", "1.3.46.670589.33.1.4.1"}) {
+    CAPTURE(uid);
+    slice.syntax = uid;
+    CHECK(says(read_slice(slice), "is encoded in the transfer syntax " + std::string(uid)));
+  }
+  slice.syntax = "1.2.840.113619.5.2";
+  CHECK(says(read_slice(slice), "(a private one of GE), which cannot be read; export it uncompressed"));
+  slice.syntax = "1.2.840.10008.1.2.1";
+  CHECK(read_slice(slice).has_value());
+  slice.fragments = {"no picture"};
+  for (const char* uid : {"1.2.840.10008.1.2.4.50", "1.2.840.10008.1.2.4.90", "1.2.840.10008.1.2.4.201",
+                          "1.2.840.10008.1.2.5", "1.2.840.10008.1.2.8.1"}) {
+    CAPTURE(uid);
+    slice.syntax = uid;
+    const auto read = read_slice(slice);
+    REQUIRE_FALSE(read);
+    CHECK(read.error().what.find("is encoded in the transfer syntax") == std::string::npos);
+  }
+}

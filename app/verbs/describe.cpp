@@ -152,7 +152,7 @@ Result<Report> describe(const MeshFile& file, const std::filesystem::path& path)
     return report;
   }
   auto topology = Topology::make(file.points.rows(), file.triangles);
-  if (!topology) return fail(path.string(), topology.error().what);
+  if (!topology) return fail(path.string(), topology.error().what + file.likely_cause);
   report.values = describe(Mesh{*topology, file.points});
   if (report.values["self_intersections_all"] == false)
     report.warnings.push_back(

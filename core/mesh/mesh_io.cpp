@@ -8,6 +8,7 @@
 
 #include "core/base/files/file_record.h"
 #include "core/base/files/files.h"
+#include "core/base/files/freesurfer_files.h"
 #include "core/base/text/listed.h"
 #include "core/base/text/text.h"
 #include "core/mesh/formats/formats.h"
@@ -17,6 +18,7 @@ namespace {
 
 Result<const MeshFormat*> format_of(const std::filesystem::path& path) {
   if (const MeshFormat* format = mesh_format_of(path)) return format;
+  if (std::string words = freesurfer_words(path); !words.empty()) return fail(path.string(), std::move(words));
   return fail(path.string(), "is not a mesh file of a known kind; use " + listed(mesh_format_extensions(), " or "));
 }
 
@@ -144,9 +146,9 @@ Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& 
 
 Result<Mesh> sound_mesh(const MeshFile& file) {
   auto topology = Topology::make(file.points.rows(), file.triangles);
-  if (!topology) return fail(topology.error());
+  if (!topology) return fail("", topology.error().what + file.likely_cause);
   Mesh mesh{std::move(*topology), file.points};
-  if (auto checked = check_seams(mesh); !checked) return fail(checked.error());
+  if (auto checked = check_seams(mesh); !checked) return fail("", checked.error().what + file.likely_cause);
   return mesh;
 }
 

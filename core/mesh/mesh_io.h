@@ -43,6 +43,8 @@ struct MeshFile {
   std::map<std::string, VertexScalars> arrays;  ///< further per-vertex values by name, as they were read; not written
   std::map<std::string, VertexScalars> values;  ///< further ones to write, as properties of PLY and arrays of VTK, VTP
   std::vector<std::string> warnings;            ///< what was mended on reading, each a sentence
+  /// What is behind it where the faces are no sound surface, as the end of a sentence: " (…)"; empty: nothing is known.
+  std::string likely_cause{};
   std::string record;  ///< to write: how the mesh was made [file_record.h]; empty: nothing is said. Never read here
   bool may_be_cut = false;  ///< `.particles` without a line break at the end: points may be missing
 };

@@ -4,6 +4,7 @@
 
 #include "core/base/files/file_record.h"
 #include "core/base/files/files.h"
+#include "core/base/files/freesurfer_files.h"
 #include "core/base/text/listed.h"
 #include "core/volume/check_volume.h"
 #include "core/volume/formats/formats.h"
@@ -73,6 +74,7 @@ Result<VolumeRead> read_any(const fs::path& path, const VolumeReadOptions& optio
     if (read) colour_by_names(read->segmentation);
     return read;
   }
+  if (std::string words = freesurfer_words(path); !words.empty()) return fail(path.string(), std::move(words));
   const bool folder = fs::is_directory(path, ignored);
   std::vector<std::string> known;
   for (const VolumeFormat* format : volume_formats)

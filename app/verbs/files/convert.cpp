@@ -8,6 +8,7 @@
 #include "app/verbs/model/model_part.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/record.h"
+#include "core/base/files/freesurfer_files.h"
 #include "core/base/text/listed.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/formats/formats.h"
@@ -231,6 +232,7 @@ Result<Report> convert_volume(const ConvertJob& job, const std::string& record, 
 Result<Report> convert(const ConvertJob& job, Progress& progress) {
   const auto record = record_of(job.command, progress);
   if (!record) return fail(record.error());
+  if (std::string words = freesurfer_words(job.in); !words.empty()) return fail(job.in.string(), std::move(words));
   if (is_model_name(job.in)) return convert_model(job, *record);
   if (!job.has("--sample") && holds_contours(job.in)) return convert_contours(job, *record, progress);
   const bool is_mesh = is_mesh_name(job.in) || is_built_in(job.in.string());

@@ -92,11 +92,13 @@ Result<VolumeMesh> read_volume_mesh(const std::filesystem::path& path) {
   const bool ras = probe.points(0, 0) < 0;
   if (ras) mesh.points.leftCols<2>() *= -1;
   mesh.warnings = std::move(probe.warnings);
+  mesh.warnings.insert(mesh.warnings.end(), cells->warnings.begin(), cells->warnings.end());
   if (cells->vectors > 0)
     mesh.warnings.push_back(
         "has " + std::to_string(cells->vectors) +
         " arrays of three or nine values, which are kept as they are; where these are directions, they are "
         "not turned with the shape");
+  if (auto whole = formats::check_corners(cells->tetrahedra); !whole) return fail(path.string(), whole.error().what);
   formats::drop_repeated(cells->tetrahedra, mesh.warnings);
   if (auto taken = take_tetrahedra(cells->tetrahedra, mesh); !taken) return fail(path.string(), taken.error().what);
   Eigen::Index placed = 0;

@@ -56,6 +56,19 @@ Error unsuited_elements(const std::string& kind) {
   return {"", "holds " + kind + "; cut them into triangles or tetrahedra with straight edges and export it again"};
 }
 
+Result<void> check_corners(const std::vector<std::int32_t>& tetrahedra) {
+  std::size_t flat = 0;
+  for (std::size_t t = 0; t + 4 <= tetrahedra.size(); t += 4) {
+    std::array<std::int32_t, 4> corners{};
+    std::copy_n(tetrahedra.data() + t, 4, corners.begin());
+    std::sort(corners.begin(), corners.end());
+    flat += std::adjacent_find(corners.begin(), corners.end()) != corners.end() ? 1 : 0;
+  }
+  if (flat == 0) return {};
+  return fail("", "has " + std::to_string(flat) + " of " + std::to_string(tetrahedra.size() / 4) +
+                      " tetrahedra that name a point twice, so that they are flat; mend it where it was made");
+}
+
 void drop_repeated(std::vector<std::int32_t>& tetrahedra, std::vector<std::string>& warnings) {
   using Corners = std::array<std::int32_t, 4>;
   std::vector<std::pair<Corners, std::size_t>> sorted(tetrahedra.size() / 4);
@@ -104,6 +117,9 @@ std::vector<std::int32_t> outer_faces(const std::vector<std::int32_t>& corners,
 
 Result<MeshFile> surface_of(VolumeCells cells) {
   MeshFile mesh;
+  mesh.warnings = std::move(cells.warnings);
+  mesh.likely_cause = std::move(cells.likely_cause);
+  if (auto whole = check_corners(cells.tetrahedra); !whole) mesh.likely_cause += " (it " + whole.error().what + ")";
   if (cells.tetrahedra.empty()) {
     if (auto filled = std::move(cells.faces).fill(mesh, std::move(cells.coordinates)); !filled)
       return fail(filled.error());

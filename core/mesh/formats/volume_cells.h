@@ -28,7 +28,9 @@ struct VolumeCells {
   std::vector<std::int32_t> tetrahedra;  ///< four corners each
   std::map<std::string, VertexScalars> arrays;
   SpaceNames space;
-  std::size_t vectors = 0;  ///< arrays of three or nine values, which may be directions
+  std::vector<std::string> warnings;
+  std::string likely_cause;  ///< MeshFile::likely_cause
+  std::size_t vectors = 0;   ///< arrays of three or nine values, which may be directions
   std::vector<PointsPlace> places;
   PointsForm form = PointsForm::text;
 };
@@ -43,6 +45,9 @@ Result<VolumeCells> msh_cells(std::string_view bytes, bool with_places);
 Result<void> add_tetrahedron(const std::int64_t* corners, VolumeCells& cells);
 /// The refusal of elements that have no place in a mesh of triangles or tetrahedra. `kind`: "hexahedra" and so on.
 Error unsuited_elements(const std::string& kind);
+
+/// Errors: a tetrahedron that names a point twice.
+Result<void> check_corners(const std::vector<std::int32_t>& tetrahedra);
 
 /// Keeps one of the tetrahedra with the same four corners, the first: Gmsh lists an element once for each of its
 /// groups. A warning says how many there were.

@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <compare>
 
 #include "core/base/files/file_record.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"
+#include "core/mesh/formats/text.h"
 #include "core/mesh/formats/vertex_arrays.h"
 #include "core/mesh/formats/volume_cells.h"
 #include "core/mesh/formats/vtk_xml.h"
@@ -90,8 +93,13 @@ class VtuReader {
   Result<VolumeCells> read() {
     if (auto parsed = xml_.parse(bytes_, "UnstructuredGrid"); !parsed) return fail(parsed.error());
     cells_.form = PointsForm::vtk_xml;
-    for (const auto piece : xml_.grid().children("Piece"))
+    const bool of_steps = note_steps();
+    for (const auto piece : xml_.grid().children("Piece")) {
+      if (of_steps && !is_of_first_step(piece)) continue;
       if (auto read = read_piece(piece); !read) return fail(read.error());
+      ends_.push_back(cells_.coordinates.size() / 3);
+    }
+    note_shared_points();
     const auto space = xml_.space();
     if (!space) return fail(space.error());
     cells_.space = *space;
@@ -100,6 +108,49 @@ class VtuReader {
   }
 
  private:
+  /// Says that a file has several time steps. VTK writes them as pieces in text, else as further arrays of one piece.
+  bool note_steps() {
+    std::size_t steps = 0;
+    Text times(xml_.grid().attribute("TimeValues").value());
+    while (!times.word().empty()) ++steps;
+    if (steps < 2) return false;
+    cells_.warnings.push_back("has " + std::to_string(steps) +
+                              " time steps, of which the first is taken; write each to a file of its own for others");
+    return true;
+  }
+
+  static bool is_of_first_step(pugi::xml_node piece) {
+    return piece.child("Points").child("DataArray").attribute("TimeStep").as_int(0) == 0;
+  }
+
+  /// Pieces have points of their own, also where they meet.
+  void note_shared_points() {
+    if (ends_.size() < 2) return;
+    struct Place {
+      std::array<double, 3> at;
+      std::size_t piece;
+      auto operator<=>(const Place&) const = default;
+    };
+    std::vector<Place> places;
+    for (std::size_t piece = 0, i = 0; piece < ends_.size(); ++piece)
+      for (; i < ends_[piece]; ++i) {
+        const double* x = cells_.coordinates.data() + 3 * i;
+        if (std::isfinite(x[0] + x[1] + x[2])) places.push_back({{x[0], x[1], x[2]}, piece});
+      }
+    std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a < b; });
+    std::size_t shared = 0;
+    for (std::size_t k = 1; k < places.size(); ++k)
+      shared += places[k].at == places[k - 1].at && places[k].piece != places[k - 1].piece ? 1 : 0;
+    if (shared == 0) return;
+    const std::string words =
+        "written in " + std::to_string(ends_.size()) + " pieces that each have points of their own, " +
+        std::to_string(shared) +
+        " of them at the places of others, which are not joined; write it as one piece (ParaView: "
+        "Clean to Grid)";
+    cells_.warnings.push_back("is " + words);
+    cells_.likely_cause = " (it is " + words + ")";
+  }
+
   Result<void> read_piece(pugi::xml_node piece) {
     const auto first_vertex = static_cast<std::int64_t>(cells_.coordinates.size() / 3);
     if (auto read = xml_.add_points(piece, cells_.coordinates); !read) return read;
@@ -155,6 +206,7 @@ class VtuReader {
   std::string_view bytes_;
   VtkXml xml_;
   VolumeCells cells_;
+  std::vector<std::size_t> ends_;  ///< of each piece: behind its last point
 };
 
 Result<MeshFile> read_vtu(std::string_view bytes) {

@@ -223,6 +223,11 @@ Result<void> check_count(const DicomSet& set, const DicomHeader& header) {
   const std::size_t frames = header.planes.size();
   std::size_t groups = 0;
   while (item_of(set.elements, seg::groups_of_frames, groups) != nullptr) ++groups;
+  if (groups == 0 && frames > 0 && text_of(set.elements, seg::tiling) == "TILED_FULL")
+    return fail(
+        set.path.string(),
+        "is tiled (TILED_FULL), as segmentations of slides of microscopy are, which is not read; export it with "
+        "the place in the patient of each frame");
   if (groups != frames && (groups > 0 || frames > 1))
     return fail(set.path.string(), "has " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") +
                                        " and describes " + std::to_string(groups) +

@@ -16,6 +16,7 @@
 #include "core/mesh/formats/formats.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/labels/write_segmentation.h"
+#include "core/volume/volume_io.h"
 #include "tests/docs_page.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
@@ -616,4 +617,18 @@ TEST_CASE("every real mesh is read and written and read again unchanged") {
       CHECK(back.topology->hash() == mesh->topology->hash());
     }
   }
+}
+
+TEST_CASE("files of FreeSurfer's own formats are refused with how to convert them") {
+  const MeshFolder folder;
+  const std::string surface =
+      "\xff\xff\xfe"
+      "created by me\n\n";
+  CHECK(folder.refusal("lh.pial", surface).find("convert it by FreeSurfer: mris_convert lh.pial lh.pial.surf.gii") !=
+        std::string::npos);
+  CHECK(folder.refusal("lh.aparc.annot", "x").find("mris_convert lh.pial lh.surf.gii") != std::string::npos);
+  CHECK(folder.refusal("lh.other", "text").find("is not a mesh file of a known kind") != std::string::npos);
+  const auto volume = read_volume(folder.put("lh.white", surface));
+  REQUIRE_FALSE(volume);
+  CHECK(volume.error().what.find("mris_convert lh.white lh.white.surf.gii") != std::string::npos);
 }

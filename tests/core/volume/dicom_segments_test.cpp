@@ -232,6 +232,10 @@ TEST_CASE("a segmentation without a place or with segments that do not exist is 
   file = {};
   file.type = "SURFACE";
   seg_refused(file, "of the type \"SURFACE\"");
+  file = {};
+  file.references = element(0x00209311, "CS", "TILED_FULL");
+  file.groups_less = file.frames.size();
+  seg_refused(file, "is tiled (TILED_FULL)");
 }
 
 TEST_CASE("a folder of images with a segmentation in it is the images and alone the segmentation is the folder") {

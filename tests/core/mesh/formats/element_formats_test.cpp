@@ -313,6 +313,39 @@ TEST_CASE("a tetrahedron that is listed twice counts once") {
   CHECK(one.warnings[1].find("1 tetrahedra; their outside") != std::string::npos);
 }
 
+TEST_CASE("a tetrahedron that names a point twice is told where the surface is not sound") {
+  const ElementFolder folder;
+  const MeshFile read = test::must(folder.read("a.vtu", vtu_of_tetrahedra("10", "0 1 2 3 0 0 1 2")));
+  CHECK(says(sound_mesh(read), "(it has 1 of 2 tetrahedra that name a point twice, so that they are flat"));
+  CHECK(sound_mesh(test::must(folder.read("b.vtu", vtu_of_tetrahedra()))).has_value());
+}
+
+TEST_CASE("of a VTU with several time steps the first is taken and pieces with points at one place are named") {
+  const ElementFolder folder;
+  const std::string one = vtu_of_tetrahedra();
+  const std::size_t begin = one.find("<Piece"), end = one.find("</UnstructuredGrid>");
+  const std::string piece = one.substr(begin, end - begin);
+  const auto pieces = [&](const std::string& grid, const std::string& first, const std::string& second) {
+    return replaced(one.substr(0, begin), "<UnstructuredGrid>", grid) + first + second + one.substr(end);
+  };
+  const auto of_step = [&](const std::string& step) {
+    return replaced(piece, "<DataArray type=\"Float32\" ", "<DataArray type=\"Float32\" TimeStep=\"" + step + "\" ");
+  };
+  // As VTK writes steps in text, and else: as arrays of one piece.
+  const std::string steps = "<UnstructuredGrid TimeValues=\"\n0   \n1   \n\">";
+  for (const std::string& second : {of_step("1"), std::string()}) {
+    const MeshFile first = test::must(folder.read("a.vtu", pieces(steps, of_step("0"), second)));
+    CHECK(is_outside_of_two(first));
+    REQUIRE(first.warnings.size() == 2);
+    CHECK(first.warnings[0].find("has 2 time steps, of which the first is taken") == 0);
+  }
+  const MeshFile both = test::must(folder.read("b.vtu", pieces("<UnstructuredGrid>", piece, piece)));
+  REQUIRE(both.warnings.size() == 2);
+  CHECK(both.warnings[0].find("is written in 2 pieces that each have points of their own, 6 of them at the places of "
+                              "others, which are not joined") == 0);
+  CHECK(both.likely_cause.find(" (it is written in 2 pieces") == 0);
+}
+
 TEST_CASE("a surface in VTU may have triangles and quads and strips and pixels") {
   const ElementFolder folder;
   const auto square = [&](const std::string& corners, const std::string& ends, const std::string& kinds, int cells) {

@@ -23,7 +23,7 @@ struct Adapting {
   Points rest;                     ///< the reference in a frame of its own
   Similarity placement;            ///< from there to the mesh
   Points placed;                   ///< R: `rest` under `placement`, LPS mm
-  VertexScalars factors;           ///< of the stiffness; their mean is 1
+  VertexScalars factors;           ///< factors of the stiffness; their mean is 1
   std::vector<std::int32_t> held;  ///< vertices that stay exactly where they are
   std::vector<Pin> pins;           ///< on triangles of which not all corners are held: exactly met by every solve
 

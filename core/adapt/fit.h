@@ -15,7 +15,7 @@
 namespace homolog {
 
 struct FitOptions {
-  std::optional<Similarity> placement;    ///< where to start; found where absent
+  std::optional<Similarity> placement;    ///< the start; found where absent
   std::map<std::string, Vec3> landmarks;  ///< named places on the organ, LPS mm; others' names are left out
   Orientation orientation = Orientation::patient;
   /// The boundary may lack parts of the organ, or have what is not the organ's: see FitResult::outliers.
@@ -29,11 +29,11 @@ struct FitOptions {
   Progress* progress = nullptr;
   /// Called after each step with the shape so far, on the thread that fits.
   std::function<void(const Points&)> show;
-  bool stays = false;  ///< of a fit to contours: `placement` is where the organ lies, and is not looked for
+  bool stays = false;  ///< a fit to contours takes `placement` for where the organ lies, and does not look for it
 };
 
 struct FitResult {
-  Similarity placement;  ///< of the template: the similarity nearest to the fitted shape
+  Similarity placement;  ///< the template's placement: the similarity nearest to the fitted shape
   Mesh mesh;             ///< in the template's numbering, LPS mm
   /// Per vertex: the root mean square distance (mm, in 3D) from where it is to where it might belong [fit_doubt_mm].
   /// About nine in ten experts' landmarks lie within 1.44 times this (docs/correspondence.md).
@@ -44,7 +44,7 @@ struct FitResult {
   /// Vertices whose places the boundary lacks, as a partial fit finds them, in rising order. The shape follows the
   /// template there.
   std::vector<std::int32_t> outliers;
-  std::vector<ScanBorder> template_cuts;  ///< where the template is cut off, as it lies in the end [cut_borders]
+  std::vector<ScanBorder> template_cuts;  ///< cuts of the template, as it lies in the end [cut_borders]
   bool mirrored = false;                  ///< the template's mirror image fits clearly better [other_lie]
   bool half_turned = false;               ///< not that, but the template turned from RAS to LPS does [other_lie]
   std::size_t turned_triangles = 0, self_intersections = 0;

@@ -29,11 +29,11 @@ struct TargetDistance {
 
 /// How good a fit is, and what a person should look at.
 struct FitJudgement {
-  Agreement agreement;  ///< of the fitted mesh with the boundary, all of both
+  Agreement agreement;  ///< the fitted mesh against the boundary, all of both
   /// The same of what the scan shows: both are cut along its borders, and the cuts do not count. As `agreement` where
   /// the scan cuts nothing off.
   Agreement inside_scan;
-  double beyond_share = 0;  ///< of the mesh's area: beyond the scan's borders, where it follows the template
+  double beyond_share = 0;  ///< share of the mesh's area beyond the scan's borders, where it follows the template
   /// By what the scan shows: Dice below 0.9 (of rims that belong to each other: apart by more than 1 % of the diagonal
   /// on average), a mean distance above 1 % of the boundary's diagonal, a 95 % distance above 4 %, a mean doubt above 6
   /// % of the root of its area, more than 60 % of the mesh beyond the scan, an open surface for a closed template, or
@@ -42,10 +42,10 @@ struct FitJudgement {
   bool doubtful = false;
   /// Both the mesh and the boundary have a rim: Dice, which would need a cap, is left out then.
   std::optional<RimDistance> rim;
-  double beyond_rim_share = 0;        ///< of a closed boundary's area: beyond an open mesh's rim and off its flat cap
-  double sound_mm = 0;                ///< of a partial fit: mean distance of the vertices that are no outliers
-  TargetDistance target;              ///< of a partial fit
-  double doubt_share = 0;             ///< the fit's mean doubt within the scan, by the root of the boundary's area
+  double beyond_rim_share = 0;  ///< share of a closed boundary's area beyond an open mesh's rim and off its flat cap
+  double sound_mm = 0;          ///< a partial fit's mean distance of the vertices that are no outliers
+  TargetDistance target;        ///< how far a partial fit's target lies from the mesh
+  double doubt_share = 0;       ///< the fit's mean doubt within the scan, by the root of the boundary's area
   std::vector<std::string> warnings;  ///< the boundary's, the fit's and those of this; each a sentence
 };
 

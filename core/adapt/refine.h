@@ -12,9 +12,9 @@ namespace homolog {
 
 /// The start of a refinement. All n×3 in LPS mm.
 struct RefineStart {
-  Points points;                          ///< of the mesh, in the template's numbering; its surface stays
+  Points points;                          ///< the mesh's vertices, in the template's numbering; its surface stays
   Points placed;                          ///< the template as placed: what "turned" is measured against
-  Similarity placement;                   ///< of the template
+  Similarity placement;                   ///< the template's placement
   std::map<std::string, Vec3> landmarks;  ///< named places on the organ
   VertexScalars stiffness;                ///< w_i
   VertexScalars confirmed;                ///< 0 free … 1 held, per vertex; empty: all free

@@ -27,7 +27,7 @@ struct ScanBorder {
 /// Which parts of a label are a target.
 struct LabelParts {
   bool all = false;      ///< every part, else one alone
-  std::size_t rank = 0;  ///< that one, by size: 0 is the largest
+  std::size_t rank = 0;  ///< the number of that one by size: 0 is the largest
   /// The part of the surface that faces other labels, with as many `rims`; shorter ones are holes, and closed.
   std::optional<FacedLabels> faced{};
   std::size_t rims = 0;
@@ -47,12 +47,12 @@ LabelParts parts_for(const Template& the_template, const Segmentation& known, st
 /// The surface that a template is fitted to, LPS mm.
 struct Boundary {
   Mesh surface;                          ///< outward oriented
-  std::vector<ScanBorder> scan_borders;  ///< where the organ is cut off by the scan
+  std::vector<ScanBorder> scan_borders;  ///< the borders of the scan that cut the organ off
   std::vector<std::string> warnings;     ///< each a sentence
   std::string why_whole;                 ///< why no part was taken of a label, but its whole surface: one of these
-  std::size_t parts_left_out = 0;        ///< of a label
-  double share_left_out = 0;             ///< of the label's volume, in these
-  std::size_t parts_alike = 1;           ///< of a label: the largest, and those more than half as large
+  std::size_t parts_left_out = 0;        ///< parts of a label that are no target
+  double share_left_out = 0;             ///< their share of the label's volume
+  std::size_t parts_alike = 1;           ///< a label's large parts: the largest, and those more than half as large
   /// One value a face: 1 where it is a cut through the organ and not its boundary [cut_faces.h]; empty: none is.
   std::vector<std::uint8_t> cut;
 

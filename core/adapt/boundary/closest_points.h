@@ -20,7 +20,7 @@ struct Placed {
   Similarity placement;
   double distance_mm = 0;  ///< root mean square of closest distances between samples of both surfaces
   double cost = 0;         ///< minus the logarithm of its likelihood, but for a constant
-  VertexScalars trust;     ///< of each named place, 0 (a blunder) … 1
+  VertexScalars trust;     ///< trust in each named place, 0 (a blunder) … 1
 };
 
 /// The likelihood of a template's placement on a boundary: how far samples of each lie from the other surface, where
@@ -52,7 +52,7 @@ class ClosestPoints {
   void weigh(const Points& there);
 
   const Boundary* boundary_ = nullptr;        ///< null: some places alone are known
-  std::optional<SurfaceSearch> on_boundary_;  ///< of the boundary
+  std::optional<SurfaceSearch> on_boundary_;  ///< the search on the boundary
   SurfaceSearch on_template_;
   std::vector<Vec3> own_, there_;
   double diagonal_mm_, sample_weight_;

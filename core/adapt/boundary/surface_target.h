@@ -75,11 +75,11 @@ class SurfaceTarget : public Target {
   double size_mm_, area_mm2_ = 0;
   double organ_mm_ = std::numeric_limits<double>::infinity(), reach_mm_ = std::numeric_limits<double>::infinity();
   std::optional<SurfaceSearch> mesh_;       ///< refitted from call to call
-  std::vector<std::int32_t> likely_faces_;  ///< of the boundary, per vertex
-  std::vector<Rim> rims_;                   ///< of the boundary
+  std::vector<std::int32_t> likely_faces_;  ///< the boundary's face that is likeliest for each vertex
+  std::vector<Rim> rims_;                   ///< the boundary's rims
   bool knows_rims_ = false;
-  std::vector<Rim> mesh_rims_;                    ///< of the meshes; empty where rims do not count
-  std::vector<std::vector<double>> rim_rest_mm_;  ///< of each: its edges on the first mesh, which is the template's
+  std::vector<Rim> mesh_rims_;                    ///< the meshes' rims; empty where rims do not count
+  std::vector<std::vector<double>> rim_rest_mm_;  ///< the edges of each on the first mesh, which is the template's
   std::vector<char> on_mesh_rim_;                 ///< per vertex
 };
 

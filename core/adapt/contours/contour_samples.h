@@ -23,10 +23,10 @@ struct ContourPlane {
 struct ContourSample {
   Vec3 at = Vec3::Zero();       ///< on the curve, LPS mm
   Vec3 outward = Vec3::Zero();  ///< unit, in the plane, away from the organ; zero where the curve is open
-  Vec3 likely = Vec3::Zero();   ///< where the boundary is likeliest: on the curve, or within one that lies outside
+  Vec3 likely = Vec3::Zero();   ///< the likeliest place of the boundary: on the curve, or within one that lies outside
   int plane = -1;               ///< −1: the curve lies in no plane
-  bool hole = false;            ///< of the rim of a hole
-  bool outside = false;         ///< of a curve that lies outside of the organ
+  bool hole = false;            ///< the curve is the rim of a hole
+  bool outside = false;         ///< the curve lies outside of the organ
   double length_mm = 0;
   double off_mm = 0;  ///< how far the boundary may lie from `likely`, standard deviation
 };

@@ -13,15 +13,15 @@ namespace homolog {
 struct ContourMeeting {
   std::size_t sample = 0;
   SurfacePoint on;
-  Vec3 position = Vec3::Zero();  ///< of the mesh there, LPS mm
-  Vec3 normal = Vec3::Zero();    ///< of the mesh there, unit, outward
+  Vec3 position = Vec3::Zero();  ///< the mesh's place there, LPS mm
+  Vec3 normal = Vec3::Zero();    ///< the mesh's normal there, unit, outward
 };
 
 /// A place where a section of the mesh lies beyond a curve that the organ lies inside of.
 struct BeyondLimit {
   SurfacePoint on;
   Vec3 position = Vec3::Zero(), limit = Vec3::Zero();  ///< on the mesh, and where the curve is, LPS mm
-  double length_mm = 0;                                ///< of the section
+  double length_mm = 0;                                ///< length of the section
 };
 
 /// Curves in some planes as a target. Every piece of a curve pulls at the section of the mesh with its plane, and every

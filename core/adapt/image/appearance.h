@@ -26,7 +26,7 @@ class Appearance {
  private:
   Eigen::MatrixXf mean_;   ///< samples × n, as Profiles
   Eigen::MatrixXf count_;  ///< how many cases each mean is of
-  double step_mm_ = 0;     ///< of the first case; later ones are sampled alike
+  double step_mm_ = 0;     ///< the first case's step; later ones are sampled alike
   int cases_ = 0;
 };
 

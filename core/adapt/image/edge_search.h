@@ -18,7 +18,7 @@ enum class Polarity {
 struct EdgeOptions {
   double reach_mm = 10;  ///< how far to both sides of the mesh the boundary is looked for
   Polarity polarity = Polarity::automatic;
-  std::shared_ptr<const Appearance> appearance;  ///< of the boundary in cases done; null: edges are looked for
+  std::shared_ptr<const Appearance> appearance;  ///< the look of the boundary in cases done; null: edges are looked for
 };
 
 /// Looks along the normals of a mesh for the boundary that an image shows: a place where the contrast between inside

@@ -13,7 +13,7 @@ namespace homolog {
 /// A closing radius that was tried, and what came of the fit with it.
 struct TriedClosing {
   double closing_mm = 0;
-  double dice_raw = 0;  ///< of the fitted mesh with the label as it is, not closed
+  double dice_raw = 0;  ///< the fitted mesh's Dice with the label as it is, not closed
   bool doubtful = false;
 };
 

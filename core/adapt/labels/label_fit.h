@@ -17,7 +17,7 @@ struct MapLabel {
   const Volume& map;
   int label = 1;
   int frame = 0;
-  Segmentation known{};  ///< what the map says of its labels
+  Segmentation known{};  ///< the map's description of its labels
 };
 
 struct LabelFitOptions {
@@ -26,7 +26,7 @@ struct LabelFitOptions {
   /// Whether every part of the label is the target, else one; without: as the template has pieces. Partial fits take
   /// all anyway.
   std::optional<bool> all_parts;
-  bool largest_part = false;  ///< that one is the largest, not the likeliest
+  bool largest_part = false;  ///< one part means the largest, not the likeliest
 };
 
 /// The closing radius that is tried first.

@@ -13,7 +13,7 @@ namespace homolog {
 struct MatchFreedom {
   double bend_share;  ///< typical smooth displacement, as a share of the shape's radius (root mean square)
   double together;    ///< samples that count as one observation: neighbours see the same
-  double facing;      ///< what a difference of normals counts: 0 nothing
+  double facing;      ///< how much a difference of normals counts: 0 nothing
 };
 inline constexpr MatchFreedom loose_match{.bend_share = 0.3, .together = 1, .facing = 2},
     close_match{.bend_share = 0.2, .together = 10, .facing = 4};
@@ -57,7 +57,7 @@ class CoherentMatch {
                                             const KnownMatches& known) const;
 
   Points placed_;
-  Points nodes_;  ///< of the displacements
+  Points nodes_;  ///< the nodes of the displacements
   Sides own_, there_;
   Eigen::RowVector3d centre_;
   double radius_mm_, size_mm_;  ///< root mean square from the centre; root of the surface's area

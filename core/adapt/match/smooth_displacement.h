@@ -42,7 +42,7 @@ class SmoothDisplacement {
   Eigen::RowVector3d centre_;
   Points nodes_;  ///< from the centre
   DisplacementScales scales_;
-  Eigen::LLT<Eigen::MatrixXd> root_;  ///< of the covariance of the nodes
+  Eigen::LLT<Eigen::MatrixXd> root_;  ///< the nodes' covariance, factorised
 };
 
 }  // namespace homolog

@@ -73,8 +73,8 @@ class FitSteps {
   const FitOptions& options_;
   Show show_;
   ShapeSolver solver_;
-  VertexScalars factors_;  ///< of the stiffness; their mean is 1
-  VertexScalars trust_;    ///< of each landmark that was given
+  VertexScalars factors_;  ///< factors of the stiffness; their mean is 1
+  VertexScalars trust_;    ///< trust in each landmark that was given
 };
 
 }  // namespace homolog

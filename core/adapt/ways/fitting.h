@@ -38,7 +38,7 @@ class Fitting {
   /// the rest.
   std::vector<std::int32_t> beyond_noise(const Mesh& mesh);
 
-  /// Where the target lacks the organ, this mesh is the better guess: a patch over the hole, or its rim, is no target.
+  /// Puts this mesh where the target lacks the organ: it guesses better than a patch over the hole, or its rim.
   /// Around it the shape goes over to what the boundary asks.
   void keep_where_lacking(const Points& likely);
 
@@ -72,7 +72,7 @@ class Fitting {
   PartsOfWork parts_;
   std::vector<Points> about_right_;
   bool matches_beyond_cuts_ = false;
-  std::vector<std::int32_t> lacking_;  ///< of a partial fit: where the boundary lacks the organ
+  std::vector<std::int32_t> lacking_;  ///< the vertices at which the boundary lacks the organ, of a partial fit
 };
 
 }  // namespace homolog

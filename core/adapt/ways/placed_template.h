@@ -11,9 +11,9 @@ namespace homolog {
 
 /// A template as a fit places it on a boundary, with what the organ's landmarks say.
 struct PlacedTemplate {
-  Similarity placement;                       ///< where the organ is
+  Similarity placement;                       ///< the organ's place
   Points points;                              ///< n×3, LPS mm: the template under it
-  VertexScalars trust;                        ///< of each landmark that was given and that the template has
+  VertexScalars trust;                        ///< trust in each landmark that was given and that the template has
   KnownMatches landmarks;                     ///< those given and mirrored, from `points`
   std::vector<SurfacePoint> landmark_places;  ///< on the template, of each of these
   std::vector<std::string> warnings;          ///< each a sentence

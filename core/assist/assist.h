@@ -39,7 +39,7 @@ std::vector<DrawnContour> drawn_contours(const ShapeView& shown);
 
 /// The sources that say where the boundary lies between the contours; neither: the shape alone.
 struct BetweenContours {
-  std::shared_ptr<const Boundary> boundary;  ///< of a label
+  std::shared_ptr<const Boundary> boundary;  ///< a label's boundary
   std::shared_ptr<const Volume> image;       ///< whose edges count, as `snap` says
   SnapOptions snap;
 };

@@ -29,7 +29,7 @@ Result<CineEdit> propagate_shape(const Scan& scan, const ShapeView& shown, const
 
 /// The wall between a cavity and the structure around it, as between endocardium and epicardium.
 struct WallOfFrame {
-  double volume_ml = 0;     ///< what the outer mesh encloses less the inner one
+  double volume_ml = 0;     ///< the volume in the outer mesh less that in the inner one
   double thickness_mm = 0;  ///< median over the inner mesh's vertices of how far the outer surface is
   double mass_g() const { return 1.05 * volume_ml; }  ///< with the density of heart muscle, 1.05 g/ml
 };
@@ -42,11 +42,11 @@ struct VolumeCurve {
     double volume_ml = 0;
     bool known = false;                          ///< a person made it
     std::string doubt;                           ///< why it has to be looked at; empty where it need not
-    std::optional<WallOfFrame> wall{};           ///< where both its structures have a mesh
-    std::shared_ptr<const Points> inner, outer;  ///< of the wall
+    std::optional<WallOfFrame> wall{};           ///< set where both its structures have a mesh
+    std::shared_ptr<const Points> inner, outer;  ///< the wall's meshes
   };
   std::map<int, Frame> frames;
-  std::optional<Ejection> ejection;  ///< of the frames that are in no doubt; none where there are fewer than two
+  std::optional<Ejection> ejection;  ///< found by the frames that are in no doubt; none where there are fewer than two
   std::string inner, outer;          ///< the structures of the wall, by their ids; empty: there is none
   std::vector<std::shared_ptr<const Points>> looked_at;  ///< the meshes among which no wall was found
 };

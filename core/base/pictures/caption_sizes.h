@@ -9,7 +9,7 @@ double scale_bar_mm(double mm_per_px, double longest_px);
 
 /// The height of letters on pictures at the scale 1, px.
 inline constexpr float letters_px = 16;
-/// What is kept free of the shape in a cell, in heights of letters: above for its name, below for a scale bar.
+/// The room kept free of the shape in a cell, in heights of letters: above for its name, below for a scale bar.
 inline constexpr float room_of_name = 1.75f, room_of_bar = 1.5f;
 
 /// The scale of the letters on a picture of cells: they grow with the picture, as far as names have room in the cells.

@@ -10,8 +10,8 @@ namespace homolog {
 /// How one row of a TIFF's samples lies in memory once it is decoded.
 struct TiffRow {
   std::size_t pixels = 0;
-  int bits = 8;             ///< of one sample: 1…16, 32 or 64
-  int samples = 1;          ///< of one pixel; the first is taken
+  int bits = 8;             ///< bits of one sample: 1…16, 32 or 64
+  int samples = 1;          ///< samples of one pixel; the first is taken
   bool white_is_0 = false;  ///< whole numbers of up to 8 bits are turned round
   Scalar values = Scalar::uint8;
 };

@@ -15,8 +15,8 @@ namespace homolog {
 /// A table as text: a line with the columns, then a line a row. Blank lines are left out.
 struct TextTable {
   std::vector<std::string> columns;
-  std::vector<std::vector<std::string>> rows;  ///< of each one cell a column, trimmed
-  std::vector<std::size_t> lines;              ///< where in the file each row stands, from 1
+  std::vector<std::vector<std::string>> rows;  ///< each holds one cell a column, trimmed
+  std::vector<std::size_t> lines;              ///< the line of the file at which each row stands, from 1
   char separator = ',';                        ///< between cells
 };
 

@@ -11,7 +11,7 @@ namespace homolog {
 struct ContourSet {
   std::string id;               ///< lines of the case file name it by this
   std::string name;             ///< may be empty
-  int frame = 0;                ///< of the image that they were drawn in
+  int frame = 0;                ///< the image's frame that they were drawn in
   double off_mm = 0;            ///< how far they may lie off the boundary, standard deviation
   bool outside = false;         ///< they are not the boundary: the organ lies inside of them, somewhere
   std::vector<Contour> curves;  ///< LPS mm; never none

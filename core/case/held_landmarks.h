@@ -7,7 +7,7 @@
 
 namespace homolog {
 
-// Where the mesh has come to meet a placed landmark, it is held: its triangle there is confirmed, so that strokes leave
+// A placed landmark that the mesh has come to meet is held: its triangle there is confirmed, so that strokes leave
 // it. Only where the structure says so (LandmarkRules::hold).
 
 /// How the mesh lies to one landmark of the template.

@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-// What the structures of a body are to each other.
+// The relations between the structures of a body.
 
 /// A vertex of one mesh, and the one of another that it is.
 using VertexPair = std::array<std::int32_t, 2>;
@@ -20,7 +20,7 @@ using VertexPair = std::array<std::int32_t, 2>;
 /// Vertices that a structure of a case has in common with another one, as bones do where they meet.
 struct SharedWith {
   std::string with;                               ///< the other structure's id
-  SharedValue<std::vector<VertexPair>> vertices;  ///< of this structure's template and of the other's; never null
+  SharedValue<std::vector<VertexPair>> vertices;  ///< pairs of vertices: this template's, the other's; never null
 
   bool operator==(const SharedWith&) const = default;
 };

@@ -12,7 +12,7 @@ namespace homolog {
 struct Shape {
   Similarity placement;
   Similarity before_landmarks;              ///< the placement without them; it decides what they leave open
-  std::map<std::string, Vec3> landmarks;    ///< where named landmarks were placed in the image
+  std::map<std::string, Vec3> landmarks;    ///< the places of named landmarks in the image
   std::shared_ptr<const Points> placed;     ///< the template placed, not warped: quality compares with it
   std::shared_ptr<const Points> reference;  ///< R: `placed`, warped to the landmarks where asked; else the same pointer
   std::shared_ptr<const Points> points;     ///< P: the deformed mesh
@@ -20,7 +20,7 @@ struct Shape {
   std::shared_ptr<const VertexScalars> decided;    ///< 0 … 1: see below; null: nothing is
   std::shared_ptr<const Points> unaided;           ///< see unaided_points; null: no model moved anything
   int strokes = 0;                                 ///< edits of P since it was last equal to R
-  int drawn_strokes = 0;  ///< of them up to the last fit of the template to contours; as many: P is by contours alone
+  int drawn_strokes = 0;  ///< `strokes` at the last fit of the template to contours; if equal, P is by contours alone
   /// How far strokes have carried each vertex since the last fit, 0 … 1: so far a snap holds it. Null: nothing is
   /// held. A released vertex is let go.
   std::shared_ptr<const VertexScalars> pulled;
@@ -30,7 +30,7 @@ struct Shape {
   std::shared_ptr<const Points> unsnapped;
   std::shared_ptr<const Points> carried;          ///< P as it came from other frames of a cine; null: it did not
   std::string doubt;                              ///< why what was carried here has to be looked at; empty: it need not
-  std::shared_ptr<const VertexScalars> doubt_mm;  ///< of the last fit [FitResult::doubt_mm]; null: there is none
+  std::shared_ptr<const VertexScalars> doubt_mm;  ///< the last fit's doubt [FitResult::doubt_mm]; null: there is none
   /// 1 where the scan lacks the vertex's place, else 0 [FitResult::outliers]. The last fit says it, where that was one
   /// to an organ that lacks parts; null: it was none.
   std::shared_ptr<const VertexScalars> outlier;

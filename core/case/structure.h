@@ -53,8 +53,8 @@ inline constexpr const char* first_structure = "s1";
 struct Structure {
   std::string id = first_structure;                   ///< lines of the case file name it by this
   std::string name;                                   ///< empty: it has none but its template's
-  std::string label;                                  ///< of the scan's label map; empty: not known
-  int layer = 0;                                      ///< of a label map in which labels overlap
+  std::string label;                                  ///< its label in the scan's label map; empty: not known
+  int layer = 0;                                      ///< its layer in a label map in which labels overlap
   std::optional<std::array<std::uint8_t, 3>> colour;  ///< none: that of the mesh
   Side side = Side::none;
   std::optional<std::string> partner;            ///< the id of the same structure of the other side; none: not known

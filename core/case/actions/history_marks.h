@@ -19,7 +19,7 @@ struct FitFigures {
   std::string mesh;                     ///< mesh_hash of what it made
   double mean_mm = 0, p95_mm = 0;       ///< distance between mesh and label; of a partial fit, from the label
   std::optional<double> dice;           ///< with the closed label
-  std::optional<double> missing_share;  ///< of a partial fit: what the label lacks of the mesh
+  std::optional<double> missing_share;  ///< share of the mesh that the label lacks, of a partial fit
   std::vector<std::string> warnings, remarks;
   bool operator==(const FitFigures&) const = default;
 };
@@ -30,10 +30,10 @@ std::string mesh_hash(const Points& points);
 struct Note {
   std::string text;
   std::optional<std::array<double, 2>> window;  ///< the image's values that are shown black and white
-  std::string template_file;                    ///< where the template was saved as it is painted; empty: it was not
-  std::optional<FitFigures> fit{};              ///< of the last one
-  SharedValue<KeptLooks> looks{};               ///< null: it says nothing of them
-  SharedValue<KeptMapFit> map_fit{};            ///< of the last fit of a set; null: it says nothing of one
+  std::string template_file;          ///< the file that holds the template as it is painted; empty: it was not saved
+  std::optional<FitFigures> fit{};    ///< the last fit's figures
+  SharedValue<KeptLooks> looks{};     ///< null: it says nothing of them
+  SharedValue<KeptMapFit> map_fit{};  ///< the last fit of a set; null: it says nothing of one
   /// Whether it says more than its text.
   bool keeps() const { return window || !template_file.empty() || fit || looks || map_fit; }
   bool operator==(const Note&) const = default;

@@ -11,7 +11,7 @@
 
 namespace homolog {
 
-// What a case keeps of its structures beside its steps, so that no undo takes it back. All by the structures' ids.
+// Things that a case keeps of its structures beside its steps, so that no undo takes them back. All by structures' ids.
 
 /// How the window shows them.
 struct KeptLooks {
@@ -23,8 +23,8 @@ struct KeptLooks {
 
 /// One structure in the label map that a set was fitted to.
 struct InFittedMap {
-  std::string name;             ///< that the set gave it
-  std::size_t layer = 0;        ///< of the map
+  std::string name;             ///< the set's name for it
+  std::size_t layer = 0;        ///< its layer of the map
   int value = 0;                ///< its label there, as the repair proposes the map
   std::string mesh;             ///< mesh_hash of what the fit gave
   double p_named = 1;           ///< 0…1: that its name is the right one
@@ -35,9 +35,9 @@ struct InFittedMap {
 
 /// The findings of a set's fit in a label map, and what its repair proposes there.
 struct KeptMapFit {
-  int frame = 0;  ///< of the case
+  int frame = 0;  ///< the case's frame
   std::map<std::string, InFittedMap> structures;
-  std::vector<std::uint32_t> changes;  ///< of voxels [voxel_changes]; empty: none is proposed
+  std::vector<std::uint32_t> changes;  ///< the changes of voxels [voxel_changes]; empty: none is proposed
   bool operator==(const KeptMapFit&) const = default;
 };
 

@@ -15,7 +15,7 @@ class Fields;
 /// The report of an edit, for the interface: shown during a drag and when it is done.
 struct EditReport {
   bool stopped_by_guard = false;  ///< the fold guard (or the quality floor) held the gesture back
-  double moved_mm = 0;            ///< of the grabbed point
+  double moved_mm = 0;            ///< the grabbed point's way
   std::optional<Vec3> on;         ///< the point of the surface at the gesture's start that the gesture holds
   std::shared_ptr<const VertexScalars> response;  ///< û, 0…1: how far each vertex follows; null where none
   int solves = 0;
@@ -23,7 +23,7 @@ struct EditReport {
   std::string message;  ///< one sentence for the status line; empty where there is nothing to say
 };
 
-// What an action works on: what it is as the action begins, and the one object that the action changes.
+// The things that an action works on, as they are when it begins, and the one object that it changes.
 
 /// The document. `after` begins as a copy.
 struct DocumentEdit {
@@ -66,7 +66,7 @@ template <class A>
 struct ActionKind {
   const char* key;      ///< the member by which a line is known to be of this action
   const char* example;  ///< a line of it, for docs/case-file.md
-  const char* meaning;  ///< what it does, for docs/case-file.md
+  const char* meaning;  ///< its effect in words, for docs/case-file.md
   LineRole role = LineRole::step;
   /// Refused where the structure has no mesh at the shown frame. An action on a shape always is.
   bool needs_mesh = true;

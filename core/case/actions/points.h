@@ -11,9 +11,9 @@
 
 namespace homolog {
 
-/// What found the points of an edit. Two say nothing of where the boundary is: `model` and `refinement`.
+/// The finder of an edit's points. Two say nothing of where the boundary is: `model` and `refinement`.
 enum class FoundBy {
-  other,  ///< what PointsFinder::word says
+  other,  ///< PointsFinder::word names it
   fit,
   set_fit,
   model,       ///< a study's shape model moved the vertices
@@ -33,7 +33,7 @@ class PointsFinder {
  public:
   PointsFinder(FoundBy by = FoundBy::other) : by_(by) {}
   explicit PointsFinder(const std::string& word);
-  /// What a case has, and the words after "Undo".
+  /// The word that a case has, and the words after "Undo".
   std::string word() const;
   bool operator==(const PointsFinder&) const = default;
 
@@ -45,13 +45,13 @@ class PointsFinder {
 /// Puts every vertex where an automatic step found it: a fit, a snap, a shape model. The points themselves are kept, so
 /// replaying needs neither that step nor its image.
 struct SetPoints {
-  PointsFinder by;                        ///< what found them
+  PointsFinder by;                        ///< the finder of the points
   std::optional<Similarity> placement;    ///< the reference moves there; unwarped then
   SharedValue<Points> points;             ///< n×3, LPS mm
-  std::optional<int> of_frame{};          ///< of a cine, where it is not the one that is shown
-  std::string doubt{};                    ///< of a frame that was carried there: see Shape::doubt
-  SharedValue<VertexScalars> doubt_mm{};  ///< of a fit: see Shape::doubt_mm; on doubt_on_grid's grid
-  SharedValue<VertexScalars> outlier{};   ///< of a fit: see Shape::outlier; 0 or 1 each
+  std::optional<int> of_frame{};          ///< the frame of a cine, where it is not the one that is shown
+  std::string doubt{};                    ///< why a frame that was carried there has to be looked at: see Shape::doubt
+  SharedValue<VertexScalars> doubt_mm{};  ///< a fit's doubt: see Shape::doubt_mm; on doubt_on_grid's grid
+  SharedValue<VertexScalars> outlier{};   ///< a fit's missing parts: see Shape::outlier; 0 or 1 each
   bool operator==(const SetPoints&) const = default;
 };
 const ActionKind<SetPoints>& action_kind(const SetPoints&);

@@ -27,8 +27,8 @@ struct SetStructure {
   std::optional<std::vector<SharedWith>> shared{};  ///< all that it shares; empty: nothing
   /// The source of a new structure's template, as Template::source; empty for one that is there.
   std::string source{};
-  std::optional<Similarity> placement{};  ///< of a new one; without it in the middle of the image
-  std::vector<double> mark{};  ///< of a new one's template [template_mark.h]; lines of older versions have none
+  std::optional<Similarity> placement{};  ///< a new one's placement; without it in the middle of the image
+  std::vector<double> mark{};  ///< a new template's mark [template_mark.h]; lines of older versions have none
   /// The template of a new one. A line holds its source alone: who reads the line loads it [case_templates.h].
   BesideValues<Template> the_template{};
 

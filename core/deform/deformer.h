@@ -20,7 +20,7 @@ class Deformer {
 
  private:
   std::unique_ptr<ShapeSolver> solver_;
-  std::shared_ptr<const VertexScalars> stiffness_, confirmed_;  ///< what *solver_ is factorised for
+  std::shared_ptr<const VertexScalars> stiffness_, confirmed_;  ///< the values that *solver_ is factorised for
   double stiffness_base_ = 0;
   std::unique_ptr<Gesture> gesture_;  ///< refers to *solver_
 };

@@ -31,7 +31,7 @@ struct StrokeOutcome {
   Points points;
   bool stopped_by_guard = false;
   double moved_mm = 0;                            ///< the grabbed point's way
-  Vec3 on = Vec3::Zero();                         ///< where the gesture holds the gesture-start surface
+  Vec3 on = Vec3::Zero();                         ///< the place on the gesture-start surface that the gesture holds
   std::shared_ptr<const VertexScalars> response;  ///< û (raw, paper: g)
   int solves = 0;
 };

@@ -25,9 +25,9 @@ struct Stroke {
   Tool tool = Tool::pull;
   Vec3 at = Vec3::Zero();  ///< snaps to the nearest surface point
   Vec3 to = Vec3::Zero();  ///< the cursor
-  double sigma_mm = 10;    ///< of the Gaussian falloff; at least half an edge is used
+  double sigma_mm = 10;    ///< the width of the Gaussian falloff; at least half an edge is used
   std::optional<Vec3>
-      on;  ///< where a pull ended on the gesture-start surface; found by following the cursor where absent
+      on;  ///< the place on the gesture-start surface where a pull ended; absent: found by following the cursor
   bool through_space = false;  ///< the falloff reaches other sheets too
   double strength = 1;         ///< Relax only, 0…1
   bool operator==(const Stroke&) const = default;

@@ -63,9 +63,9 @@ class VolumeCarrier {
 
   VolumeMesh mesh_;
   Mesh template_;
-  std::vector<char> outside_;               ///< of each point
+  std::vector<char> outside_;               ///< whether each point lies on the outside
   std::vector<Eigen::Index> fixed_, free_;  ///< points on the outside (and those of no element), points within
-  std::vector<SurfacePoint> places_;        ///< of the fixed ones
+  std::vector<SurfacePoint> places_;        ///< the places of the fixed ones
   double least_ = 0, off_mm_ = 0;
   bool far_off_ = false;
   std::shared_ptr<const Solver> solver_;

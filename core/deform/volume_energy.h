@@ -35,8 +35,8 @@ class VolumeEnergy {
   Eigen::Matrix3d edges(Eigen::Index t, const Points& points) const;
 
   Tetrahedra tetrahedra_;
-  std::vector<Eigen::Matrix3d> inverse_rest_;  ///< of the three edges from each first corner
-  std::vector<Eigen::Index> start_;            ///< of each point in `uses_`
+  std::vector<Eigen::Matrix3d> inverse_rest_;  ///< a tetrahedron's three edges from its first corner, inverted
+  std::vector<Eigen::Index> start_;            ///< the start of each point's uses in `uses_`
   std::vector<Eigen::Index> uses_;             ///< 4 t + k: it is corner k of tetrahedron t
 };
 

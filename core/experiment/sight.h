@@ -37,8 +37,8 @@ class Sight {
 
   SurfaceSearch target_;
   std::shared_ptr<const Topology> topology_, capped_topology_;
-  std::unique_ptr<SurfaceSearch> own_;  ///< of the capped mesh, refitted from look to look
-  std::vector<Vec3> places_;            ///< of the target that are looked at
+  std::unique_ptr<SurfaceSearch> own_;  ///< the search on the capped mesh, refitted from look to look
+  std::vector<Vec3> places_;            ///< places of the target that are looked at
   std::vector<std::int32_t> target_faces_, own_faces_;
 };
 

@@ -43,9 +43,9 @@ Result<CohortClosing> choose_cohort_closing(const std::vector<CohortMember>& mem
 
 /// Subjects of a template of many.
 struct Cohort {
-  std::vector<std::string> names;    ///< of the subjects, for warnings and the file
+  std::vector<std::string> names;    ///< the subjects' names, for warnings and the file
   std::vector<Boundary> boundaries;  ///< in the same order
-  std::optional<double> closing_mm;  ///< that all have in common
+  std::optional<double> closing_mm;  ///< the closing that all have in common
 };
 
 /// The subject that a consensus starts from: that of median size.

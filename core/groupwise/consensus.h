@@ -32,7 +32,7 @@ struct Consensus {
   std::vector<std::size_t> left_out;  ///< subjects that could not be fitted in the last round
   std::vector<std::size_t> doubtful;  ///< likely of another organ, by the last round [unlike_the_others]
   std::size_t start = 0;              ///< the subject that was started from
-  std::vector<std::string> warnings;  ///< of the start's own template, each a sentence
+  std::vector<std::string> warnings;  ///< warnings of the start's own template, each a sentence
 };
 
 /// A template that no subject decides: the start, made even, is fitted to all subjects; their mean shape, made even, is

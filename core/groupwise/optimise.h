@@ -12,7 +12,7 @@ namespace homolog {
 /// How good a set is: its description lengths, and the measures of its model [docs/models.md].
 struct SetFigures {
   double bits = 0, position_bits = 0;
-  int modes = 0;  ///< that the following are for; 0 where there are too few shapes to measure
+  int modes = 0;  ///< the number of modes for the following; 0 where there are too few shapes to measure
   double compactness = 0, generalisation_rms = 0, specificity_rms = 0;
 };
 
@@ -20,9 +20,9 @@ struct SetFigures {
 struct OptimisedSet {
   ShapeMatrix shapes;  ///< 3n×M, each in the frame that it was given in, mm
   SetFigures before, after;
-  std::vector<double> largest_slide_mm;  ///< of each shape
+  std::vector<double> largest_slide_mm;  ///< each shape's largest slide
   double surface_moved_mm = 0;           ///< the largest distance of a shape's two surfaces, either way
-  std::size_t turned_triangles = 0;      ///< of all shapes, against those that were given
+  std::size_t turned_triangles = 0;      ///< turned triangles of all shapes, against those that were given
 };
 
 /// Which vertices of a shape an optimisation must leave alone: those that a case confirms (its array `confirmed`), and

@@ -15,7 +15,7 @@ VertexScalars off_target_mm(const Mesh& fitted, const Boundary& target);
 /// A place of a template at which several fits are off.
 struct SamePlace {
   std::vector<std::int32_t> vertices;  ///< one patch, in rising order
-  std::size_t fits = 0;                ///< that are off at half of it or more
+  std::size_t fits = 0;                ///< how many are off at half of it or more
 };
 
 /// The largest place at which at least a third of the fits with one template are off, and three at least: there the

@@ -14,15 +14,15 @@ namespace homolog {
 /// A set as it was before a round of sliding.
 struct GroupwiseRound {
   double bits = 0;           ///< description length of positions and features together
-  double position_bits = 0;  ///< of positions alone
-  double variance_mm2 = 0;   ///< of the aligned shapes, over all modes, a vertex
+  double position_bits = 0;  ///< description length of positions alone
+  double variance_mm2 = 0;   ///< variance of the aligned shapes over all modes, a vertex
   double way_mm = 0;         ///< root mean square of what vertices slid in the round that follows; 0 in the last
 };
 
 struct GroupwiseOptions {
   Alignment alignment = Alignment::similarity;
   int rounds = 20;
-  std::vector<VertexScalars> held;  ///< of each shape, n values: 0 free, others stay exactly; empty: all free
+  std::vector<VertexScalars> held;  ///< n values of each shape: 0 free, others stay exactly; empty: all free
   Progress* progress = nullptr;
   /// Called after each round, on the thread that slides.
   std::function<void(const std::vector<GroupwiseRound>& rounds)> show;
@@ -31,7 +31,7 @@ struct GroupwiseOptions {
 struct GroupwiseResult {
   ShapeMatrix shapes;                    ///< 3n×M, each in the frame that it was given in, mm
   std::vector<GroupwiseRound> rounds;    ///< the first: as given; the last: the result
-  std::vector<double> largest_slide_mm;  ///< of each shape's vertices
+  std::vector<double> largest_slide_mm;  ///< the largest slide of each shape's vertices
 };
 
 /// Groupwise refinement: vertices slide along their own surfaces so that the set gets shorter to describe. Described

@@ -16,7 +16,7 @@ namespace homolog {
 struct ExpectedShape {
   Points points;             ///< n×3, in the shape's own frame, mm
   SurfaceFeatures features;  ///< n×6, in the units of the shape's own
-  double per_mm = 0;         ///< what a mm beside `points` counts, where a unit of a feature counts 1
+  double per_mm = 0;         ///< the weight of a mm beside `points`, where a unit of a feature counts 1
 };
 
 /// A mesh whose vertices slide along the surface that it has at first. In both directions the surface stays within a
@@ -43,8 +43,8 @@ class SlidingSurface {
   /// Vertices moved along the surface, and what they lie on.
   struct Place {
     Points points;
-    std::vector<SurfacePoint> at;       ///< of each vertex, on the surface at first
-    std::vector<SurfacePoint> covered;  ///< of each vertex of the surface at first, on the mesh
+    std::vector<SurfacePoint> at;       ///< each vertex's place on the surface at first
+    std::vector<SurfacePoint> covered;  ///< the place on the mesh of each vertex of the surface at first
   };
   Points drawn(const ExpectedShape& expected) const;
   /// Moves these vertices by `offset` from where they are, along the surface.
@@ -55,12 +55,12 @@ class SlidingSurface {
 
   std::shared_ptr<const Topology> topology_;
   Points start_, points_;
-  SurfaceFeatures features_;                            ///< of the surface at first
-  std::vector<Eigen::Matrix<double, 3, 6>> gradients_;  ///< of them, a mm
+  SurfaceFeatures features_;                            ///< features of the surface at first
+  std::vector<Eigen::Matrix<double, 3, 6>> gradients_;  ///< their gradients, a mm
   VertexScalars held_;
   std::shared_ptr<const ShapeSolver> solver_;
   std::vector<SurfacePoint> at_, covered_;
-  VertexScalars least_quality_;  ///< of each triangle
+  VertexScalars least_quality_;  ///< the least quality of each triangle
   double edge_mm_;
 };
 

@@ -32,7 +32,7 @@ struct TemplateBias {
   double rv = 0, rv_least = 0;        ///< modified RV of the starts' morphospaces: mean over all pairs, and the least
   std::vector<std::string> failed;    ///< starts that gave no template or could not be fitted to all, left out
   std::vector<std::string> doubtful;  ///< subjects likely of another organ [unlike_the_others]
-  std::vector<std::string> warnings;  ///< of the starts' own templates, each with its subject's name
+  std::vector<std::string> warnings;  ///< warnings of the starts' own templates, each with its subject's name
 };
 
 /// Takes every subject once as the start: a template of it is fitted to all subjects. Then each start has its own

@@ -9,7 +9,7 @@
 
 namespace homolog {
 
-// Where two inputs meet: whether one of them has its lengths in another unit than mm, or its coordinates in RAS. What
+// How two inputs meet: whether one of them has its lengths in another unit than mm, or its coordinates in RAS. What
 // is found is said and offered, never done. A small organ is no wrong unit: sizes alone count only where no two organs
 // of one kind differ so much, as of a man and of a mouse.
 

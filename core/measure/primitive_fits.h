@@ -11,7 +11,7 @@ namespace homolog {
 struct FittedLine {
   Vec3 at = Vec3::Zero();  ///< mm: the mean of the points
   Vec3 direction = Vec3::UnitZ();
-  double rms_mm = 0;  ///< of the points' distances
+  double rms_mm = 0;  ///< root mean square of the points' distances
 };
 struct FittedPlane {
   Vec3 at = Vec3::Zero();  ///< mm: the mean of the points

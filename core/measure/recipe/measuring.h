@@ -28,8 +28,8 @@ struct MeasuredStructure {
 /// The shape that a recipe is applied to.
 struct MeasuredShape {
   std::vector<MeasuredStructure> structures;  ///< at least one
-  const Volume* image = nullptr;              ///< what is sampled along normals; null: there is none
-  int frame = 0;                              ///< of the image
+  const Volume* image = nullptr;              ///< the image sampled along normals; null: there is none
+  int frame = 0;                              ///< the image's frame
   std::string lacks_first{};                  ///< the first structure's name, where it is not among them; empty: it is
 };
 
@@ -53,7 +53,7 @@ struct NormalProfile {
 NormalProfile profile_along_normals(const Mesh& mesh, const Volume& image, int frame, double from_mm, double to_mm,
                                     int steps);
 
-// What steps are made of [step_kinds.h].
+// The values that steps give [step_kinds.h].
 
 struct LineValue {
   Vec3 at, direction;

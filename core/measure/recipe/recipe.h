@@ -29,18 +29,18 @@ struct StepKind;  // step_kinds.h
 /// The input of a step under one key.
 struct StepGiven {
   std::vector<std::size_t> steps;  ///< other steps of the recipe, by their place in it
-  std::vector<double> numbers;     ///< where there is a step too: times its value
+  std::vector<double> numbers;     ///< plain numbers; the factor of a step's value if there is a step too
   std::vector<std::string> texts;
   bool flag = false;
 };
 
 /// An element or a measurement.
 struct RecipeStep {
-  std::string name;  ///< of one written in its place: "a landmark of neck length"
+  std::string name;  ///< one written in its place is "a landmark of neck length"
   const StepKind* kind = nullptr;
   std::map<std::string, StepGiven> given;
   std::string structure;  ///< whose surface is meant; empty: the first
-  std::string unit;       ///< of a number: "mm", "mm2", "ml", "deg", "%", "1", "image"
+  std::string unit;       ///< a number's unit: "mm", "mm2", "ml", "deg", "%", "1", "image"
   bool optional = false;  ///< nothing is said where it cannot be measured
 };
 

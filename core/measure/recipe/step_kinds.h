@@ -24,9 +24,9 @@ enum class Takes {
 struct StepMember {
   const char* key;
   Takes takes = Takes::steps;
-  unsigned accepts = 0;              ///< of steps: what they may give
+  unsigned accepts = 0;              ///< the kinds of value that steps may give
   std::size_t least = 1, most = 1;   ///< how many; 0: the key may be left out
-  std::vector<const char*> words{};  ///< of a text: what it may be; empty: anything
+  std::vector<const char*> words{};  ///< the texts allowed; empty: anything
 };
 
 using MeasureStep = Result<StepValue>(Measuring& measuring, const RecipeStep& step);

@@ -35,8 +35,8 @@ struct MeshFile {
   SharedTriangles triangles;                       ///< m×3; empty for a `.particles` file
   std::shared_ptr<const VertexScalars> stiffness;  ///< per-vertex factors, > 0; null: none. Meshes of one kind share it
   double stiffness_base = default_stiffness_base;  ///< `comment homolog.stiffness_base B`; w_i = base × factor_i
-  std::optional<VertexScalars> outlier;            ///< of a partial fit, 1: see FitResult::outliers; not by OBJ, STL
-  std::optional<VertexScalars> doubt_mm;           ///< of a fit, per vertex: see FitResult; not by OBJ, STL
+  std::optional<VertexScalars> outlier;            ///< 1: found missing [FitResult::outliers]; not by OBJ, STL
+  std::optional<VertexScalars> doubt_mm;           ///< a fit's doubt of each vertex: see FitResult; not by OBJ, STL
   Regions regions;                    ///< `comment homolog.region {"name":…,"factor":…,"colour":"#rrggbb"}`
   std::vector<Landmark> landmarks;    ///< `comment homolog.landmark {"name":…,"position":[x,y,z]}`
   std::vector<std::string> comments;  ///< every other comment line, kept as it was

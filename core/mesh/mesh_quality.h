@@ -14,7 +14,7 @@ struct MeshQuality {
   double edge_cv = 0;  ///< standard deviation / mean of the edge lengths
   double min_angle_deg = 0;
   int valence_min = 0, valence_max = 0;
-  double regular_share = 0;            ///< of the vertices: those with six neighbours
+  double regular_share = 0;            ///< share of the vertices with six neighbours
   std::size_t self_intersections = 0;  ///< pairs of faces
   bool all_intersections = true;       ///< false: at least so many; see SelfIntersections
   double volume_ml = 0;                ///< enclosed volume, boundary loops capped flat

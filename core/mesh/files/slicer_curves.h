@@ -11,7 +11,7 @@ namespace homolog {
 
 /// A curve of 3D Slicer.
 struct SlicerCurve {
-  std::vector<Vec3> points;  ///< that were placed, LPS mm
+  std::vector<Vec3> points;  ///< the placed points, LPS mm
   bool closed = true;
   std::string
       type{};  ///< how it runs between them: "spline", "linear", …; empty: not said, as in 3D Slicer's own files

@@ -22,7 +22,7 @@ struct VolumeFile;
 struct VolumeMesh {
   Points points;                      ///< n×3, LPS mm (flipped on reading where the file says SPACE=RAS)
   Tetrahedra tetrahedra;              ///< m×4, each of positive volume
-  std::vector<std::string> warnings;  ///< of what was read, each a sentence
+  std::vector<std::string> warnings;  ///< remarks on what was read, each a sentence
   std::shared_ptr<const VolumeFile> file;
 };
 

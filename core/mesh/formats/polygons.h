@@ -28,7 +28,7 @@ class PolygonCutter {
   bool is_ear(std::size_t at);
 
   const Points& points_;
-  std::vector<std::int32_t> corners_;  ///< of the polygon, in turn
+  std::vector<std::int32_t> corners_;  ///< the polygon's corners, in turn
   std::vector<Eigen::Vector2d> flat_;  ///< the same in its plane, counter-clockwise
   std::vector<std::size_t> left_;      ///< those that are not cut off yet
   double least_area_ = 0;              ///< below which a triangle is flat, twice

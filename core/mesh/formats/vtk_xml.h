@@ -55,8 +55,8 @@ class VtkXml {
   bool appended_base64_ = false, compressed_ = false;
   std::endian order_ = std::endian::little;
   Scalar header_ = Scalar::uint32;
-  std::map<std::string, std::vector<double>> arrays_;  ///< of one value a vertex
-  std::size_t encoded_left_ = 0, decoded_left_ = 0;    ///< of bytes that may still be taken
+  std::map<std::string, std::vector<double>> arrays_;  ///< arrays with one value a vertex
+  std::size_t encoded_left_ = 0, decoded_left_ = 0;    ///< bytes that may still be taken
 };
 
 /// The data of a file that is written, appended to it as raw bytes.

@@ -27,7 +27,7 @@ ShapeModel with_pose(const ShapeModel& model);
 
 struct Completion {
   Points points;               ///< n×3, mm
-  VertexScalars deviation_mm;  ///< of the model's prediction, in the case's size
+  VertexScalars deviation_mm;  ///< deviation of the model's prediction, in the case's size
 };
 
 /// Completes a shape by what the model predicts for its unknown part. A similarity brings the model's mean to the

@@ -56,13 +56,13 @@ struct ShapeModel {
   Eigen::VectorXd variances;                 ///< λ of the t modes, mm², descending
   double noise_variance = 0;                 ///< mm², of every coordinate, beside the modes
   Eigen::MatrixXd scores;                    ///< t×M coefficients of the training shapes, mm; may be empty
-  std::vector<std::string> names;            ///< of the training shapes; may be empty
-  std::vector<StructurePart> parts;          ///< of a joint model of several structures; else empty
-  std::optional<StructurePoses> poses;       ///< of a joint model
+  std::vector<std::string> names;            ///< names of the training shapes; may be empty
+  std::vector<StructurePart> parts;          ///< the structures of a joint model; else empty
+  std::optional<StructurePoses> poses;       ///< how a joint model's structures lie
   std::optional<Alignment> alignment{};      ///< how the training shapes were aligned; none: the file does not say
   /// M: how far each training shape lies from the model of the others [leave_one_out.h]; empty: not known.
   Eigen::VectorXd left_out_distances{};
-  std::vector<CompletedStructure> completed{};  ///< of a joint model: training shapes of which parts were predicted
+  std::vector<CompletedStructure> completed{};  ///< training shapes of a joint model of which parts were predicted
   std::optional<FacedNames> faced{};            ///< which part of a label the shapes are of; none: not known
   Eigen::Index modes() const { return variances.size(); }
 };

@@ -28,7 +28,7 @@ struct TrainingSet {
 struct TrainingOptions {
   bool all_frames = false;     ///< take every edited frame of a cine; else only the frame that the case shows
   bool flip_mirrored = false;  ///< shapes that are mirror images of most others are flipped
-  std::string group;           ///< of a study's cases those of this group; empty: all
+  std::string group;           ///< the group that is taken of a study's cases; empty: all
   /// Shapes in doubt [doubt_of_shape], a study's cases in doubt, and mirror images that are not flipped are left out.
   bool without_doubtful = false;
   bool vertex_doubts = false;  ///< gives how far each vertex is in doubt too
@@ -38,8 +38,8 @@ struct TrainingSetRead {
   TrainingSet set;
   std::vector<std::string> warnings;  ///< each names its file: what was left out, and what looks wrong (see oddities)
   std::vector<std::string> mirrored;  ///< names of the shapes that are mirror images of most others
-  std::vector<std::string> groups;    ///< of each shape of the set, of a study's cases; empty: no shape has one
-  std::vector<std::vector<std::string>> study_keys;      ///< of each: of the study's cases that it is of [ShapeSource]
+  std::vector<std::string> groups;    ///< each shape's group among the study's cases; empty: no shape has one
+  std::vector<std::vector<std::string>> study_keys;      ///< each shape's keys of study cases [ShapeSource]
   std::vector<DoubtfulShape> doubtful;                   ///< shapes of the set that a person has to look at
   std::vector<DoubtfulShape> left_out;                   ///< the same, where they were left out as asked
   std::map<std::string, VertexScalars> vertex_doubts{};  ///< mm, by the shape's name, where asked and its file has them
@@ -68,7 +68,7 @@ class TrainingSetBuilder {
   std::unique_ptr<Majority> majority_;
   std::size_t most_shapes_;
   TrainingSet set_;
-  std::vector<std::optional<FacedNames>> faced_;  ///< of each shape
+  std::vector<std::optional<FacedNames>> faced_;  ///< the part of a label that each shape is of
 };
 
 /// Reads meshes (PLY, VTK, VTP, OBJ), `.particles`, case files and studies into one training set. A file that cannot be

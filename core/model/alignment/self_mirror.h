@@ -11,7 +11,7 @@ namespace homolog {
 /// itself, as a vertebra, are each other's counterparts.
 struct SelfMirror {
   std::shared_ptr<const Topology> topology;
-  std::vector<SurfacePoint> counterparts;  ///< of each vertex
+  std::vector<SurfacePoint> counterparts;  ///< each vertex's counterpart
   double off_mm = 0;                       ///< root mean square: how far the mirror images lie off the surface
 };
 

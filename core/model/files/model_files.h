@@ -22,7 +22,7 @@ std::string shape_stem(const std::string& file);
 class ShapeNames {
  public:
   std::string next(const std::string& file);
-  /// Of a file's name without folders and extension.
+  /// The next name, for a file's name without folders and extension.
   std::string next_of(const std::string& stem);
 
  private:

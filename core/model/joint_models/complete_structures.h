@@ -10,13 +10,13 @@ namespace homolog {
 /// nothing.
 struct IncompleteShape {
   Eigen::VectorXd points;
-  std::vector<bool> has;  ///< of each structure
+  std::vector<bool> has;  ///< whether it has each structure
 };
 
 struct CompletedShape {
-  Eigen::VectorXd points;                 ///< what it has is as it was
+  Eigen::VectorXd points;                 ///< the shape; the points that it has are as they were
   double noise_mm = 0;                    ///< σ of every known coordinate that was taken
-  std::vector<double> expected_error_mm;  ///< of each structure; 0 of those that it has
+  std::vector<double> expected_error_mm;  ///< each structure's expected error; 0 of those that it has
   std::vector<double> mean_error_mm;      ///< the same where the others' mean, laid onto what is known, is taken
 };
 

@@ -22,7 +22,7 @@ struct EvaluationOptions {
 struct Evaluation {
   Eigen::Index shapes = 0, vertices = 0;
   double total_variance_mm2 = 0;
-  std::vector<int> modes;                                  ///< of the entries of at_modes and shapeworks
+  std::vector<int> modes;  ///< the numbers of modes for the entries of at_modes and shapeworks
   std::vector<std::pair<std::string, Measures>> at_every;  ///< at m = 1…M−2
   std::vector<std::pair<std::string, Measures>> at_modes, shapeworks;
 

@@ -42,8 +42,8 @@ class LeaveOneOut {
   std::vector<Eigen::Index> group_;  ///< the pole of each coefficient; −1 where the shape has none of it
   Eigen::VectorXd poles_;            ///< distinct d_j that the shape touches, descending
   Eigen::VectorXd weights_;          ///< Σ z_j² of each
-  std::vector<Mode> modes_;          ///< of the others' model, by descending eigenvalue
-  std::vector<Mode> beyond_;         ///< what of y lies outside every model of the others: at most one
+  std::vector<Mode> modes_;          ///< axes of the others' model, by descending eigenvalue
+  std::vector<Mode> beyond_;         ///< the part of y outside every model of the others: at most one
 };
 
 /// How far each of M shapes lies from the model that the others make with as many modes, in standard deviations (M

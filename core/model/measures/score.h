@@ -31,7 +31,7 @@ struct ShapeScore {
   /// not in the model's file.
   std::optional<Eigen::Index> trained;
   ScoreOfPart all;
-  std::vector<ScoreOfPart> parts;  ///< of a joint model, in its order
+  std::vector<ScoreOfPart> parts;  ///< scores of a joint model's parts, in its order
 };
 
 /// Scores a shape of the model's numbering (n×3, mm), brought to the mean as the model's shapes were. `doubt_mm`: n, of

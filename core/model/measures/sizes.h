@@ -17,8 +17,8 @@ namespace homolog {
 /// The size of one shape, and where its landmarks lie.
 struct ShapeSizes {
   std::optional<double> volume_ml;         ///< enclosed; none for points alone and for an open surface
-  std::optional<double> volume_capped_ml;  ///< of an open surface: with its rims capped flat
-  std::optional<double> area_mm2;          ///< of the surface; none for points alone
+  std::optional<double> volume_capped_ml;  ///< an open surface's volume with its rims capped flat
+  std::optional<double> area_mm2;          ///< the surface's area; none for points alone
   std::string inward;                      ///< why the volume is negative [inside_out.h]; empty: it is not
   std::vector<Landmark> landmarks;         ///< LPS mm
   double centroid_size_mm = 0;             ///< root of the sum of squared distances of the vertices from their mean

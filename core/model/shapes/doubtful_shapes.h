@@ -20,7 +20,7 @@ std::string doubt_of_shape(const MeshFile& mesh);
 /// A shape with the reason.
 struct DoubtfulShape {
   std::string name, reason;
-  std::vector<std::string> study_keys{};  ///< of the study's cases that it is of [ShapeSource]
+  std::vector<std::string> study_keys{};  ///< keys of the study's cases that it is of [ShapeSource]
 };
 
 /// A sentence for each, and at the end what can be done. `left_out`: they were.

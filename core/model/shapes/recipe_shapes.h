@@ -55,7 +55,7 @@ std::string measurement_cells(const std::vector<MeasuredNumber>& values);
 /// The measurements of one shape of a model.
 struct ModeValues {
   int mode = 0;   ///< from 1
-  double sd = 0;  ///< of the mode: 0 is the mean
+  double sd = 0;  ///< standard deviations along the mode: 0 is the mean
   std::vector<MeasuredNumber> values;
 };
 /// Each of the first `modes` modes at −most_sd…most_sd whole standard deviations; at 0 it is the mean. Errors:

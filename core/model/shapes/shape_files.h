@@ -68,20 +68,20 @@ class KnownParts {
 /// Data shared by threads that read many files.
 struct ReadTogether {
   std::mutex one_image;  ///< held while a case is read with its image: images of several would take much memory
-  KnownParts parts;      ///< of the meshes that were read
+  KnownParts parts;      ///< parts of the meshes that were read
 };
 Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file, ReadTogether& together);
 
 /// The source of a shape of a training set.
 struct ShapeSource {
   std::filesystem::path file;
-  std::optional<int> frame;  ///< of a cine case; the one it shows where absent
+  std::optional<int> frame;  ///< a cine case's frame; the one it shows where absent
   bool flipped = false;      ///< left for right
-  std::string doubt{};       ///< of a study's case that nobody has looked at yet: why it has to be; empty: no doubt
-  std::string group{};       ///< of a study's case; empty: none
+  std::string doubt{};       ///< why a person has to look at a study's case, and has not yet; empty: no doubt
+  std::string group{};       ///< the group of a study's case; empty: none
   bool done = false;         ///< a study's case that somebody looked at and found done
-  std::string structure{};   ///< of a case, by its id; empty: the first
-  std::string study_case{};  ///< of a study's case, its name there; empty: of none
+  std::string structure{};   ///< a case's structure, by its id; empty: the first
+  std::string study_case{};  ///< the name of a study's case in the study; empty: of none
 
   /// The key that tells a study's case from all others, whichever of its frames is taken; empty: of none.
   std::string study_key() const { return study_case.empty() ? std::string() : file.string() + '\n' + study_case; }
@@ -105,7 +105,7 @@ Result<std::shared_ptr<const MeshFile>> read_shape(const ShapeSource& source);
 /// A shape that was read.
 struct ReadShape {
   std::string name;                 ///< the file's, with the frame where one of several is taken
-  const ShapeSource* of = nullptr;  ///< where it comes from; of the sources that were given
+  const ShapeSource* of = nullptr;  ///< its source, one of those that were given
   std::shared_ptr<const MeshFile> mesh;
   std::string doubt;  ///< why it is in doubt; empty: it is not, or nobody asked
   /// The other structures of a case at the same frame, by their names (their ids, where they have none).
@@ -126,9 +126,9 @@ Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sou
 
 /// A shape to write.
 struct NamedShape {
-  std::string name;  ///< of its file, without extension; no two may be equal
+  std::string name;  ///< its file's name without extension; no two may be equal
   std::shared_ptr<const MeshFile> mesh;
-  std::filesystem::path imported;  ///< where it came from, for its format; empty: .ply
+  std::filesystem::path imported;  ///< the file it came from, for its format; empty: .ply
   bool changed = true;             ///< else the file it came from may be copied as it is
 };
 /// Writes shapes into `folder` (made where absent) as NAME.EXTENSION; without one (".ply", ".particles") each in the

@@ -19,14 +19,14 @@ enum class CaseState { to_do, in_work, done };
 struct StudyCase {
   std::string name;
   std::filesystem::path file;  ///< .homolog or a mesh; absolute in memory, relative to the study's folder on disk
-  std::optional<int> frame;    ///< of a cine's case file; the one it shows where absent
+  std::optional<int> frame;    ///< the frame of a cine's case file; the one it shows where absent
   std::string group;           ///< e.g. "healthy"; empty: none
   CaseState state = CaseState::to_do;
   std::string notes;
   bool flipped = false;            ///< taken left for right
   std::filesystem::path imported;  ///< the mesh that the case file was made from, to repair it; empty: none
   bool from_scan = false;          ///< the case was made for a scan of a worklist, and has no shape while it is to do
-  std::filesystem::path labels;    ///< of that scan: what the template is fitted to; empty: none
+  std::filesystem::path labels;    ///< the label map of that scan that the template is fitted to; empty: none
   std::string doubt;               ///< why a person has to look at what the fit gave, as a sentence; empty: no doubt
   double seconds = 0;              ///< that a person worked on it
   std::int64_t gestures = 0;       ///< that a person did on it

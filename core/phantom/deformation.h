@@ -8,15 +8,15 @@ namespace homolog::phantom {
 
 /// How far the subjects of an organ vary (one standard deviation), and where.
 struct Variation {
-  double size = 0.06;          ///< of log scale
-  double elongation = 0.05;    ///< of log scale along each axis
+  double size = 0.06;          ///< log scale of the whole
+  double elongation = 0.05;    ///< log scale along each axis
   double bend_mm = 3;          ///< sideways, at the end of an axis
   double bump_mm = 3;          ///< displacement at the middle of a local bump
-  double bump_radius_mm = 40;  ///< where a bump ends
+  double bump_radius_mm = 40;  ///< the radius at which a bump ends
   int bumps = 10;
   double rotation_deg = 3;
   double shift_mm = 2.5;
-  Vec3 half_size_mm = Vec3::Constant(40);  ///< of the organ, around the origin of the mean shape
+  Vec3 half_size_mm = Vec3::Constant(40);  ///< half the organ's size, around the origin of the mean shape
 };
 
 /// The smooth, invertible map between a subject's space and that of the mean shape: pose and scale, then shears that

@@ -9,8 +9,8 @@ namespace homolog::phantom {
 
 /// How a level of the spine differs from the mean vertebra of spine.h. Scales are of that vertebra's lengths.
 struct LevelShape {
-  double width = 1;  ///< of the body
-  double depth = 1;  ///< of the body, from front to back
+  double width = 1;  ///< the body's width
+  double depth = 1;  ///< the body's depth, from front to back
   double height = 1;
   double wedge_deg = 0;    ///< angle between the endplates; positive: higher in front
   double arch_top = 1;     ///< width of the arch at its upper joints

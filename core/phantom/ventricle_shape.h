@@ -10,11 +10,11 @@ class BeatingVentricle {
  public:
   struct Dimensions {
     double length_mm = 90;    ///< apex to the base, end-diastole
-    double radius_mm = 25.6;  ///< of the cavity where it is widest
+    double radius_mm = 25.6;  ///< the cavity's radius where it is widest
     double wall_mm = 9;       ///< end-diastole
     double radial = 0.30;     ///< share of the radius lost at end-systole
     double longitudinal = 0.14;
-    double twist_rad = 0.17;  ///< of the apex against the base at end-systole
+    double twist_rad = 0.17;  ///< the apex's turn against the base at end-systole
   };
 
   BeatingVentricle(const Dimensions& dimensions, double time);

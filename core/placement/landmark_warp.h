@@ -10,7 +10,7 @@ inline constexpr Eigen::Index fewest_warp_landmarks = 4;
 /// The lengths that a warp takes for usual.
 struct WarpLengths {
   double reach_mm;  ///< how far what is known at a place reaches
-  double bump_mm;   ///< what a landmark typically is off by after the similarity
+  double bump_mm;   ///< how far a landmark typically is off after the similarity
   double noise_mm;  ///< how well a person clicks a landmark, each coordinate
 };
 /// For an organ with a bounding box of this diagonal: shares of it, which for a kidney are 35, 6 and 0.7 mm.

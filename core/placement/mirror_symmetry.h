@@ -8,7 +8,7 @@ namespace homolog {
 
 /// A reflection of space, LPS mm.
 struct Reflection {
-  Mat3 turn = Mat3::Identity();  ///< of determinant −1
+  Mat3 turn = Mat3::Identity();  ///< its determinant is −1
   Vec3 shift = Vec3::Zero();
   Vec3 apply(const Vec3& p) const { return turn * p + shift; }
 };

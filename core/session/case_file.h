@@ -20,7 +20,7 @@ struct ReplayOptions {
   std::optional<Scheme> scheme;
   std::optional<int> paper_events;
   std::optional<double> even_spacing;
-  std::string volume_source;  ///< where the image lies now; as the file says where empty
+  std::string volume_source;  ///< the image's file now; empty: as the file says
   /// Begin at the last checkpoint that holds, which gives the same to the last bit; else every line is played. Options
   /// that override the scheme play every line anyway.
   bool from_checkpoint = true;

@@ -34,7 +34,7 @@ Result<CaseTemplates> templates_in_header(const nlohmann::ordered_json& header, 
 
 /// How a header's image is taken.
 struct ImageOfHeader {
-  std::string source;  ///< where it lies now; as the header says where empty
+  std::string source;  ///< the image's file now; empty: as the header says
   bool read = true;    ///< else the document has its name alone
   bool voxels = true;  ///< else its grid and frames are enough [VolumeReadOptions::without_voxels]
 };

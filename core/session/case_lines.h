@@ -46,9 +46,9 @@ class CaseLines {
   std::uint64_t in_file() const { return end_ - begin_; }
 
   std::unique_ptr<Journal> journal_;
-  std::shared_ptr<const LineFile> file_;  ///< that is only read
-  std::uint64_t begin_ = 0, end_ = 0;     ///< of the lines in it
-  std::string first_line_;                ///< of what the journal takes
+  std::shared_ptr<const LineFile> file_;  ///< the file that is only read
+  std::uint64_t begin_ = 0, end_ = 0;     ///< bounds of the lines in it
+  std::string first_line_;                ///< the journal's first line
   std::string in_memory_;                 ///< the lines behind those in `file_`
   std::uint32_t check_ = 0;
   bool open_ended_ = false;  ///< the last line lacks its line feed: a script wrote it

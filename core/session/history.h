@@ -19,7 +19,7 @@ class History {
  public:
   struct Checkpoint {
     LinePlace line;
-    std::uint32_t lines_check = 0;  ///< of the lines before it
+    std::uint32_t lines_check = 0;  ///< the checksum of the lines before it
   };
   struct Step {
     LinePlace line;
@@ -27,8 +27,8 @@ class History {
     bool joined = false;  ///< undone and done again together with the step before
     bool look = false;    ///< a frame was shown: no step of its own, but what later ones start from
     bool stroke = false;
-    std::optional<Checkpoint> checkpoint;   ///< of the state after it
-    std::shared_ptr<const Document> after;  ///< that state, where it is kept
+    std::optional<Checkpoint> checkpoint;   ///< the line that keeps the state after it
+    std::shared_ptr<const Document> after;  ///< the state after it, if it is kept in memory
   };
 
   /// `most_bytes`: what the kept states may take.
@@ -65,7 +65,7 @@ class History {
   /// Keeps a state, as far as the budget allows: around the present one all states stay longest, farther away they
   /// are thinned out evenly.
   void keep(std::size_t state, std::shared_ptr<const Document> document);
-  std::size_t bytes() const;  ///< of the kept states
+  std::size_t bytes() const;  ///< bytes of the kept states
 
  private:
   std::size_t nearest_before(std::size_t state) const;

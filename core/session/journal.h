@@ -84,7 +84,7 @@ class Journal {
   bool sync_failed_ = false;      ///< since `unsynced_` was written, which may be lost
   bool read_only_ = false;        ///< the disk refused a write as such
   const char* broken_ = nullptr;  ///< why nothing can be appended until mend() succeeds; null: it can
-  std::uint64_t most_bytes_ = 0;  ///< of the broken file: what this program may have left there
+  std::uint64_t most_bytes_ = 0;  ///< bytes of the broken file that this program may have left there
   std::int64_t changed_ns_ = 0;   ///< when the file or its attributes changed last, as this program knows it
   std::uint64_t folder_disk_ = 0;
 };

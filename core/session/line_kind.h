@@ -8,7 +8,7 @@ namespace homolog {
 /// scanned in the time that it takes to read it.
 struct LineKind {
   enum Kind { empty, step, look, note, undo, redo, checkpoint, unknown } kind = unknown;
-  bool joined = false;  ///< of a step
+  bool joined = false;  ///< a step that is undone and done again together with the one before
   bool stroke = false;  ///< a step that moves the mesh by hand
   bool keeps = false;   ///< a note that says more than its text [history_marks.h]
 };

@@ -35,11 +35,11 @@ struct HistoryLimits {
 /// Things that a case keeps beside its steps, so that no undo takes them back: what its notes said last.
 struct KeptWithCase {
   std::optional<std::array<double, 2>> window;  ///< the image's values that are shown black and white
-  std::filesystem::path template_file;          ///< where the template was saved as it is painted; empty: it was not
-  std::optional<FitFigures> fit;                ///< of the last fit to a label map
-  std::shared_ptr<const KeptLooks> looks;       ///< of the structures; null: as at first
-  std::shared_ptr<const KeptMapFit> map_fit;    ///< of the last fit of a set to a label map; null: there was none
-  std::filesystem::path labels;                 ///< the label map over the image, of the first line; empty: none
+  std::filesystem::path template_file;  ///< the file that holds the template as it is painted; empty: it was not saved
+  std::optional<FitFigures> fit;        ///< the last fit to a label map
+  std::shared_ptr<const KeptLooks> looks;     ///< the structures' looks; null: as at first
+  std::shared_ptr<const KeptMapFit> map_fit;  ///< the last fit of a set to a label map; null: there was none
+  std::filesystem::path labels;               ///< the label map over the image, of the first line; empty: none
   std::string record;  ///< how a verb made it, for the first line of a new case [file_record.h]; empty: none did
 };
 
@@ -92,7 +92,7 @@ class EditSession {
   void set_record(std::string record) { kept_.record = std::move(record); }
   std::size_t history_bytes() const { return history_.bytes(); }
 
-  // What keeps the case: every action is a line of it.
+  // The file that keeps the case: every action is a line of it.
 
   bool unsynced() const { return journal() != nullptr && journal()->unsynced(); }
   Result<void> sync() { return unsynced() ? journal()->sync() : Result<void>{}; }

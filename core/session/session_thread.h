@@ -14,11 +14,11 @@ namespace homolog {
 struct Snapshot {
   std::shared_ptr<const Document> document;  ///< as committed (and on disk)
   std::shared_ptr<const Document> shown;     ///< the running preview's document, else `document`
-  std::optional<EditReport> preview;         ///< of the running preview
+  std::optional<EditReport> preview;         ///< the running preview's report
   std::string preview_of;                    ///< the structure that it is about; empty: the first
   std::uint64_t revision = 0;                ///< counts every change of this struct
   std::uint64_t committed = 0;               ///< counts what was done or refused so far: actions, savings, syncs
-  std::uint64_t steps_made = 0;              ///< of this session [EditSession::steps_made]
+  std::uint64_t steps_made = 0;              ///< the steps that this session made [EditSession::steps_made]
   std::uint64_t jobs_done = 0;               ///< counts what was posted and is done (or refused): edits and savings
   bool can_undo = false, can_redo = false;
   /// The steps that undo (redo) would take back (do again), the nearest step first; of a long history the nearest only.
@@ -27,15 +27,15 @@ struct Snapshot {
   std::string message;         ///< the last edit's sentence; empty where there is none
   std::string error;           ///< the last action's refusal; empty after one that was done
   std::filesystem::path file;  ///< the journal's path; empty without one
-  KeptWithCase kept;           ///< what the case keeps beside its steps
+  KeptWithCase kept;           ///< the things that the case keeps beside its steps
 };
 
 /// Refusals that a person must be told of, since somebody asked: edits may come and be refused faster than snapshots
 /// are looked at.
 struct Refusals {
-  std::vector<std::string> news;  ///< what became of the case's file [keep_case]
-  std::string saved;              ///< that a saving was done
-  std::size_t count = 0;          ///< of what was refused
+  std::vector<std::string> news;  ///< the fate of the case's file [keep_case]
+  std::string saved;              ///< the sentence that a saving was done
+  std::size_t count = 0;          ///< the number of edits that were refused
   std::string first, last;        ///< sentences; `last` is empty where only one was refused
 };
 

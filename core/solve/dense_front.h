@@ -80,7 +80,7 @@ template <int Columns>
 inline bool factorise_columns(Lanes* panel, Eigen::Index fours, int first) {
   const Eigen::Index diagonal = first / 4;
   Lanes* const columns = panel + first * fours;
-  double l[4][4] = {}, reciprocal[4] = {};  // of the diagonal block, column by column
+  double l[4][4] = {}, reciprocal[4] = {};  // the diagonal block, column by column
   for (Eigen::Index row = diagonal; row < fours; ++row) {
     Lanes rest[1][Columns];
     Lanes(&block)[Columns] = rest[0];

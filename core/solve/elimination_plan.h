@@ -22,7 +22,7 @@ class EliminationPlan {
  public:
   struct Front {
     int first = 0, pivots = 0;  ///< the columns of L that it holds
-    int rows = 0;               ///< of L below the pivots
+    int rows = 0;               ///< rows of L below the pivots
     int parent = -1;            ///< the front that takes its update
     Eigen::Index factor = 0;    ///< how many numbers of L come before its own
     Eigen::Index update = 0;    ///< how many fours of updates come before its own
@@ -34,7 +34,7 @@ class EliminationPlan {
   /// An entry of A's lower triangle, in the order of elimination.
   struct Entry {
     int row;    ///< at the diagonal or below it
-    int place;  ///< of the row in the front of its column
+    int place;  ///< the row's place in the front of its column
     int value;  ///< which unknown it belongs to, at the diagonal; below it which edge
   };
 
@@ -63,10 +63,10 @@ class EliminationPlan {
   /// The entries of a column are those from its own number to the next column's.
   const std::vector<int>& entry_start() const { return entry_start_; }
 
-  Eigen::Index factor_numbers() const { return factor_numbers_; }  ///< of L, as all fronts store it
-  Eigen::Index update_fours() const { return update_fours_; }      ///< of all updates
-  Eigen::Index panel_fours() const { return panel_fours_; }        ///< of the largest front's columns
-  int most_fours() const { return most_fours_; }                   ///< of a column of any front
+  Eigen::Index factor_numbers() const { return factor_numbers_; }  ///< numbers of L, as all fronts store it
+  Eigen::Index update_fours() const { return update_fours_; }      ///< fours of all updates
+  Eigen::Index panel_fours() const { return panel_fours_; }        ///< fours of the largest front's columns
+  int most_fours() const { return most_fours_; }                   ///< fours of the longest column of any front
   /// Entries of L that may differ from zero.
   Eigen::Index nonzeros() const { return nonzeros_; }
 

@@ -21,7 +21,7 @@ typedef double LooseLanes __attribute__((vector_size(32), aligned(8), may_alias)
 /// up to seven columns after those of the triangle are read for nothing.
 inline double* pack_triangle(const double* columns, Eigen::Index height, int width, double* to) {
   constexpr Lanes unit[4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
-  Lanes left[block_pivots], right[block_pivots];  // of the inverse's rows
+  Lanes left[block_pivots], right[block_pivots];  // the inverse's rows
   double rows[block_pivots * (block_pivots + 1) / 2];
 #pragma GCC unroll 8
   for (int r = 0; r < block_pivots; ++r) {
@@ -34,7 +34,7 @@ inline double* pack_triangle(const double* columns, Eigen::Index height, int wid
     }
     left[r] *= columns[r * height + r];
     right[r] *= columns[r * height + r];
-    // What is written too much belongs to the next row, which overwrites it.
+    // The surplus belongs to the next row, which overwrites it.
     double* const row = rows + r * (r + 1) / 2;
     *reinterpret_cast<LooseLanes*>(row) = left[r];
     if (r >= 4) *reinterpret_cast<LooseLanes*>(row + 4) = right[r];

@@ -42,7 +42,7 @@ class SparseCholesky {
   void substitute(FourRows* x) const;
 
   std::shared_ptr<const EliminationPlan> plan_;
-  std::vector<double> entries_;                  ///< of A, in the plan's order; NaN where none are factorised
+  std::vector<double> entries_;                  ///< A's entries, in the plan's order; NaN where none are factorised
   std::unique_ptr<FourRows[]> panel_, updates_;  ///< the front that is being factorised; of all
   std::unique_ptr<double[]> factor_;
   int fronts_factorised_ = 0;

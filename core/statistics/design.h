@@ -38,7 +38,7 @@ Result<Eigen::VectorXd> transformed(const Variable& variable, Eigen::VectorXd va
 struct DesignTerm {
   std::string name;
   Eigen::Index first = 0, count = 0;
-  std::vector<std::string> levels;   ///< of a term of groups alone; else empty
+  std::vector<std::string> levels;   ///< levels of a term of groups alone; else empty
   std::vector<std::size_t> holders;  ///< interactions that hold it
   bool tested = true;                ///< else it is taken out and no more
   bool numbers = false;              ///< one column of numbers
@@ -55,10 +55,10 @@ struct Design {
   Eigen::Index parameters() const { return columns.cols(); }
 };
 
-/// What errors say of terms that are taken out.
+/// The words of errors on terms that are taken out.
 struct TakenOut {
-  std::string same_in = "what is taken out";  ///< where what they determine is the same
-  std::string option = "--paired";            ///< that takes them out
+  std::string same_in = "what is taken out";  ///< the end of "the term … is the same in …"
+  std::string option = "--paired";            ///< the option that takes them out
 };
 
 /// `code` gives a variable's columns. `taken_out`: the first so many terms are not tested. A term that they determine,
@@ -71,9 +71,9 @@ Result<Design> make_design(const std::vector<FormulaTerm>& terms, std::size_t ta
 /// The basis that testing a term needs: orthonormal columns, a row a case. The second kind of sums: the reduced model
 /// has every term but this one and the interactions that hold it.
 struct TermBasis {
-  Eigen::MatrixXd reduced;    ///< of the model without the term; its first column is the constant's
-  Eigen::MatrixXd added;      ///< what the term adds
-  Eigen::MatrixXd rest;       ///< what the interactions that hold it add
+  Eigen::MatrixXd reduced;    ///< the model without the term; its first column is the constant's
+  Eigen::MatrixXd added;      ///< the columns that the term adds
+  Eigen::MatrixXd rest;       ///< the columns that the interactions that hold it add
   Eigen::MatrixXd contrasts;  ///< a row a column of the term: times the responses it is the coefficient
 };
 /// `root_weights`: √w of each case; rows are multiplied with them first.

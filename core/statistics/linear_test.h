@@ -24,7 +24,7 @@ inline bool has_direction(const DesignTerm& term) {
 struct TermTest {
   std::string name;
   Eigen::Index df = 0;
-  double ss = 0;          ///< of the second kind; of shapes mm², summed over all coordinates
+  double ss = 0;          ///< sum of squares of the second kind; of shapes mm², summed over all coordinates
   double r2 = 0;          ///< ss ÷ the total sum of squares
   double partial_r2 = 0;  ///< ss ÷ (ss + the residual sum of squares)
   double f = 0;
@@ -41,7 +41,7 @@ struct PairTest {
   std::string term, a, b;
   /// Between their means, the other terms held: root of the sum over all coordinates. With one response it is b less a.
   double distance = 0;
-  double p = 1;  ///< of the distance² ÷ the residual sum of squares: of two groups that of the term
+  double p = 1;  ///< p of the distance² ÷ the residual sum of squares: of two groups that of the term
   double q = 1;  ///< over the pairs of the term [Benjamini & Hochberg 1995]
 };
 

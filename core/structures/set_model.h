@@ -16,7 +16,7 @@ struct SetModel {
   Alignment alignment = Alignment::similarity;
   ShapeMatrix shapes;  ///< the model's training shapes, as far as its modes hold them, 3n×M
   std::vector<StructurePart> parts;
-  std::vector<std::optional<std::size_t>> place;  ///< of each part: its structure in the set; none: the set has no such
+  std::vector<std::optional<std::size_t>> place;  ///< each part's structure in the set; none: the set has no such
   /// The shapes that the model allows each structure of the set; null where the model has no such.
   std::vector<std::shared_ptr<const AllowedShapes>> allowed;
 };

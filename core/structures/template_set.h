@@ -20,7 +20,7 @@ namespace homolog {
 struct TemplateOfSet {
   std::string name;                                   ///< as its label map calls it; no two of a set are equal
   int value = 0;                                      ///< its label in maps that give no names
-  std::size_t layer = 0;                              ///< of a map in which structures overlap
+  std::size_t layer = 0;                              ///< its layer in a map in which structures overlap
   std::optional<std::array<std::uint8_t, 3>> colour;  ///< none: not known
   std::filesystem::path file;                         ///< its template; absolute in memory, relative on disk
   Side side = Side::none;
@@ -33,7 +33,7 @@ struct TemplateOfSet {
 /// Vertices that two structures have in common, as bones do where they meet.
 struct SharedVertices {
   std::string a, b;                  ///< the structures' names
-  std::vector<VertexPair> vertices;  ///< of a's template and of b's
+  std::vector<VertexPair> vertices;  ///< pairs of a vertex of a's template and one of b's
 };
 
 /// The templates of several structures that belong together, `*.set.json`. They lie as in the subject that they were

@@ -13,7 +13,7 @@ namespace homolog {
 struct Variant {
   std::size_t from = 0, to = 0;     ///< the structures on both sides, by their places in the set
   std::vector<Segment> more;        ///< labels of the map without template that lie between them
-  std::vector<std::size_t> absent;  ///< of the set's structures between them: those that the map lacks for this reason
+  std::vector<std::size_t> absent;  ///< the set's structures between them that the map lacks for this reason
 };
 
 /// Finds the variants of a map: a sixth lumbar vertebra, or four of them. `fitted`: the set's fits to it.

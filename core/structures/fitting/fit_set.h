@@ -16,7 +16,7 @@ namespace homolog {
 enum class SetFitStep { waits, runs, fitted, runs_again, failed };
 
 struct FitSetOptions {
-  double gap_mm = 0;  ///< that is left between neighbours
+  double gap_mm = 0;  ///< the gap that is left between neighbours
   Progress* progress = nullptr;
   /// Called as a structure (by its place in the set) goes on, from any thread and from several at once.
   std::function<void(std::size_t structure, SetFitStep step)> tell{};

@@ -18,7 +18,7 @@ struct MeshOfSegment {
 
 struct MapOfMeshes {
   VolumeRead map;
-  /// That two meshes hold which may not overlap; of `map_in_layers` that two meshes of one layer hold.
+  /// Voxels that two meshes hold which may not overlap; of `map_in_layers` those that two meshes of one layer hold.
   std::size_t contested_voxels = 0;
 };
 

@@ -29,7 +29,7 @@ struct StructureInMap {
   Segment segment;  ///< by its name, else by its value; of one that the map lacks a value that no other label has
   std::optional<Volume> mask;  ///< the part of the map around it; none: the map has no voxel of it
 
-  std::optional<Volume> soft;  ///< of a soft mask: the shares of the same voxels, label 1; none: they are labels alone
+  std::optional<Volume> soft;  ///< a soft mask's shares of the same voxels, label 1; none: they are labels alone
   bool by_value = false;       ///< the map gives no names, and its label is that of the structure's value in the set
   std::string why_left_out;    ///< why nobody knows which label it is; empty: the map has it, or lacks it
 
@@ -44,11 +44,11 @@ struct LabelOfMap {
 
 /// The structures of a set that a label map has.
 struct SetInMap {
-  VolumeGeometry grid;                        ///< of the map's first layer
+  VolumeGeometry grid;                        ///< the grid of the map's first layer
   std::vector<StructureInMap> structures;     ///< in the set's order
   std::vector<std::string> without_template;  ///< names of the map's labels that the set lacks
   std::vector<LabelOfMap> others;             ///< the same labels
-  /// What is known of the labels of each layer, as neighbours are named by: the map's own names, and the set's where
+  /// The labels of each layer as neighbours are named by them: by the map's own names, and the set's where
   /// the map gives none.
   std::vector<Segmentation> known;
   /// Structures of two layers that share voxels, as an organ and its lesion, by their places in the set; both ways.

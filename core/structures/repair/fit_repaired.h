@@ -10,9 +10,9 @@ namespace homolog {
 
 /// The repair of a map that a person looks at and decides on: shapes as they are proposed, and as they were.
 struct RepairedFit {
-  SetInMap subject;                            ///< of the map as proposed
+  SetInMap subject;                            ///< the set in the map as proposed
   FittedSet fitted;                            ///< to that map; confidences are those of the map as it was
-  std::vector<std::string> found;              ///< of each structure, a sentence; empty: nothing is wrong with it
+  std::vector<std::string> found;              ///< a sentence on each structure; empty: nothing is wrong with it
   std::vector<std::optional<Points>> as_read;  ///< n×3, LPS mm: fits to the map as it was; none: it was missing
 };
 

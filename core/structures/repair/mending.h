@@ -95,7 +95,7 @@ class Mending {
   struct Lack {
     Neighbourhood there;
     std::vector<std::uint8_t> voxels;  ///< to fill, where they have no label
-    double share = 0;                  ///< of the template's voxels, without the outermost ones
+    double share = 0;                  ///< share of the template's voxels, without the outermost ones
   };
   std::optional<Lack> lack_of(std::size_t k);
   /// Who has a part of a structure by its template, bent to what there is of it: a rib may lie beside its expected

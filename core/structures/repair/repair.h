@@ -21,7 +21,7 @@ struct RepairedStructure {
   double p_named = 1;         ///< 0…1: that its name is the right one
   std::string proposed_name;  ///< its own where nothing else is proposed
   std::size_t structure =
-      0;  ///< of the set, whose template its fit is: that of the proposed name, where the set has it
+      0;  ///< the set's structure whose template its fit is: that of the proposed name, where the set has it
   std::size_t changed_voxels = 0;
 };
 

@@ -53,10 +53,10 @@ struct StructureSigns {
   double tunnels = 0, bars = 0;
   double bar_reach = 0;  ///< how far the longest such part juts out of both, as a share of its size
   double volume = 0;     ///< logarithm of the volume against the expected one, less the median of that of all
-  double lacking = 0;    ///< of the expected shape: without a label, far from the structure
+  double lacking = 0;    ///< share of the expected shape without a label, far from the structure
   double gap = 0;        ///< how far from the structure a large part that lacks reaches, as a share of its size
-  double beyond = 0;     ///< of the expected shape: outside of the map
-  double at_border = 0;  ///< of its voxels: in the outermost slices of the map
+  double beyond = 0;     ///< share of the expected shape outside of the map
+  double at_border = 0;  ///< share of its voxels in the outermost slices of the map
   std::map<std::size_t, double> lost_to;  ///< by another structure's place in the set: voxels with its label that are
                                           ///< deeper in this one's expected shape than in its own
   /// How the signs would be mended.

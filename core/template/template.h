@@ -31,8 +31,8 @@ struct Template {
   double stiffness_base = default_stiffness_base;  ///< w_i = base × factor_i
   Regions regions;
   std::vector<Landmark> landmarks;            ///< named, in the template's own frame
-  std::vector<SurfacePoint> landmark_points;  ///< where on the surface each of them lies
-  double missing_share = 0;           ///< of the label that it was made of: what it lacks, where that is said [below]
+  std::vector<SurfacePoint> landmark_points;  ///< the place of each of them on the surface
+  double missing_share = 0;           ///< share of the label it was made of that it lacks, where that is said [below]
   std::optional<FacedNames> faced{};  ///< none of a template of the whole surface
 };
 

@@ -26,7 +26,7 @@ struct MapSide {
 struct LabelBody {
   VolumeGeometry grid;               ///< may reach beyond the label map's
   std::vector<std::uint8_t> inside;  ///< 1 or 0 a voxel of `grid`
-  std::vector<float> shares;         ///< of a soft mask: its values, the surface at 0.5; empty of others
+  std::vector<float> shares;         ///< a soft mask's values, the surface at 0.5; empty of others
   OneBody body;                      ///< counted in voxels of `grid`
   std::array<bool, 6> touches{};     ///< the label map's first and last plane of i, j and k: that part is cut off there
                                      ///< (but see Volume::empty_beyond_slices)
@@ -87,7 +87,7 @@ inline constexpr std::size_t fewest_voxels_of_shape = 8;
 /// Parts of a label, where one was taken.
 struct PartsLeftOut {
   std::size_t count = 0;  ///< without the one that was taken
-  double share = 0;       ///< of the label's voxels, in these
+  double share = 0;       ///< their share of the label's voxels
   std::size_t alike = 1;  ///< the largest of all parts, and those more than half as large
 
   /// Says that they are left out, how many and how much; none where it is less than a hundredth of the label. `taken`:

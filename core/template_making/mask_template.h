@@ -42,7 +42,7 @@ struct MaskTemplate {
   Mesh mesh;                       ///< closed, one component, outward oriented, numbered breadth-first; LPS mm
   SurfaceDistance to_mask;         ///< from the mesh to the boundary of the label's largest part, cavities filled
   SurfaceDistance from_mask;       ///< and back, so that what the mesh misses is seen too
-  std::vector<CutTunnel> tunnels;  ///< that were cut
+  std::vector<CutTunnel> tunnels;  ///< the tunnels that were cut
   std::vector<double> islands_ml;  ///< parts left out, the largest first
   int cavities = 0;                ///< filled
   double cavities_ml = 0;

@@ -23,8 +23,8 @@ struct MeshTemplateOptions {
 
 /// A surface that was made anew from voxels.
 struct Rebuilt {
-  double voxel_mm = 0, wall_mm = 0;  ///< of the voxels; by so much thin walls were made thicker
-  int genus_before = 0;              ///< of the surface
+  double voxel_mm = 0, wall_mm = 0;  ///< size of the voxels; by how much thin walls were made thicker
+  int genus_before = 0;              ///< the surface's genus
   double closing_mm = 0, opening_mm = 0;
 };
 
@@ -34,7 +34,7 @@ struct MeshTemplate {
   SurfaceDistance to_mesh, from_mesh;  ///< from the template to the surface as it was mended, and back
   MendedFaults mended;
   std::optional<Rebuilt> rebuilt;
-  std::vector<std::string> warnings;  ///< what was mended, left out or rebuilt, each a sentence
+  std::vector<std::string> warnings;  ///< each a sentence on a part that was mended, left out or rebuilt
 };
 
 /// A reference mesh from an existing surface. The surface is mended [mesh_repair.h], its largest part is taken, small

@@ -8,7 +8,7 @@ namespace homolog {
 
 /// How fine a solid is.
 struct SolidDetail {
-  double spacing_mm = 1;  ///< of the voxels; larger where the grid would hold more than 16 million
+  double spacing_mm = 1;  ///< size of the voxels; larger where the grid would hold more than 16 million
   double wall_mm = 0;     ///< walls and struts below 1.25 times this grow by so much; at least two voxels
 };
 

@@ -16,7 +16,7 @@ inline constexpr double thick_slices = 2;
 /// A label of which a tube is made, as voxels.
 struct TubeBody {
   LabelBody region;
-  Mesh boundary;                       ///< of the voxels
+  Mesh boundary;                       ///< the voxels' boundary
   std::optional<std::string> several;  ///< the warning of other parts
   Vec3 main_axis = Vec3::UnitZ();      ///< along which its voxels spread most, unit; either way
 
@@ -60,8 +60,8 @@ TubeWall tube_wall(const TubeBody& body, const Vec3& axis);
 
 /// How much a mesh and a label have in common, in shares of the label's volume.
 struct Overlap {
-  double kept = 0;     ///< of the label, within the mesh
-  double extra = 0;    ///< of the mesh, outside of the label
+  double kept = 0;     ///< the part of the label within the mesh
+  double extra = 0;    ///< the part of the mesh outside of the label
   double missing = 0;  ///< voxels of the label of which the mesh has less than half: steps of thick slices do not count
   double dice() const { return 2 * kept / (1 + kept + extra); }
 };

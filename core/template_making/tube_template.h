@@ -10,7 +10,7 @@
 namespace homolog {
 
 struct TubeTemplateOptions {
-  int label = 1;                   ///< what lies inside the (inner) sheet: the cavity
+  int label = 1;                   ///< the label inside the (inner) sheet: the cavity
   std::optional<int> outer_label;  ///< the wall around it: a second sheet around both, at least a voxel
                                    ///< from the inner one, in the same mesh
   int frame = 0;
@@ -27,8 +27,8 @@ struct TubeTemplate {
   Mesh mesh;  ///< LPS mm; the inner sheet's vertices, then the outer one's, each as tube_triangles() numbers them
   Vec3 axis = Vec3::UnitZ();           ///< unit, from the base to the apex
   SurfaceDistance to_mask, from_mask;  ///< as for MaskTemplate, the base closed flat, both sheets together
-  double volume_ml = 0, label_ml = 0;  ///< of the inner sheet, the base closed flat; of the label's voxels
-  double missing_share = 0;            ///< of the label's voxels: those of which the inner sheet has less than half
+  double volume_ml = 0, label_ml = 0;  ///< volumes of the inner sheet, the base closed flat, and of the label's voxels
+  double missing_share = 0;            ///< share of the label's voxels of which the inner sheet has less than half
   std::vector<std::string> warnings;
 };
 

@@ -12,7 +12,7 @@ struct CutTunnel {
   enum class How { filled, severed };
   How how = How::filled;
   Vec3 at_mm = Vec3::Zero();  ///< middle of the cut
-  double width_mm = 0;        ///< of the tunnel or the strand: a ball of this diameter does not pass
+  double width_mm = 0;        ///< width of the tunnel or the strand: a ball of this diameter does not pass
 };
 
 /// "one tunnel", "3 tunnels".
@@ -26,7 +26,7 @@ struct TunnelCut {
 
 struct TunnelLimits {
   int keep = 0;               ///< genus to end with
-  double first_below_mm = 5;  ///< what is narrower is cut first; then the width grows to the next two
+  double first_below_mm = 5;  ///< narrower ones are cut first; then the width grows to the next two
   double fill_below_mm = 0;   ///< tunnels narrower than this are filled; 0: none
   bool fill_any = false;      ///< at last wider ones too, as a ring's
   double sever_below_mm = 0;  ///< strands thinner than this are severed; 0: none

@@ -8,7 +8,7 @@ namespace homolog {
 
 /// Connected parts of a set of voxels.
 struct VoxelComponents {
-  std::vector<std::int32_t> part;  ///< of each voxel: 0, 1, …; −1 outside the set
+  std::vector<std::int32_t> part;  ///< each voxel's part: 0, 1, …; −1 outside the set
   std::vector<std::size_t> sizes;  ///< in voxels
 };
 

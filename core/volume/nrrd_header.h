@@ -21,9 +21,9 @@ struct NrrdHeader {
   std::vector<std::filesystem::path> files;  ///< these, in order, beside the header
   int file_dimension = 0;                    ///< axes that each file holds; 0: all but the last, or all in one file
 
-  std::vector<std::string> space_units, units;  ///< of the space's directions, and of the array's axes; none: not said
+  std::vector<std::string> space_units, units;  ///< units of the space and of the array's axes; none: not said
   std::vector<std::pair<std::string, std::string>> segment_pairs;  ///< KEY:=VALUE of 3D Slicer's segments
-  bool is_segmentation = false;                                    ///< of 3D Slicer: a list of values is one of layers
+  bool is_segmentation = false;                                    ///< 3D Slicer's: a list of values is one of layers
   bool is_diffusion = false;                                       ///< a list of values is one of gradients
 };
 

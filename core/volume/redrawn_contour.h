@@ -11,7 +11,7 @@ namespace homolog {
 /// A place on a curve.
 struct PlaceOnContour {
   std::size_t piece = 0;   ///< it lies between the point of this number and the next
-  double share = 0;        ///< of the way to the next, 0…1
+  double share = 0;        ///< share of the way to the next, 0…1
   Vec3 at = Vec3::Zero();  ///< LPS mm
 };
 

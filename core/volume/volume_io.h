@@ -23,19 +23,19 @@ struct SeriesInfo {
 /// One of the slices that a series had, as the rectangular grid sees it that they became.
 struct OldSlice {
   double height = 0;           ///< along the normal, in slices of the grid from the first
-  double column = 0, row = 0;  ///< of its first voxel, in pixels of the grid
+  double column = 0, row = 0;  ///< the place of its first voxel, in pixels of the grid
 };
 
 /// How slices that are no even stack became a rectangular grid.
 struct ResampledSlices {
-  std::string why;                   ///< what was no even stack: "slices that are shifted sideways …"
-  int from_slices = 0;               ///< that the series has
+  std::string why;                   ///< why they were no even stack: "slices that are shifted sideways …"
+  int from_slices = 0;               ///< how many slices the series has
   double least_mm = 0, most_mm = 0;  ///< between two of them along their normal
   double shifted_mm = 0;             ///< by how much they lie sideways against one another
-  int columns = 0, rows = 0;         ///< of a slice that the series has
-  std::array<int, 3> dims{0, 0, 0};  ///< of the new grid
-  Vec3 spacing_mm = Vec3::Zero();    ///< of the new grid
-  std::vector<OldSlice> slices{};    ///< of the first frame, by height
+  int columns = 0, rows = 0;         ///< the size of a slice that the series has
+  std::array<int, 3> dims{0, 0, 0};  ///< the new grid's size
+  Vec3 spacing_mm = Vec3::Zero();    ///< the new grid's voxel spacing
+  std::vector<OldSlice> slices{};    ///< the slices of the first frame, by height
 };
 
 /// The grid of an image, and of DICOM the space that it lies in and the images that are its slices (empty elsewhere).
@@ -43,7 +43,7 @@ struct ImageGrid {
   VolumeGeometry geometry;
   std::string frame_of_reference;
   std::vector<SourceImage> images{};
-  std::optional<ResampledSlices> resampled{};  ///< where the images are no slices of the grid
+  std::optional<ResampledSlices> resampled{};  ///< none: the images are slices of the grid
 };
 
 /// UIDs of the DICOM images that a segmentation or contours were made on, as far as the file names them, and of the
@@ -83,10 +83,10 @@ struct VolumeRead {
   /// The layers behind `volume`, which is the first, of a segmentation whose segments overlap or share labels (3D
   /// Slicer). Each lies on the same grid, except those of a folder of masks. read_labels.h chooses among them.
   std::vector<Volume> other_layers;
-  std::vector<SoftSegment> soft{};  ///< of a folder of masks: those that are soft; their labels are rounded
+  std::vector<SoftSegment> soft{};  ///< the soft ones of a folder of masks; their labels are rounded
   std::string about_layers{};       ///< while a format reads: that there are layers, for who takes one; then a warning
-  ReferencedImages referenced{};    ///< of a DICOM segmentation
-  std::optional<ResampledSlices> resampled{};  ///< where `VolumeReadOptions::resample` had something to do
+  ReferencedImages referenced{};    ///< a DICOM segmentation's images
+  std::optional<ResampledSlices> resampled{};  ///< none: `VolumeReadOptions::resample` had nothing to do
 };
 
 /// Reads a volume of one of the formats in formats/, frames of a cine included: a file, a DICOM series' folder, or a

@@ -22,7 +22,7 @@ enum class Compression {
 /// A run of bytes within a file, as it lies there.
 struct ByteBlock {
   std::filesystem::path file;
-  std::uintmax_t offset = 0;  ///< where the (compressed) bytes begin
+  std::uintmax_t offset = 0;  ///< the place of the first (compressed) byte
   std::uintmax_t skip = 0;    ///< bytes to pass over after decompression
   Compression compression = Compression::None;
 };

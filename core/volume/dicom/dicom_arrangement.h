@@ -16,7 +16,7 @@ struct DicomPlaneSource {
   std::size_t file = 0, plane_in_file = 0;
   const DicomPlane* plane = nullptr;
   double along_normal_mm = 0;
-  DicomTimes times;  ///< of the plane; past midnight they go on
+  DicomTimes times;  ///< the plane's times; past midnight they go on
 };
 
 /// The planes in the order of the volume (slices fastest, then frames), and its grid.

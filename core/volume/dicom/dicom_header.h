@@ -23,7 +23,7 @@ struct DicomPlane {
   Rescale rescale;
   std::optional<std::pair<double, double>> window;  ///< centre, width
   DicomTimes times;
-  std::optional<double> echo_ms, b_value;  ///< of MR; planes that differ in them are of different images
+  std::optional<double> echo_ms, b_value;  ///< an MR image's values; planes that differ in them are of different images
 };
 
 /// Another difference between images of one place: "image types", and the value as it stands in the file.
@@ -37,7 +37,7 @@ struct DicomSetting {
 struct DicomHeader {
   std::filesystem::path path;
   std::string study_uid, series_uid, series_description, modality;
-  std::string instance_uid;        ///< of the file; copies have the same
+  std::string instance_uid;        ///< the file's UID; copies have the same
   std::string frame_of_reference;  ///< UID of the space in which positions are given
   double instance_number = 0;
   std::string acquisition_number;
@@ -55,7 +55,7 @@ struct DicomHeader {
   bool has_modality_table = false;
   /// Whether its pixels were compressed with loss at some time ("01"), how much, and how.
   std::string lossy, lossy_ratio, lossy_method;
-  std::string steps_through;  ///< what its planes are of besides slices, such as "time slots"; empty: nothing
+  std::string steps_through;  ///< its planes step through this besides slices, as "time slots"; empty: through nothing
   std::vector<DicomPlane> planes;
   std::vector<std::string> warnings;
 

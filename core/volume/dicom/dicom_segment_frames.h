@@ -14,12 +14,12 @@ namespace homolog {
 struct SegmentFrames {
   enum class Kind { binary, fractional, label_map };
   Kind kind = Kind::binary;
-  double full = 255;              ///< of fractional ones: the stored value that stands for 1
-  int background = 0;             ///< of label maps: the value of what is in no segment
+  double full = 255;              ///< the stored value that stands for 1 in fractional frames
+  int background = 0;             ///< a label map's value of what is in no segment
   std::vector<Segment> segments;  ///< as described, by number, in `value`
   std::vector<int> numbers;       ///< the segment of each frame; of a label map 0
   PlacedFrames placed;
-  bool begin_bytes = false;             ///< of single bits: each frame begins with a byte of its own, against DICOM
+  bool begin_bytes = false;             ///< each frame of single bits begins with a byte of its own, against DICOM
   std::vector<std::string> warnings{};  ///< names that cannot be read, and `begin_bytes`
 };
 

@@ -31,9 +31,9 @@ struct DicomPixels {
     std::uint64_t offset = 0;
     std::uint32_t bytes = 0;
   };
-  ByteBlock block;  ///< of pixels that are not encoded
+  ByteBlock block;  ///< the pixels, if they are not encoded
   std::uint64_t bytes = 0;
-  std::vector<Fragment> fragments;  ///< of encoded pixels; none where they are not encoded
+  std::vector<Fragment> fragments;  ///< the encoded pixels; none where they are not encoded
 };
 
 /// The structure of a DICOM file, checked to its last byte: every element lies within the file.

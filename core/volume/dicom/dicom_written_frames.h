@@ -20,7 +20,7 @@ struct WrittenSegment {
 
 /// All that goes into the frames of a DICOM segmentation: pixels, and which segment and slice each is of.
 struct WrittenFrames {
-  int full = 0;                         ///< of fractional ones the value that stands for 1; 0: single bits
+  int full = 0;                         ///< the value that stands for 1 in fractional frames; 0: single bits
   double rounded = 0;                   ///< by how much a share was changed at most
   std::string pixels;                   ///< bits behind one another, or bytes
   std::vector<std::pair<int, int>> of;  ///< segment's number, slice

@@ -14,15 +14,15 @@ namespace homolog {
 /// The old slices next to slice k of the grid that they became; where it is one of them, that one alone.
 struct SliceNeighbours {
   std::size_t below = 0, above = 0;
-  double share = 0;            ///< of the upper one
-  double column = 0, row = 0;  ///< of the first voxel there: slices that are shifted are followed along their way
+  double share = 0;            ///< the upper one's share
+  double column = 0, row = 0;  ///< the first voxel there: slices that are shifted are followed along their way
 };
 SliceNeighbours neighbours_of(std::span<const OldSlice> slices, int k);
 
 /// The old slice nearest to slice k of the grid, from which it takes what cannot be interpolated: labels, contours.
 struct TakenSlice {
   std::size_t old = 0;
-  double column = 0, row = 0;  ///< of its first voxel, moved sideways to slice k
+  double column = 0, row = 0;  ///< its first voxel, moved sideways to slice k
   double off = 0;              ///< how far it lies from slice k, in slices
 };
 TakenSlice taken_by(std::span<const OldSlice> slices, int k);

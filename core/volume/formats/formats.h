@@ -12,9 +12,9 @@ namespace homolog {
 /// it.
 struct VolumeFormat {
   std::string name;                  ///< in sentences and in docs/formats.md
-  std::vector<std::string> endings;  ///< of the names of its files, in lower case
+  std::vector<std::string> endings;  ///< the endings of its files' names, in lower case
   std::vector<std::string> written;  ///< those that write_volume takes, the usual one first; none where it writes none
-  std::string in_folder;             ///< what a folder of it holds, in sentences; empty where a file holds it all
+  std::string in_folder;             ///< the content of a folder of it, in sentences; empty where a file holds it all
   std::string note;                  ///< a remark for docs/formats.md
 
   /// Whether a file is of this format by its content. Null where the ending of its name decides; where it is not null,
@@ -25,7 +25,7 @@ struct VolumeFormat {
   Result<VolumeRead> (*read)(const std::filesystem::path& path, const VolumeReadOptions& options);
   Result<void> (*write)(const Volume& volume, const std::filesystem::path& path, const std::string& record,
                         Progress* progress) = nullptr;
-  bool keeps_record = false;  ///< what `write` is given of how the image was made; else a file beside it does
+  bool keeps_record = false;  ///< the image keeps the record that `write` is given; else a file beside it does
 };
 
 namespace formats {

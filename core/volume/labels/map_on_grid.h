@@ -11,7 +11,7 @@ namespace homolog {
 /// The place of a grid's voxel in a label map: first + steps · (i, j, k), all whole numbers.
 struct VoxelMapping {
   std::array<std::int64_t, 3> first{};
-  std::array<std::array<std::int64_t, 3>, 3> steps{};  ///< of an axis of the grid along the axes of the map
+  std::array<std::array<std::int64_t, 3>, 3> steps{};  ///< the step of each grid axis along the map's axes
 
   /// The voxel of the map; it may lie beyond it.
   std::array<std::int64_t, 3> at(std::int64_t i, std::int64_t j, std::int64_t k) const;

@@ -12,7 +12,7 @@
 
 namespace homolog {
 
-// What the readers of label_tables.h share.
+// Things that the readers of label_tables.h share.
 
 using LabelColour = std::array<std::uint8_t, 3>;
 

@@ -33,7 +33,7 @@ class CaseThumbnails {
 
   std::map<std::string, Thumbnail> thumbnails_;  ///< by case
   mutable std::set<std::string> asked_;          ///< cases whose picture is on the screen
-  std::shared_ptr<const Topology> faces_;        ///< of the shape before
+  std::shared_ptr<const Topology> faces_;        ///< faces of the shape before
   std::unique_ptr<Framebuffer> framebuffer_;
   float scale_ = 0;
 };

@@ -80,7 +80,7 @@ class GalleryPictures {
   std::shared_ptr<const std::vector<Rgb>> colours_;
   std::vector<std::int32_t> glyphs_;
   Drawn gallery_, model_;
-  GalleryKey shown_, fine_;     ///< of the gallery: what is on the screen, and what is being drawn finely
+  GalleryKey shown_, fine_;     ///< the gallery on the screen, and the one that is being drawn finely
   std::size_t fine_cells_ = 0;  ///< those of it that are drawn
   ModelKey model_key_;
   std::string error_;

@@ -34,11 +34,11 @@ struct RunningWork {
 struct UiContext {
   const Theme& theme;
   const Layout& layout;
-  const EditorState& state;    ///< what is looked at and in hand
-  const ShownCase& on_screen;  ///< what the case is
-  const Work& work;            ///< what runs
+  const EditorState& state;    ///< the things that are looked at and in hand
+  const ShownCase& on_screen;  ///< the case
+  const Work& work;            ///< the work that runs
   const CaseThumbnails& thumbnails;
-  std::vector<RunningWork> running;  ///< of it, what is shown with a progress bar
+  std::vector<RunningWork> running;  ///< the part of it that is shown with a progress bar
   double frames_per_second = 0;
 
   const Snapshot& snapshot() const { return on_screen.snapshot(); }
@@ -121,7 +121,7 @@ struct PanelSection {
   bool open_at_first;                                ///< until the user folds or unfolds it
   bool (*wanted)(const UiContext&) = nullptr;        ///< whether it has anything to show; null: always
   bool (*opens)(const UiContext&) = nullptr;         ///< in place of `open_at_first`, where that depends on the case
-  std::string (*holds)(const UiContext&) = nullptr;  ///< what its title says while it is folded
+  std::string (*holds)(const UiContext&) = nullptr;  ///< words that its title says while it is folded
 };
 /// A panel of sections in `rect`.
 void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,

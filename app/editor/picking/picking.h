@@ -13,7 +13,7 @@
 
 namespace homolog {
 
-// What lies under the pointer, found on the CPU: the same with and without a GPU.
+// The thing under the pointer, found on the CPU: the same with and without a GPU.
 
 /// How a view maps mm to px of the window; for a slice or for the 3D view.
 class ViewMap {

@@ -33,7 +33,7 @@ class ShownMesh {
   struct Searched {
     std::shared_ptr<const Topology> topology;
     std::shared_ptr<const Points> points;
-    Box box;                               ///< of `points`
+    Box box;                               ///< the box of `points`
     std::optional<SurfaceSearch> surface;  ///< made when a ray first meets the box
     bool follows = false;                  ///< `surface` is of `points`
   };

@@ -29,7 +29,7 @@ VertexScalars moved_mm(const ShapeView& shown);
 struct Legend {
   std::string low, middle, high;
   std::vector<Rgb> colours;        ///< evenly spaced from low to high, or one a name
-  std::vector<std::string> names;  ///< of single colours, where there is no scale
+  std::vector<std::string> names;  ///< names of single colours, where there is no scale
   bool has_confirmed = false;      ///< some of the mesh is white, because it is confirmed
   bool has_outliers = false;       ///< some of the mesh is grey, because the scan lacks its place
 };
@@ -48,9 +48,9 @@ struct ColouringInput {
 struct ColouringKind {
   Colouring colouring;
   const char* log_name;            ///< in the log
-  const char* name;                ///< of its button
-  const char* title;               ///< of its legend in a view
-  const char* tip;                 ///< of its button
+  const char* name;                ///< its button's name
+  const char* title;               ///< its legend's title in a view
+  const char* tip;                 ///< its button's tip
   bool follows_shape = false;      ///< is made anew when the mesh moves, or what is known of it changes
   bool whitens_confirmed = false;  ///< confirmed vertices are white; the legend says so
   /// Gives every vertex its colour.

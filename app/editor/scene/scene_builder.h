@@ -20,13 +20,13 @@ class SceneBuilder {
   struct Input {
     const EditorState& state;
     std::shared_ptr<const Document> document;  ///< as shown
-    const std::optional<EditReport>& preview;  ///< of the structure that is worked on
+    const std::optional<EditReport>& preview;  ///< the report on the structure that is worked on
     std::shared_ptr<const Volume> labels;
     std::shared_ptr<const Mesh> making;  ///< a template being made, shown in place of the case's mesh; null: none
     std::shared_ptr<Outlines> outlines;  ///< shared with who points at them; null: none are kept
-    std::shared_ptr<const Mesh> label_surface = nullptr;                ///< of the overlay, shown in 3D; null: none
+    std::shared_ptr<const Mesh> label_surface = nullptr;                ///< the overlay's, shown in 3D; null: none
     int label = 0;                                                      ///< whose surface that is
-    std::shared_ptr<const std::map<int, Rgb>> label_colours = nullptr;  ///< that the map gives; null: none
+    std::shared_ptr<const std::map<int, Rgb>> label_colours = nullptr;  ///< the colours that the map gives; null: none
   };
 
   /// Takes in a new moment; cheap where nothing changed.
@@ -45,8 +45,8 @@ class SceneBuilder {
   std::vector<float> hues_;
   std::shared_ptr<const Points> points_;
   std::uint64_t points_revision_ = 0;
-  std::shared_ptr<const std::vector<Rgb>> colours_;          ///< of the surface
-  std::shared_ptr<const std::vector<Rgb>> outline_colours_;  ///< of the outlines: more saturated, tinted by a drag
+  std::shared_ptr<const std::vector<Rgb>> colours_;          ///< the surface's colours
+  std::shared_ptr<const std::vector<Rgb>> outline_colours_;  ///< the outlines': more saturated, tinted by a drag
   std::uint64_t colours_revision_ = 0;
   /// The things that the colours depend on.
   struct ColouredBy {
@@ -72,7 +72,7 @@ class SceneBuilder {
     std::shared_ptr<const Points> points;
     Rgb colour{};
     std::shared_ptr<const std::vector<Rgb>> colours;
-    std::uint64_t revision = 0;  ///< of the points and the colours
+    std::uint64_t revision = 0;  ///< counts changes of the points and the colours
   };
   std::map<std::string, Other> others_;  ///< by id
   std::vector<std::int32_t> glyphs_;

@@ -21,7 +21,7 @@ enum class StudyPicture { gallery, modes };
 struct PictureOptions {
   std::optional<ViewKind> view;  ///< the whole window, as it is on the screen, where none
   int width = 1600, height = 1200;
-  bool transparent = false;           ///< what is not drawn on; of a view
+  bool transparent = false;           ///< clear where nothing is drawn; of a view
   bool light = false;                 ///< a light ground; of a view
   bool captions = true;               ///< letters, scale bar, names; of a view
   std::optional<StudyPicture> study;  ///< in place of a view
@@ -83,7 +83,7 @@ struct FileDialog {
 struct ReplaceDialog {
   FileDialog files;  ///< to go back to
   std::filesystem::path path;
-  std::filesystem::path there;  ///< of the files that are written under that name, the first that is there
+  std::filesystem::path there;  ///< the first file that is there of those to be written under that name
 };
 /// Several series in a DICOM folder: one is chosen.
 struct SeriesDialog {
@@ -93,8 +93,8 @@ struct SeriesDialog {
 /// A template whose own coordinates lie beside the volume, and in it with left-right and front-back exchanged.
 struct FlipDialog {
   std::string name;
-  Similarity placement;  ///< where it lies then
-  Box bounds_mm;         ///< of the template there
+  Similarity placement;  ///< the placement then
+  Box bounds_mm;         ///< the template's box there
 };
 /// Cases that were never saved.
 struct RecoverDialog {
@@ -108,7 +108,7 @@ struct RecoverDialog {
 };
 /// The window is closed over a case that was never saved, or over a study whose file could not be written.
 struct QuitDialog {
-  std::filesystem::path study;  ///< that file; empty: the case is asked about
+  std::filesystem::path study;  ///< the study's file; empty: the case is asked about
 };
 /// The stack's voxel size, which PNG and TIFF do not tell.
 struct SpacingDialog {
@@ -126,7 +126,7 @@ struct ResampleDialog {
 struct LabelDialog {
   std::string map;  ///< name of the first such file
   std::vector<Segment> labels;
-  std::filesystem::path template_file;  ///< where the template is to go; empty: cases are to be fitted
+  std::filesystem::path template_file;  ///< the file that the template goes to; empty: cases are to be fitted
 };
 
 using Dialog = std::variant<KeysDialog, FileDialog, ReplaceDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog,

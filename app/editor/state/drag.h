@@ -45,13 +45,13 @@ struct LandmarkDrag {
   ViewKind view = ViewKind::axial;
   std::string name;
   Vec3 to = Vec3::Zero();
-  Vec3 from_pointer = Vec3::Zero();  ///< of a landmark that was placed before: where it was taken hold of
+  Vec3 from_pointer = Vec3::Zero();  ///< the place at which a landmark that was placed before was taken hold of
   bool moved = true;                 ///< false until such a one has left its place
 };
 /// Puts dabs of a brush along the pointer's path, evenly, however many events tell of it; every dab is an action.
 struct BrushDrag {
   ViewKind view = ViewKind::axial;
-  double x_px = 0, y_px = 0;  ///< where the path has come to
+  double x_px = 0, y_px = 0;  ///< the place that the path has come to
   double to_next_px = 0;      ///< along the path, until the next dab
   bool painted = false;       ///< a dab met the mesh
   bool reversed = false;      ///< Alt: frees where the brush holds
@@ -64,8 +64,8 @@ struct RulerDrag {
 
 /// A contour of the case, held where a stroke begins that may draw a part of it anew.
 struct HeldContour {
-  std::string id;             ///< of its set
-  int number = 0;             ///< of the curve in the set
+  std::string id;             ///< its set's id
+  int number = 0;             ///< the curve's number in the set
   Contour curve;              ///< as it is before
   Vec3 at = Vec3::Zero();     ///< the place of it, LPS mm
   Vec3 aside = Vec3::Zero();  ///< from the slice to the plane in which it lies, mm
@@ -75,12 +75,12 @@ struct HeldContour {
 /// A curve that is drawn by hand in a slice.
 struct ContourDrag {
   ViewKind view = ViewKind::axial;
-  std::string id;                     ///< that the curve gets
+  std::string id;                     ///< the id that the curve gets
   std::vector<Vec3> points;           ///< along the pointer's path, in the plane of the slice
-  double x_px = 0, y_px = 0;          ///< where the last of them was taken
+  double x_px = 0, y_px = 0;          ///< the place of the last of them
   bool at_start = false;              ///< the pointer came back to where it began: the curve is closed
   bool is_wide = false;               ///< the pointer went far from where it began
-  std::optional<HeldContour> held{};  ///< that it began at: where it ends there too, it draws a part of that one anew
+  std::optional<HeldContour> held{};  ///< the one it began at: if it ends there too, it draws a part of that anew
 };
 
 /// The click's request, while another press may still make it a double click, which edits nothing.

@@ -16,9 +16,9 @@ namespace homolog {
 struct LabelMapLayer {
   std::shared_ptr<const Volume> volume;  ///< null without one
   std::vector<int> values;               ///< without 0
-  std::map<int, double> sizes_mm;        ///< of each and of every_label together [organ_size_mm]
+  std::map<int, double> sizes_mm;        ///< sizes of each and of every_label together [organ_size_mm]
   std::map<int, std::string> names;
-  std::shared_ptr<const std::map<int, Rgb>> colours;  ///< that the map gives; null where it gives none
+  std::shared_ptr<const std::map<int, Rgb>> colours;  ///< the colours that the map gives; null where it gives none
 };
 
 /// The map's segments of the layer's labels.

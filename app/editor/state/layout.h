@@ -29,7 +29,7 @@ struct Layout {
   RectPx top_bar, tool_strip, panel, status_line;
   RectPx models;                  ///< all that the Models mode fills; has no size in the case's
   std::array<RectPx, 4> headers;  ///< title and buttons of each view
-  std::array<RectPx, 4> images;   ///< what each view shows
+  std::array<RectPx, 4> images;   ///< the picture of each view
   float scale = 1;                ///< px a layout unit: the monitor's content scale
 
   const RectPx& image(ViewKind kind) const { return images[index_of(kind)]; }

@@ -15,12 +15,12 @@
 
 namespace homolog {
 
-// What came of the automatic steps.
+// The outcomes of the automatic steps.
 
 /// A finished fit or refinement: the edit, and what it is judged by.
 struct Fitted {
   SetPoints edit;
-  FitFigures figures;     ///< of a refinement the remarks alone
+  FitFigures figures;     ///< a fit's figures; a refinement has the remarks alone
   bool doubtful = false;  ///< a fit that a person has to look at
 };
 
@@ -38,8 +38,8 @@ struct SnapFound {
 
 /// The outcome of a fit to contours.
 struct ContoursFitted {
-  std::shared_ptr<const Points> points;                     ///< that it gave the mesh
-  std::vector<std::shared_ptr<const ContourSet>> contours;  ///< of the structure, as they were
+  std::shared_ptr<const Points> points;                     ///< the points that it gave the mesh
+  std::vector<std::shared_ptr<const ContourSet>> contours;  ///< the structure's contours, as they were
   ContourDistance off;                                      ///< how far the contours lie from it
   std::vector<std::string> warnings;                        ///< each a sentence
 };
@@ -53,7 +53,7 @@ struct TemplateMaking {
   };
   TemplateSettings settings;
   std::string source;  ///< name of the label map
-  FacedNames faced;    ///< of a part: what it faces, as fits to other maps find it
+  FacedNames faced;    ///< the labels that a part faces, as fits to other maps find it
   std::vector<Stage> stages;
   bool done = false;
   // A finished one has these.
@@ -63,7 +63,7 @@ struct TemplateMaking {
   MeshQuality quality;
   SurfaceDistance to_mask, from_mask;
   std::vector<std::string> remarks;  ///< warnings, and what was left out or filled, each a sentence
-  double missing_share = 0;          ///< of a tube: the label's volume that is not in it
+  double missing_share = 0;          ///< share of the label's volume that a tube lacks
   std::string missing;               ///< the sentence, where that is much
   std::string error;                 ///< the sentence, where it failed
 };

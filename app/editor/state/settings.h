@@ -13,7 +13,7 @@
 
 namespace homolog {
 
-// What the panels set for the automatic steps.
+// The panels' settings of the automatic steps.
 
 /// Which shape model a fit keeps to at first.
 enum class FitModel { none, study, file };
@@ -34,7 +34,7 @@ struct TemplateSettings {
   int label = 0;                    ///< 0: the label map's first
   bool all_labels = false;          ///< all labels together, in place of `label`
   bool tube = false, part = false;  ///< neither: the whole surface of an organ
-  FacedLabels faced;                ///< of a part: which
+  FacedLabels faced;                ///< the labels that a part faces
   MaskTemplateOptions mask;
   TubeTemplateOptions tube_options;
   int outer_label = 0;  ///< 0: one sheet
@@ -48,7 +48,7 @@ struct SnapSettings {
   bool with_strokes = false;  ///< the part under the tool is snapped while a stroke is dragged
   bool show_confidence = true;
   bool learn = false;                         ///< from the study's cases that are done
-  std::shared_ptr<const Appearance> learned;  ///< what came of that; null where nothing did
+  std::shared_ptr<const Appearance> learned;  ///< the look that was learned; null where none was
 };
 
 /// The source that says where the boundary lies between contours.

@@ -73,7 +73,7 @@ enum class PlaneLook { translucent, behind, solid };
 struct ShownParts {
   bool outline = true, surface = true, planes = true, glyphs = false, wireframe = false, crosshair = true,
        letters = true;
-  bool label_surface = false;  ///< of the label in hand, smooth and seen through, in the 3D view
+  bool label_surface = false;  ///< the surface of the label in hand, smooth and seen through, in the 3D view
   PlaneLook plane_look = PlaneLook::translucent;
   bool operator==(const ShownParts&) const = default;
 };
@@ -82,9 +82,9 @@ struct ShownParts {
 enum class BrushPaints { factor, region, smooth, fill };
 
 struct BrushSettings {
-  double radius_mm = 10;  ///< of an organ as large as a kidney; see follow_organ()
+  double radius_mm = 10;  ///< the radius for an organ as large as a kidney; see follow_organ()
   BrushPaints paints = BrushPaints::factor;
-  std::string region;   ///< that is painted or filled; the first one where there is none of that name
+  std::string region;   ///< the region that is painted or filled; the first one where there is none of that name
   bool erases = false;  ///< takes vertices out of their region instead
   FillRegion::By fill_by = FillRegion::By::region;
   double fill_tolerance_per_mm = FillRegion{}.tolerance_per_mm;
@@ -107,7 +107,7 @@ struct Hover {
   std::optional<Vec3> on_mesh;       ///< the surface point that a press would take hold of
   std::string landmark;              ///< name of the placed landmark under the pointer
   std::string structure;             ///< id of another structure than the active one, that a click would choose
-  PlacePart part = PlacePart::none;  ///< of the placement handles
+  PlacePart part = PlacePart::none;  ///< the placement handle under the pointer
 };
 
 struct Ruler {
@@ -118,7 +118,7 @@ struct Ruler {
 /// For double clicks: the last press of the left button in a view, and what a double click brings back.
 struct LastPress {
   double x_px = 0, y_px = 0, seconds = -1;
-  int clicks = 0;  ///< that follow each other at one place
+  int clicks = 0;  ///< clicks that follow each other at one place
   std::optional<Ruler> ruler;
   Camera3D camera;
   bool played = false;
@@ -207,16 +207,16 @@ struct Look {
 
   double window_low = 0, window_high = 1;
   double label_opacity = 0.4;
-  std::shared_ptr<const std::set<int>> hidden_labels;  ///< of the label map, whose eye is shut; null: none
-  Colouring colouring = Colouring::vertex_hue;         ///< that was chosen; never confidence
+  std::shared_ptr<const std::set<int>> hidden_labels;  ///< labels of the label map whose eye is shut; null: none
+  Colouring colouring = Colouring::vertex_hue;         ///< the chosen one; never confidence
   bool shows_confidence = true;                        ///< instead of it, while there is one
   double organ_mm = 125;  ///< the diagonal of the organ that sizes in mm were last chosen for
   double glyph_spacing_mm = 10.5;
 
-  std::optional<int> shown_frame;  ///< of a cine while it plays or its slider is dragged; else the document's
+  std::optional<int> shown_frame;  ///< the frame of a cine while it plays or its slider is dragged; else the document's
   bool playing = false;
-  double next_frame_seconds = 0;           ///< of a cine that plays, by the window's clock
-  std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
+  double next_frame_seconds = 0;           ///< the time of the next frame of a cine that plays, by the window's clock
+  std::optional<std::size_t> shown_stage;  ///< the stage of the template that is being made; else the last one
   bool making_shown = false;               ///< the template that is being made stands in for the case's mesh
 };
 
@@ -255,28 +255,28 @@ struct Pointer {
 struct Automatic {
   TemplateSettings template_settings;
   FitSettings fit_settings;
-  std::shared_ptr<const ShapeModel> fit_model;  ///< that was read from a file; null: none was
+  std::shared_ptr<const ShapeModel> fit_model;  ///< the model that was read from a file; null: none was
   std::filesystem::path fit_model_file;
-  std::string set_source;                     ///< of the template set that was chosen; empty: none was
+  std::string set_source;                     ///< the source of the template set that was chosen; empty: none was
   std::shared_ptr<const SetOfTemplates> set;  ///< it, once it is read
   SnapSettings snap;
   BetweenCurves between_contours = BetweenCurves::shape;
-  OfferedContours offered;  ///< of a file, to choose from
+  OfferedContours offered;  ///< the contours of a file, to choose from
   double model_help = 0;    ///< 0…1: how far the study's model completes every stroke
   bool keep_apart = true;   ///< at the end of a stroke the structure goes out of its neighbours
-  double gap_mm = 0;        ///< that a fit of the set and the end of a stroke leave between neighbours
+  double gap_mm = 0;        ///< the gap that a fit of the set and the end of a stroke leave between neighbours
 };
 
 /// The findings on the structure that is worked on. Another structure begins with nothing.
 struct Found {
-  VolumeCurve volume_curve;                         ///< of the cine as it is shown
+  VolumeCurve volume_curve;                         ///< the volumes of the cine as it is shown
   std::optional<Fitted> last_fit;                   ///< spoken of for as long as its mesh is the case's
   std::optional<Fitted> last_refinement;            ///< likewise
   std::optional<SnapFound> snapped;                 ///< the last snap
   std::optional<ContoursFitted> fitted_contours;    ///< the last fit to contours
-  std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
-  std::vector<Finding> unclear_edges;               ///< of `confidence`
-  std::optional<ShownFinding> finding;              ///< that is looked at
+  std::shared_ptr<const VertexScalars> confidence;  ///< the snap's, while the mesh is as it left it; else null
+  std::vector<Finding> unclear_edges;               ///< the places where `confidence` is low
+  std::optional<ShownFinding> finding;              ///< the one that is looked at
   static constexpr auto not_known = std::numeric_limits<std::size_t>::max();
   std::size_t intersecting_at_rest = not_known;  ///< pairs of faces, before a drag
   /// How many there were before an edit took the surface through itself; none where there are no more than that.
@@ -285,9 +285,9 @@ struct Found {
 
 /// How and where files are saved.
 struct Saving {
-  std::filesystem::path saved_folder;  ///< where one was saved last, of what is open; empty: none was
+  std::filesystem::path saved_folder;  ///< the folder that a file of what is open was saved in last; empty: none was
   PictureOptions picture;
-  bool export_all_frames = true;  ///< of a cine with several meshes; else the frame that is shown
+  bool export_all_frames = true;  ///< all frames of a cine with several meshes; else the frame that is shown
 };
 
 /// Everything the editor remembers that is not part of the case. Changed by the free functions below and in
@@ -310,7 +310,7 @@ struct EditorState {
   std::optional<Situation> said_in;   ///< when the session said its last sentence
   std::optional<double> hints_until;  ///< when the hints go by themselves, seconds of the window's clock
   bool hints_over = false;
-  std::string wanted_section;        ///< of the side panel, that a tool has asked for
+  std::string wanted_section;        ///< the section of the side panel that a tool has asked for
   std::uint64_t section_wanted = 0;  ///< counts how often
   std::size_t unsaved_found = 0;     ///< cases that were never saved and that nobody was told of before
   bool active = false;               ///< something was done by hand since the work was counted last

@@ -25,7 +25,7 @@ struct StructureLooks {
   /// The shapes that a repair changed: the shapes as the label map had them, n×3, LPS mm; null for one that was missing
   /// there.
   std::map<std::string, std::shared_ptr<const Points>> as_read;
-  int as_read_frame = 0;      ///< of the case, which was repaired
+  int as_read_frame = 0;      ///< the frame of the case that was repaired
   bool as_read_shown = true;  ///< beside what the repair proposes
 
   bool shows(const std::string& id) const { return !hidden.contains(id); }

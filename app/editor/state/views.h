@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-// What the views show of the case: the planes of the slices, the camera of the 3D view, how near both look.
+// The views of the case: the planes of the slices, the camera of the 3D view, how near both look.
 
 /// The plane of a slice view.
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry);

@@ -17,7 +17,7 @@ namespace homolog {
 struct QualityFigures {
   double stretch_low = 1, stretch_median = 1, stretch_high = 1;  ///< edge length / reference's: 5 %, 50 %, 95 %
   double edge_mean_mm = 0, edge_cv = 0;  ///< length of the edges: mean, standard deviation / mean
-  double regular_share = 0;              ///< of the vertices: those with six neighbours
+  double regular_share = 0;              ///< share of the vertices with six neighbours
   double min_angle_deg = 0;
   std::size_t turned = 0;        ///< triangles over 90° from their reference normal, carried by the local rotations
   std::size_t intersecting = 0;  ///< pairs of faces
@@ -26,7 +26,7 @@ struct QualityFigures {
   double volume_ml = 0;
   std::optional<double> doubt_mean_mm;  ///< over the vertices, of the last fit; none without one
   double doubt_max_mm = 0;
-  std::vector<Finding> findings;  ///< what the figures above are about, kind by kind
+  std::vector<Finding> findings;  ///< the places that the figures above are about, kind by kind
   bool operator==(const QualityFigures&) const = default;
 };
 QualityFigures quality_figures(const ShapeView& shown);

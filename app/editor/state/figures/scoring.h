@@ -16,14 +16,14 @@ inline constexpr const char* score_section = "Score";
 /// Against which model the shown mesh is scored.
 struct Scoring {
   bool by_file = false;                        ///< against a model's file, else against the open study
-  std::filesystem::path file;                  ///< of the model that was read; empty: none was
+  std::filesystem::path file;                  ///< the file of the model that was read; empty: none was
   std::shared_ptr<const ShapeModel> of_file;   ///< null: none was read
-  std::shared_ptr<const ShapeModel> of_study;  ///< of the study's other cases; null: there is none, or it is computed
+  std::shared_ptr<const ShapeModel> of_study;  ///< the one by the study's other cases; null: none, or it is computed
   std::string no_model;                        ///< why the study gives none; empty: it does, or that is not known yet
-  std::shared_ptr<const StudyModel> study;     ///< that `of_study` was asked of
+  std::shared_ptr<const StudyModel> study;     ///< the study that `of_study` was asked of
   std::filesystem::path study_file;            ///< its
   std::string left_out;                        ///< the case that is not in it, by its name; empty: none
-  std::shared_ptr<const VertexScalars> z;      ///< of the mesh that is worked on; null: it is not scored
+  std::shared_ptr<const VertexScalars> z;      ///< the z of the mesh that is worked on; null: it is not scored
 
   const std::shared_ptr<const ShapeModel>& model() const { return by_file ? of_file : of_study; }
 };
@@ -31,12 +31,12 @@ struct Scoring {
 /// How a mesh stands against a model.
 struct ScoredShape {
   std::shared_ptr<const ShapeModel> model;
-  std::string structure;                    ///< that was asked for, by its id; empty: the first
-  int frame = 0;                            ///< of a cine
+  std::string structure;                    ///< the structure that was asked for, by its id; empty: the first
+  int frame = 0;                            ///< the frame of a cine
   std::shared_ptr<const Points> points;     ///< its vertices then
   std::shared_ptr<const ShapeScore> score;  ///< null: it cannot be scored
   std::string refusal;                      ///< why not: a sentence
-  std::shared_ptr<const VertexScalars> z;   ///< of its vertices; null: the model has no such structure
+  std::shared_ptr<const VertexScalars> z;   ///< its vertices' z; null: the model has no such structure
   bool operator==(const ScoredShape&) const = default;
 };
 /// Scores the structure of an id, which has a mesh at the document's frame, as the verb `score` does. With a joint

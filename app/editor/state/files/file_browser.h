@@ -30,8 +30,8 @@ struct FileBrowser {
   };
 
   FileKind kind;
-  std::filesystem::path folder;           ///< where the dialog is; a name that is typed is meant from here
-  std::filesystem::path typed_folder;     ///< that is listed instead while a path into it is typed; else empty
+  std::filesystem::path folder;           ///< the dialog's folder; a name that is typed is meant from here
+  std::filesystem::path typed_folder;     ///< the folder listed instead while a path into it is typed; else empty
   std::vector<Entry> entries;             ///< all that fit: folders first, then by name
   std::vector<Place> places;              ///< home, working folder, roots of mounted media
   std::string name;                       ///< typed: filters when opening, the new file's name when saving

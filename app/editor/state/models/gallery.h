@@ -32,7 +32,7 @@ struct GalleryGrid {
   RectPx area;  ///< px of the window
   int columns = 1, rows = 1;
   std::size_t shapes = 0;
-  std::size_t first = 0;  ///< of these shapes in the model
+  std::size_t first = 0;  ///< the first of these shapes in the model
 
   /// By the shape's number in the model.
   RectPx cell(std::size_t shape) const;

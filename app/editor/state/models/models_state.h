@@ -54,7 +54,7 @@ struct CaseList {
   bool descending = false;
   std::string selected;  ///< name of a case; empty: none
   std::optional<CaseTextEdit> text_edit;
-  std::size_t distance_shown = 0;  ///< of the pairs of landmarks, in the list of sizes
+  std::size_t distance_shown = 0;  ///< the number of the shown pair of landmarks in the list of sizes
 };
 
 /// The shapes of the cases, as they were read and as they are shown.
@@ -69,7 +69,7 @@ struct StudyShapes {
 
 /// Another observer's study of the same cases, which this one is compared with.
 struct OtherObserver {
-  std::optional<ObserverComparison> comparison;  ///< where one was asked for
+  std::optional<ObserverComparison> comparison;  ///< none: nobody asked for one
   std::filesystem::path study;
   std::map<std::string, std::shared_ptr<const MeshFile>> compared_shapes;  ///< this study's, which it is compared by
   bool outdated = false;  ///< shapes have changed since, so that the comparison was dropped
@@ -78,8 +78,8 @@ struct OtherObserver {
 /// The model of the shapes, how it is made, and what is found on it.
 struct StudyMade {
   Alignment alignment = Alignment::similarity;
-  std::shared_ptr<const StudyModel> model;       ///< of the shapes that are shown
-  std::shared_ptr<const Suspicions> suspicions;  ///< of `model`; null while they are looked for
+  std::shared_ptr<const StudyModel> model;       ///< the model of the shapes that are shown
+  std::shared_ptr<const Suspicions> suspicions;  ///< the suspicions on `model`; null while they are looked for
   StudyOptimisation optimisation;
   std::string error;
   std::shared_ptr<const Evaluation> evaluation;
@@ -134,7 +134,7 @@ struct ModelsState {
   ModelView view;
   StudyRuns runs;
 
-  std::string export_extension;  ///< of exported shapes; empty: each as it was imported
+  std::string export_extension;  ///< the extension of exported shapes; empty: each as it was imported
   std::optional<RepairPlace> repair;
 };
 

@@ -21,20 +21,20 @@ namespace homolog {
 
 /// The shapes of a study, aligned, and the model of them; never changed once made.
 struct StudyModel {
-  std::vector<std::string> names, groups;               ///< of the cases whose shapes are in it, in the study's order
-  std::unordered_map<std::string, std::size_t> places;  ///< of the names among them
+  std::vector<std::string> names, groups;  ///< those of the cases whose shapes are in it, in the study's order
+  std::unordered_map<std::string, std::size_t> places;  ///< places of the names among them
   std::shared_ptr<const Topology> topology;             ///< null where all are points alone
   Alignment alignment = Alignment::none;
   std::vector<double> sizes_mm;  ///< centroid size of each shape before it was aligned
   std::shared_ptr<const PrincipalComponents> components;
-  ShapeModel model;                                ///< of 95 % of the variance
+  ShapeModel model;                                ///< the model with 95 % of the variance
   Mesh mean;                                       ///< without topology where there is none
-  std::shared_ptr<const std::vector<float>> hues;  ///< of the vertices
+  std::shared_ptr<const std::vector<float>> hues;  ///< the vertices' hues
   std::vector<double> distances_mm;                ///< root mean square over the vertices to the mean, of each shape
-  Vec3 centre_mm = Vec3::Zero();                   ///< of all shapes; the origin where they were aligned
-  double radius_mm = 1;                            ///< of what all shapes reach around it
+  Vec3 centre_mm = Vec3::Zero();                   ///< the centre of all shapes; the origin where they were aligned
+  double radius_mm = 1;                            ///< the radius that all shapes reach around it
 
-  std::vector<std::string> doubts;                 ///< what the study says of each shape's fit; empty: no doubt
+  std::vector<std::string> doubts;                 ///< the study's doubt of each shape's fit; empty: no doubt
   std::vector<SuspiciousShape> suspicious_shapes;  ///< those beyond the fences
 
   Eigen::Index vertices() const { return mean.points.rows(); }
@@ -50,15 +50,15 @@ struct StudyModel {
 
 /// Suspicious places and shapes among the shapes of a model: they take longer than the model, and are found after it.
 struct Suspicions {
-  std::vector<std::string> doubts;  ///< of each shape: what is known against it [doubt_of_shape]; empty: nothing
+  std::vector<std::string> doubts;  ///< the doubt of each shape [doubt_of_shape]; empty: nothing is known against it
   std::vector<SuspiciousVertex> vertices;
   std::vector<SuspiciousTriangle> triangles;
 };
 
 /// The shapes of a study by the names of their cases, and the model of them.
 struct ShapesOfStudy {
-  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< of every case that has one, as it lies
-  std::map<std::string, ShapeSizes> sizes;                        ///< of those that have faces
+  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< the shape of every case that has one, as it lies
+  std::map<std::string, ShapeSizes> sizes;                        ///< sizes of those that have faces
   std::shared_ptr<const StudyModel> model;                        ///< null where there is none
 };
 

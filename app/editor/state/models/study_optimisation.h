@@ -17,7 +17,7 @@ struct StudyToOptimise {
 
 /// The result of an optimisation.
 struct OptimisedStudy {
-  ShapesOfStudy shapes;  ///< of the cases in the model
+  ShapesOfStudy shapes;  ///< shapes of the cases in the model
   SetFigures before, after;
   double largest_slide_mm = 0, surface_moved_mm = 0;
 };
@@ -27,7 +27,7 @@ struct OptimisedStudy {
 struct StudyOptimisation {
   std::shared_ptr<const StudyToOptimise> of;   ///< null where there is none
   std::vector<double> bits;                    ///< description length after 0, 1, 2 … rounds
-  double fraction = 0;                         ///< of the work done
+  double fraction = 0;                         ///< share of the work that is done
   std::shared_ptr<const OptimisedStudy> done;  ///< null while it runs
   bool shown = false;                          ///< the optimised shapes, not those that were fitted
 

@@ -46,14 +46,14 @@ using AllCommands = TypeList<
     SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ExportStructuresMap, ExportMendedMap, ExportStructuresMeshes,
     ExportLandmarks, ExportTemplate, ExportTemplateLandmarks, ExportAllFrames, ExportPicture, ExportVolumes,
     ImportLandmarks, OpenFitModel, ImportStiffness, ImportTemplateLandmarks,
-    // what is measured by a recipe
+    // measurement by a recipe
     ChooseRecipe, DrawMeasurement, ExportMeasurements, OpenScoreModel, ScoreByFile,
     // the making of a template
     MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, ShowTemplateStage,
     // tools
     ChooseTool, ChooseSigma, SetSigma, SetRelaxStrength, MoveThroughSpace, SetBrush, BrushRegion, ChooseLandmark,
     NameTemplateLandmark, TypeRegion, NameRegion, ChangeNumber, SetSnap, SnapWithStrokes, SetFit, SetTemplate, Escape,
-    // what is seen
+    // the views and looks
     LookFromSide, MaximiseView, ShowParts, ShowPanel, ScrollSlices, OpenSection, ShowAll, SetWindow, InterpolateImage,
     ShowRadiological, ShowOwnPlanes, LinkZoom, UseLightTheme, SetLabelOpacity, ChooseColouring, SpaceGlyphs, SeekFrame,
     LookAt, ShowFinding, MoveInGuide, ShowGuide, ShowModels, SetPicture,

@@ -37,11 +37,11 @@ struct InputEvent {
 struct ControlsContext {
   const Layout& layout;
   const Document& document;  ///< as shown
-  ShownMesh& mesh;           ///< of the document
+  ShownMesh& mesh;           ///< the document's mesh
   bool can_undo = false, can_redo = false;
-  std::filesystem::path file = {};  ///< of the case; empty where it has none
+  std::filesystem::path file = {};  ///< the case's file; empty where it has none
   bool fits = false;                ///< a fit, a refinement or a propagation goes on
-  std::string_view structure = {};  ///< that is worked on; empty: the first
+  std::string_view structure = {};  ///< the structure that is worked on; empty: the first
 
   /// The mesh that the tools act on.
   std::optional<ShapeView> shape() const { return document.view(structure); }

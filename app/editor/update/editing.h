@@ -64,7 +64,7 @@ struct Work {
   ShapeMonitor<QualityFigures> quality;
   ShapeMonitor<ShapeMeasurements> measurements;
   ShapeMonitor<ScoredShape> scores;
-  Worker<ShapeModel> score_model;  ///< of a study's other cases
+  Worker<ShapeModel> score_model;  ///< makes the model of a study's other cases
   Recovery recovery;
   WriteReport write_report;  ///< empty: this program cannot
 
@@ -76,7 +76,7 @@ struct Work {
   std::optional<StartFit> started_fit;                ///< the fit that goes on; none while it is a refinement
   bool set_enters = false;                            ///< the structures of a set that was fitted come into the case
   std::optional<BlendModel> blend_wanted;             ///< as soon as the model's part is computed
-  std::shared_ptr<const TemplateMaking> seen_making;  ///< of the template maker, when it was looked at last
+  std::shared_ptr<const TemplateMaking> seen_making;  ///< the template maker's making when it was looked at last
 };
 
 /// Who can draw what a file is to show.

@@ -14,7 +14,7 @@ namespace homolog {
 struct FilePurposeKind {
   FilePurpose purpose;
   const char* name;   ///< in the log
-  const char* title;  ///< of the dialog
+  const char* title;  ///< the dialog's title
   FileKind files;
   Command (*command)(const std::filesystem::path& chosen, const EditorState& state);
   /// For several files at once; null where one is wanted.

@@ -79,7 +79,7 @@ class Models {
   /// The work that work on files leaves to do here, on the window's thread.
   using Then = std::function<void(EditorState&, Outbox&)>;
   struct FileDone {
-    std::filesystem::path path;  ///< of the study's file where that was to be written
+    std::filesystem::path path;  ///< the study's file where that was to be written
     Result<void> written;
     Then then;  ///< empty where nothing is left to do
   };
@@ -108,7 +108,7 @@ class Models {
   std::uint64_t written_revision_ = 0;  ///< the last that was asked to be written
   std::filesystem::path unwritten_;     ///< see unwritten(); the next change, or closing, tries again
   Alignment built_alignment_ = Alignment::similarity;
-  std::shared_ptr<const Document> built_document_;  ///< of the open case, where it is one of the study's
+  std::shared_ptr<const Document> built_document_;  ///< the open case's document, where it is one of the study's
   std::vector<std::string> told_;                   ///< sentences about this study that were shown already
 };
 

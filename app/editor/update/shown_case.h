@@ -21,9 +21,9 @@ namespace homolog {
 struct ShownLabels : LabelMapLayer {
   std::string name;
   std::filesystem::path file;
-  std::optional<int> frame;           ///< of a cine, where the map holds one frame only: the one that it belongs to
-  std::vector<LabelMapLayer> layers;  ///< of the map
-  std::size_t layer = 0;              ///< that is shown
+  std::optional<int> frame;           ///< the frame of a cine that a map of one frame belongs to
+  std::vector<LabelMapLayer> layers;  ///< the map's layers
+  std::size_t layer = 0;              ///< the layer that is shown
 
   /// In all layers.
   std::size_t label_count() const {
@@ -116,7 +116,7 @@ class ShownCase {
   std::shared_ptr<const Template> loaded_template_;
   std::optional<std::array<double, 2>> kept_window_;  ///< as the case says, or as an image is shown at first
   ShownLabels labels_;
-  mutable ShownMesh mesh_;  ///< what is remembered of `displayed_`
+  mutable ShownMesh mesh_;  ///< the mesh of `displayed_`, with what is remembered of it
 };
 
 /// A few sentences on what became of the case's file, and why edits came to nothing. If there are many at once, the

@@ -49,7 +49,7 @@ struct SnapMesh {
 struct CancelSnap {
   static constexpr const char* key = "cancel snap";
   static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::when_done;  ///< where there was one
+  static constexpr Logged logged = Logged::when_done;  ///< nothing is logged where none ran
   void run(Editing& editing) const;
 };
 /// Fits the shown frame's template to the label map that is shown.

@@ -44,7 +44,7 @@ struct FitContours {
 struct CancelContourFit {
   static constexpr const char* key = "cancel contour fit";
   static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::when_done;  ///< where there was one
+  static constexpr Logged logged = Logged::when_done;  ///< nothing is logged where none ran
   void run(Editing& editing) const;
 };
 

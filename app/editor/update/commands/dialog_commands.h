@@ -48,7 +48,7 @@ struct MoveInFiles {
 struct SelectFile {
   static constexpr const char* key = "select file";
   static constexpr Logged logged = Logged::never;
-  int index = 0;  ///< of those that the dialog lists
+  int index = 0;  ///< its number among those that the dialog lists
   Choosing how = Choosing::alone;
   void spell(Fields& line);
   void run(EditorState& state) const;

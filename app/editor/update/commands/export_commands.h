@@ -4,7 +4,7 @@
 
 namespace homolog {
 
-// What the case on the screen gives, as files.
+// The files that the case on the screen gives.
 
 /// The mesh of the frame that is shown, or numbered files of all frames.
 struct ExportMesh : FileCommand {

@@ -11,7 +11,7 @@ namespace homolog {
 class Fields;
 struct Editing;
 
-// What is measured of the shown mesh by a recipe.
+// Measurements of the shown mesh by a recipe.
 
 /// Measures by another recipe: the name of one that ships, or a file.
 using ChooseRecipe = EditingCallLogged<Logged::when_done, "choose recipe", "source", choose_recipe>;

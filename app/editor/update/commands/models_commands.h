@@ -9,7 +9,7 @@
 
 namespace homolog {
 
-// What the gallery of the Models mode and its model are asked: what they show, from where, and which mode.
+// Commands to the gallery of the Models mode and its model: what they show, from where, and which mode.
 
 struct TurnGallery {
   static constexpr const char* key = "turn gallery";
@@ -67,7 +67,7 @@ struct CompareGroup {
   void run(EditorState& state) const;
 };
 
-// What the section Optimise of the Models mode asks for.
+// Commands of the section Optimise of the Models mode.
 
 /// Slides the vertices of the study's shapes along their surfaces.
 using StartOptimisation = PlainEditingCallLogged<Logged::when_done, "start optimisation", start_optimisation>;

@@ -28,7 +28,7 @@ void spell_choice_or_null(Fields& line, const char* key, const std::array<const 
   if (name) spell_choice(line, key, names, value.emplace());
 }
 
-// What values are called in the log.
+// The names of values in the log.
 inline constexpr std::array view_names{"axial", "sagittal", "coronal", "3D"};
 inline constexpr std::array organ_names{"kidney", "vertebra", "ventricle"};
 

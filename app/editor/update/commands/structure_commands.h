@@ -50,7 +50,7 @@ struct AcceptStructure {
 /// Moves the structure that is worked on out of its neighbours. Undone together with the edit before it.
 struct KeepApart {
   static constexpr const char* key = "keep apart";
-  double gap_mm = 0;  ///< that stays between them
+  double gap_mm = 0;  ///< the gap that stays between them
   void spell(Fields& line);
   void run(Editing& editing) const;
 };

@@ -13,7 +13,7 @@ namespace homolog {
 class Outbox;
 struct ControlsContext;
 
-// What the Models mode asks of the study: its files, its cases, its worklist, its measures.
+// The Models mode's work on the study: its files, its cases, its worklist, its measures.
 
 void open_study(Editing& editing, const std::filesystem::path& path);
 using OpenStudy = EditingCall<"open study", "path", open_study>;

@@ -16,7 +16,7 @@ struct MakeTemplate {
 struct CancelTemplate {
   static constexpr const char* key = "cancel template";
   static constexpr bool cancels = true;
-  static constexpr Logged logged = Logged::when_done;  ///< where one was being made
+  static constexpr Logged logged = Logged::when_done;  ///< nothing is logged where none was being made
   void run(Editing& editing) const;
 };
 /// Goes back to the one made before.

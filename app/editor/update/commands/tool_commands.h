@@ -38,13 +38,13 @@ struct BrushRegion {
 struct ChooseLandmark {
   static constexpr const char* key = "choose landmark";
   std::string name;
-  std::optional<Vec3> look_at_mm;  ///< where it lies, if it is placed
+  std::optional<Vec3> look_at_mm;  ///< its place, if it is placed
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
 struct SetSnap {
   static constexpr const char* key = "set snap";
-  SnapSettings snap;  ///< what was learned stays
+  SnapSettings snap;  ///< all but what was learned, which stays
   void spell(Fields& line);
   void run(EditorState& state) const;
 };

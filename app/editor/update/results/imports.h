@@ -11,7 +11,7 @@ struct Structure;
 // Files that are read into the case on the screen, and templates that are written: beside the window, since they may be
 // large or far away.
 
-// What needs a template says so where the case has none.
+// Each that needs a template says so where the case has none.
 void import_landmarks(Editing& editing, const std::filesystem::path& path);
 void import_stiffness(Editing& editing, const std::filesystem::path& path);
 void import_template_landmarks(Editing& editing, const std::filesystem::path& path);

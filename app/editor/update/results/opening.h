@@ -4,7 +4,7 @@
 
 namespace homolog {
 
-// What the editor does with cases, images and templates once they are read.
+// The editor takes in cases, images and templates once they are read.
 
 /// Shows a case, whose journal is the caller's matter.
 void start_session(Editing& editing, EditSession session);

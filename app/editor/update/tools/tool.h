@@ -58,7 +58,7 @@ enum class ToolMarks {
   none,
   sigma_ring,    ///< the point of the mesh that a press would take hold of, with σ around it
   brush_circle,  ///< the circle that a brush paints
-  handles        ///< of the placement
+  handles        ///< the placement's handles
 };
 
 /// The pointer over what most tools take hold of: the mesh, or a landmark.
@@ -74,13 +74,13 @@ struct ToolKind {
   MouseTool tool;
   const char* name;               ///< as the strip calls it
   const char* log_name;           ///< as the log does
-  const char* key = "";           ///< that takes it in hand; empty: none
-  const char* in_keys = "";       ///< what the list of keys says of it
+  const char* key = "";           ///< the key that takes it in hand; empty: none
+  const char* in_keys = "";       ///< its words in the list of keys
   const char* glyph = "";         ///< on the strip; empty: the tool is not there
-  const char* tip = "";           ///< of that button
+  const char* tip = "";           ///< the button's tip
   bool ends_group = false;        ///< a gap follows on the strip
   bool needs_image = false;       ///< the button waits for an image; else for a mesh
-  const char* section = nullptr;  ///< of the side panel, that it unfolds; null: none
+  const char* section = nullptr;  ///< the section of the side panel that it unfolds; null: none
 
   ToolMarks marks = ToolMarks::none;
   PointerShape (*cursor)(const EditorState& state) = hand_over_mesh;

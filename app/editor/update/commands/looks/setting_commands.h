@@ -9,7 +9,7 @@ namespace homolog {
 // Commands that are rows. The first word is the command's in the log, the second one its value's; that is empty where
 // the value is written as several members.
 
-// What is seen, and from where.
+// The choice of what is seen, and from where.
 
 /// Turns the 3D view.
 using LookFromSide = Call<"look from side", "side", look_from, &EditorState::look, &Look::camera>;

@@ -12,7 +12,7 @@ class Outbox;
 struct ControlsContext;
 struct Editing;
 
-// What is seen, and from where.
+// The choice of what is seen, and from where.
 
 /// Goes through the slices of a view; the 3D view has none.
 struct ScrollSlices {

@@ -16,11 +16,11 @@ struct DrawnItem {
   std::string name;      ///< as a person reads it, without its icon: "Save as…"; of a text the text
   std::string path;      ///< the parts of the window that it lies in, then its name: "side panel/Regions/hilum/factor"
   std::string pattern;   ///< the same with a name that the case gave replaced by what it names: "…/<region>/factor"
-  std::string value;     ///< what it shows: "5.0 ×", "on"; empty for what shows none
+  std::string value;     ///< the value shown: "5.0 ×", "on"; empty where it shows none
   std::string tip;       ///< said on hover: what it does, or why it is disabled
   RectPx rect;           ///< px of the window
   RectPx seen;           ///< the part of it that nothing clips; without size where there is none
-  RectPx clip;           ///< where it may draw
+  RectPx clip;           ///< the room that it may draw in
   unsigned layer = 0;    ///< the window, dialog or card that it lies in; those of one layer do not cover each other
   bool scrolls = false;  ///< lies in a list or panel that is longer than its room, and moves up and down with it
   bool enabled = true;

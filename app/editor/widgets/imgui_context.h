@@ -17,15 +17,15 @@ struct TypedNumber {
 
 /// The controls' memory from one frame to the next, beside what ImGui does. One in each ImGui context.
 struct ControlsMemory {
-  std::set<unsigned> unknown_letters;  ///< that were to be shown and that no font has, code points
+  std::set<unsigned> unknown_letters;  ///< letters to show that no font has, code points
   std::uint64_t section_shown = 0;     ///< EditorState::section_wanted that the panel has scrolled to
   unsigned menu_closed = 0;            ///< ImGui's id of the menu that the press that goes on has closed
   bool pointer_by_keys = false;        ///< keys move the pointer, so it is drawn
-  std::vector<RectPx> controls;        ///< what is seen of each control that was drawn in this frame so far
+  std::vector<RectPx> controls;        ///< the seen part of each control that was drawn in this frame so far
   std::vector<RectPx> last_controls;   ///< in the frame before: where no tooltip should lie
   TypedNumber typed;
-  std::vector<std::string> refusals;  ///< of numbers that were typed, until somebody says them
-  std::string searched;               ///< what was typed into the list or menu that is open
+  std::vector<std::string> refusals;  ///< refusals of typed numbers, until somebody says them
+  std::string searched;               ///< the text typed into the list or menu that is open
   KeyFocus keys;
 };
 /// Returns the memory of the current context.

@@ -87,10 +87,10 @@ class KeyFocus {
   void find_lost();
   void scroll_on(const Stop& from, Way way);
 
-  std::vector<Stop> drawn_, last_;          ///< of this frame so far, and of the one before
+  std::vector<Stop> drawn_, last_;          ///< stops of this frame so far, and of the one before
   std::map<unsigned, unsigned> at_;         ///< the control reached in each group
-  RectPx place_;                            ///< where the reached control was last
-  unsigned group_ = 0;                      ///< that has the keys, apart from menus and dialogs
+  RectPx place_;                            ///< the reached control's last place
+  unsigned group_ = 0;                      ///< the group that has the keys, apart from menus and dialogs
   unsigned dialog_ = 0, drawn_dialog_ = 0;  ///< the window of the dialog
   unsigned drawn_group_ = 0;
   bool out_of_reach_ = false;

@@ -14,13 +14,13 @@ namespace homolog {
 /// A measure over the number of modes, or of rounds, as a plot: values joined by a line, standard errors as bars.
 struct Plot {
   std::string title, unit;  ///< "Generalisation", "mm"
-  std::string axis;         ///< of the values: "RMS distance, mm"
+  std::string axis;         ///< the title of the values' axis: "RMS distance, mm"
   Measures measures;        ///< entry k is at first + k modes
   double factor = 1;        ///< shown = factor · measured
   int decimals = 2;
   std::optional<double> whole;    ///< the axis ends here, where it is known
   std::optional<int> mark_modes;  ///< the model's own number of modes
-  const char* over = "modes";     ///< what is counted along the plot, in the plural
+  const char* over = "modes";     ///< the things counted along the plot, in the plural
   int first = 1;
   std::size_t room = 0;    ///< for how many entries there is room at least, as they come one after the other
   bool from_zero = true;   ///< else the axis begins near the least value, so that small differences are seen

@@ -42,7 +42,7 @@ inline ImU32 pressed = IM_COL32(0x3C, 0x42, 0x4B, 255);
 inline ImU32 line = IM_COL32(0x2C, 0x2F, 0x35, 255);
 inline ImU32 text = IM_COL32(0xE6, 0xE8, 0xEB, 255);
 inline ImU32 dim = IM_COL32(0xA0, 0xA7, 0xB1, 255);
-inline ImU32 faint = IM_COL32(0x6C, 0x73, 0x7D, 255);  ///< of what is disabled
+inline ImU32 faint = IM_COL32(0x6C, 0x73, 0x7D, 255);  ///< the colour of what is disabled
 inline ImU32 accent = IM_COL32(0x5B, 0xAE, 0xFF, 255);
 inline ImU32 on_accent = IM_COL32(0x08, 0x16, 0x26, 255);
 inline ImU32 amber = IM_COL32(0xFF, 0xA9, 0x3F, 255);  ///< the fold guard, warnings
@@ -52,7 +52,7 @@ inline constexpr ImU32 contour = IM_COL32(0xFF, 0xE0, 0x66, 255);  ///< curves t
 inline ImU32 mark = text;                                          ///< over the views: on images, in both themes
 inline ImU32 mark_dim = dim;                                       ///< the same, of lesser weight
 inline ImU32 mark_shadow = IM_COL32(0, 0, 0, 200);                 ///< around what is written there
-inline ImU32 dialog = IM_COL32(0x1F, 0x22, 0x26, 255);             ///< of what covers the window
+inline ImU32 dialog = IM_COL32(0x1F, 0x22, 0x26, 255);             ///< the ground of what covers the window
 }  // namespace palette
 
 /// A view's hue as text: in the title of its header.

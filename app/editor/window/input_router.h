@@ -47,7 +47,7 @@ class InputRouter {
   EditorApp& app_;
   InputQueue queue_;
   KeyPointer key_pointer_;
-  double x_px_ = 0, y_px_ = 0;  ///< of the latest event; the pointer may be elsewhere by now
+  double x_px_ = 0, y_px_ = 0;  ///< the place of the latest event; the pointer may be elsewhere by now
 };
 
 }  // namespace homolog

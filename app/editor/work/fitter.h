@@ -21,7 +21,7 @@ namespace homolog {
 struct NamedLabels {
   std::shared_ptr<const Volume> volume;
   std::string name;
-  Segmentation known{};  ///< what it says of its labels
+  Segmentation known{};  ///< its description of its labels
 };
 
 /// The label that most of a mesh's inside lies in (half way from each vertex to the middle); 0 where that is none.
@@ -30,8 +30,8 @@ int label_at_mesh(const Volume& labels, int frame, const Points& points);
 /// The shape model that a fit keeps to at first; none where both are null.
 struct ModelOfFit {
   std::shared_ptr<const StudyModel> study;  ///< its shapes without the one of the case that is fitted
-  std::string left_out;                     ///< that case's name; empty where it is none of the study's
-  bool flipped = false;                     ///< that case has the other side, and the study holds it flipped
+  std::string left_out;                     ///< the case's name; empty where it is none of the study's
+  bool flipped = false;                     ///< the case has the other side, and the study holds it flipped
   std::shared_ptr<const ShapeModel> model;  ///< one that was read from a file, which goes before
 };
 

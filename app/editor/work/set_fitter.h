@@ -21,7 +21,7 @@ struct MapToFit {
   std::filesystem::path file;  ///< read anew, with all its layers
   int frame = 0;
   std::shared_ptr<const Volume> image;  ///< the scan, for a repair; may be null
-  double gap_mm = 0;                    ///< that is left between neighbours
+  double gap_mm = 0;                    ///< the gap that is left between neighbours
 };
 
 /// How far a structure of the set is.
@@ -35,11 +35,11 @@ struct SetFitted {
   std::shared_ptr<const SetOfTemplates> set;
   SetInMap subject;
   FittedSet fitted;
-  std::vector<std::string> warnings;  ///< of the map
+  std::vector<std::string> warnings;  ///< the map's warnings
   /// One of each structure of the set where the map was repaired too, as RepairedFit has them; else both are empty.
   std::vector<std::string> found;
   std::vector<std::optional<Points>> as_read;
-  std::vector<std::uint32_t> changes;  ///< of voxels, as the repair proposes them [voxel_changes]
+  std::vector<std::uint32_t> changes;  ///< the changes of voxels that the repair proposes [voxel_changes]
 };
 
 /// Fits a template set to a label map on a thread of its own. Called from the window's thread only.
@@ -65,7 +65,7 @@ class SetFitter {
  private:
   struct Shared {
     std::mutex mutex;
-    std::vector<std::size_t> there;  ///< of the set
+    std::vector<std::size_t> there;  ///< places in the set of the structures that the map has
     std::vector<StructureFitShown> structures;
   };
   static Result<SetFitted> fit(std::shared_ptr<const SetOfTemplates> set, const MapToFit& map, bool repair,

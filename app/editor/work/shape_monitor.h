@@ -37,7 +37,7 @@ class ShapeMonitor {
       const Structure* structure = any ? any->structure(id) : nullptr;
       return structure != nullptr ? structure->id : std::string();
     };
-    // Where the first one goes, the empty id is another one's.
+    // The empty id is another structure's once the first one goes.
     const bool other = of != of_ || id_in(posted_, of_) != id_in(document, of);
     posted_ = document;
     const bool has_mesh = document && document->view(of);
@@ -115,7 +115,7 @@ class ShapeMonitor {
   Measure figures_of_;
   Worker<Measured> worker_;
   std::shared_ptr<const Document> posted_, next_;  ///< the last, and where it is not measured yet
-  std::string of_;                                 ///< of them
+  std::string of_;                                 ///< the id of their structure
   Clock::time_point rested_{};
   std::optional<Figures> latest_;
   std::string error_;

@@ -15,12 +15,12 @@ namespace homolog {
 
 /// The outcome of making the template of a study's label maps.
 struct StudyTemplate {
-  std::filesystem::path file;  ///< where it was written; empty: a label has to be chosen first
+  std::filesystem::path file;  ///< the file that was written; empty: a label has to be chosen first
   std::size_t subjects = 0;
   std::size_t begun = 0;           ///< cases that wait and begin with it now
   std::vector<std::string> stays;  ///< names of waiting cases that somebody worked on: they keep their template
-  std::string map;                 ///< of which labels one has to be chosen; empty: none has
-  std::vector<Segment> labels;     ///< that this map holds
+  std::string map;                 ///< the map of which a label has to be chosen; empty: none has
+  std::vector<Segment> labels;     ///< labels that this map holds
   std::vector<std::string> warnings;
 };
 

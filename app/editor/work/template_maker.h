@@ -47,8 +47,8 @@ class TemplateMaker {
   using Stages = Mailbox<std::shared_ptr<const TemplateMaking>>;
   std::function<void()> wake_;
   std::vector<std::shared_ptr<const TemplateMaking>> made_;  ///< with a mesh each, the latest last
-  std::shared_ptr<const TemplateMaking> now_;                ///< that goes on, or came to nothing; null: neither
-  std::shared_ptr<Stages> stages_;                           ///< of what is being made
+  std::shared_ptr<const TemplateMaking> now_;  ///< the one that goes on, or came to nothing; null: neither
+  std::shared_ptr<Stages> stages_;             ///< the stages of what is being made
   Worker<std::shared_ptr<const TemplateMaking>> worker_;
 };
 

@@ -20,7 +20,7 @@ struct CaseLabels {
   NamedLabels map;
   int label = 0;                  ///< 0: one of `held` has to be chosen first; every_label: all together
   std::vector<int> held;          ///< the labels that the map holds
-  std::vector<Segment> segments;  ///< of each of them what the map says
+  std::vector<Segment> segments;  ///< the map's description of each of them
   std::vector<std::string> warnings;
 };
 

@@ -22,7 +22,7 @@ struct RunningJob {
   std::string subject;
   double fraction = 0;
   double seconds = 0;     ///< since it was asked for
-  const char* verb = "";  ///< what it does: "Writing"; empty where nobody said
+  const char* verb = "";  ///< the verb of the work: "Writing"; empty where nobody said
 };
 
 /// Does work beside the window, on a thread of its own: one job after the other, in the order in which they were asked
@@ -121,7 +121,7 @@ class Worker {
   void run() {
     while (const std::shared_ptr<Job> job = next()) {
       Result<Value> result = guarded(job->subject, [&] { return job->work(job->progress); });
-      job->work = nullptr;  // what it held goes on this thread, and before the result is seen
+      job->work = nullptr;  // the data that it held are freed on this thread, before the result is seen
       if (deliver(job, result) && wake_) wake_();
     }
   }

@@ -24,8 +24,8 @@ struct WorklistDone {
   std::filesystem::path file;
   std::string doubt;                  ///< why a person has to look at it; empty: no doubt
   std::string fault;                  ///< why it could not be fitted, as a sentence; empty: it was
-  std::string map;                    ///< of which labels one has to be chosen first; empty: none has
-  std::vector<Segment> labels;        ///< that this map holds
+  std::string map;                    ///< the map of which a label has to be chosen first; empty: none has
+  std::vector<Segment> labels;        ///< labels that this map holds
   std::optional<StudyTemplate> made;  ///< a template of the label maps of `study`
   std::filesystem::path study;
   std::vector<std::string> warnings;  ///< sentences
@@ -37,7 +37,7 @@ struct CaseStart {
   std::shared_ptr<const Template> the_template;  ///< null: that of `template_source`
   bool mirrored = false;                         ///< each begins with the template of the other side
   std::vector<std::filesystem::path> known;      ///< files of the study's cases: these are never made again
-  std::string template_source;                   ///< where the template is null
+  std::string template_source;                   ///< the template's source, if the template is null
   /// How a case of an image, and of its label map where it has one, is made, for its first line; empty: by hand.
   std::function<Result<std::string>(const std::filesystem::path& file, const std::vector<std::filesystem::path>& scan)>
       record{};

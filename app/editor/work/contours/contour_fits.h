@@ -16,7 +16,7 @@ namespace homolog {
 struct ContourFitJob {
   BetweenCurves between = BetweenCurves::shape;
   std::shared_ptr<const Volume> labels;  ///< for BetweenCurves::label
-  Segmentation known;                    ///< what that map says of its labels
+  Segmentation known;                    ///< the map's description of its labels
   FitSettings fit;                       ///< the label, and how far clefts are closed
   SnapSettings snap;                     ///< for BetweenCurves::image
   bool goes_on = false;                  ///< see fit_shape_to_contours

@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-// What the file dialog reads from the disk, and makes there.
+// The file dialog on the disk: it reads folders, and makes some.
 
 /// Whether a person would look for files in a folder: it is there, and none of those in which the program keeps its
 /// own.

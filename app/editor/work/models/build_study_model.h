@@ -27,10 +27,10 @@ struct StudyModelRequest {
 
 struct StudyModelBuilt {
   std::shared_ptr<const StudyModel> model;                        ///< null where there is none
-  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< of every case that has one, as it lies
-  std::map<std::string, ShapeSizes> sizes;                        ///< of every such case whose faces are a surface
-  std::vector<std::string> mirrored;                              ///< cases that are mirror images of most others
-  std::vector<std::string> refusals;                              ///< a sentence for each case that is left out
+  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< the shape of every case that has one, as it lies
+  std::map<std::string, ShapeSizes> sizes;  ///< sizes of every such case whose faces are a surface
+  std::vector<std::string> mirrored;        ///< cases that are mirror images of most others
+  std::vector<std::string> refusals;        ///< a sentence for each case that is left out
   std::vector<std::string> warnings;
   std::string error;  ///< why there is no model
   ReadFiles known;

@@ -32,7 +32,7 @@ class StudyOptimiser {
  private:
   using Rounds = Mailbox<std::vector<GroupwiseRound>>;
   std::function<void()> wake_;
-  std::shared_ptr<Rounds> rounds_ = std::make_shared<Rounds>();  ///< of the latest job; those before have their own
+  std::shared_ptr<Rounds> rounds_ = std::make_shared<Rounds>();  ///< the latest job's; those before have their own
   Worker<OptimisedStudy> work_;
 };
 

@@ -23,7 +23,7 @@ struct Opened {
   OpenRequest request;
   std::optional<CaseRead> opened_case;
   std::optional<Document> demo;
-  std::optional<Guide> guide;  ///< of the first case
+  std::optional<Guide> guide;  ///< the first case's guide
   std::shared_ptr<const Volume> volume;
   std::shared_ptr<const Template> the_template;  ///< beside a case: the one that it saved; null where it saved none
   std::vector<LabelMapLayer> labels;             ///< the layers of the label map; none without one
@@ -32,7 +32,7 @@ struct Opened {
   std::vector<std::string> warnings;
   std::vector<SeriesInfo> series;  ///< the folder holds several and none was chosen: nothing was opened
   bool needs_spacing = false;      ///< a stack of pictures, whose voxel size was not told: nothing was opened
-  std::string uneven;              ///< what is no even stack about the slices of a series: nothing was opened
+  std::string uneven;              ///< the fault of a series whose slices are no even stack: nothing was opened
 };
 
 /// Reads files beside the window, one request at a time. Called from the window's thread only.

@@ -11,7 +11,7 @@
 #include "core/model/alignment/procrustes.h"
 #include "core/phantom/phantom.h"
 
-// What the command line and the editor know of each other.
+// The things that the command line and the editor know of each other.
 
 namespace homolog {
 

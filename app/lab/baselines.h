@@ -7,10 +7,10 @@
 
 namespace homolog {
 
-// What a fit is measured against. Both place the template as the fit does, without landmarks.
+// Two ways to fit that a fit is measured against. Both place the template as the fit does, without landmarks.
 
 struct PointDriftOptions {
-  Eigen::Index points = 1000;  ///< of the template; a half more of the target
+  Eigen::Index points = 1000;  ///< points of the template; a half more of the target
   double beta = 2;             ///< width of the smoothing, and
   double lambda = 3;           ///< its weight, both in units in which the points' deviation is 1
   double outliers = 0.1;       ///< share of the target that belongs to nothing

@@ -11,7 +11,7 @@ namespace homolog {
 /// The cost of a frame of the editor for the window's thread while a person drags or paints, ms of processor time.
 struct FrameCost {
   std::string tool;
-  int structures = 1;                         ///< of the case
+  int structures = 1;                         ///< the case's structures
   double frame_ms = 0, slowest_frame_ms = 0;  ///< median and slowest, without OpenGL
   std::optional<double> drawn_frame_ms;       ///< median with it; none where it is not to be had
 };

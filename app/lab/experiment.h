@@ -8,14 +8,14 @@
 #include "app/verbs/verb.h"
 #include "core/case/document.h"
 
-// What the experiments share.
+// Things that the experiments share.
 
 namespace homolog {
 
 /// Which label of a mask is the target, and how it is worked on.
 struct TargetOptions {
   std::string label;                 ///< none: the only one
-  std::optional<int> frame;          ///< of a label map with several; none: the first
+  std::optional<int> frame;          ///< the frame of a label map with several; none: the first
   std::optional<double> closing_mm;  ///< as in `fit`
 };
 void add_target_options(CLI::App& verb, TargetOptions& options);

@@ -54,7 +54,7 @@ struct ExperimentSubject {
   double visible_mm = 1;  ///< a voxel
   std::vector<Landmark> shown,
       hidden;                   ///< landmarks of the template's names: to work with, and to measure the error at
-  std::optional<Points> truth;  ///< of every vertex: then the error is measured at all of them
+  std::optional<Points> truth;  ///< the place of every vertex: then the error is measured at all of them
 };
 
 /// A phantom: its label map on a 1 mm grid as target, all its landmarks shown, every vertex known.
@@ -73,7 +73,7 @@ struct SchemeRun {
 };
 
 struct SchemeRunOptions {
-  std::optional<std::uint64_t> seed;  ///< of the placement's disturbance; none without
+  std::optional<std::uint64_t> seed;  ///< the seed of the placement's disturbance; none without
   int most_pulls = 40;
   Progress* progress = nullptr;
 };

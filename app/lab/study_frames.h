@@ -14,7 +14,7 @@ struct StudyCost {
   double slowest_frame_ms = 0;    ///< until then
   double turned_frame_ms = 0;     ///< median, while all shapes are turned
   double next_page_frame_ms = 0;  ///< median of the frames that show another page first
-  double peak_mb = 0;             ///< of the whole process
+  double peak_mb = 0;             ///< the whole process's memory at its peak
 };
 /// Errors: no OpenGL; no model can be made of the study.
 Result<StudyCost> study_cost(const std::filesystem::path& study);

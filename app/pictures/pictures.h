@@ -32,15 +32,15 @@ MontageOptions print_options(double width_mm);
 /// A part of a picture that shows one thing; px from the upper left corner.
 struct PictureCell {
   int x = 0, y = 0, width = 0, height = 0;
-  std::string name;      ///< what it shows
-  double mm_per_px = 0;  ///< where it has a scale bar of its own, else 0
+  std::string name;      ///< the name of the shape in it
+  double mm_per_px = 0;  ///< its own scale bar's, else 0
 };
 
 struct MadePicture {
   Picture picture;
   int glyphs = 0;  ///< shown on each shape
   std::vector<PictureCell> cells;
-  double mm_per_px = 0;  ///< of all cells, for a scale bar below them; 0: they differ
+  double mm_per_px = 0;  ///< one for all cells and a scale bar below them; 0: they differ
   int strip_px = 0;      ///< below the cells
   double text_px = 0;    ///< size of the letters that there is room for
 };
@@ -49,7 +49,7 @@ struct MadePicture {
 struct MontageCell {
   Mesh mesh;
   std::string name;
-  Vec3 from = Vec3(0, -1, 0);                         ///< where it is seen from, LPS
+  Vec3 from = Vec3(0, -1, 0);                         ///< the direction it is seen from, LPS
   std::shared_ptr<const std::vector<Rgb>> colours{};  ///< one a vertex; null: hues and glyphs of all
 };
 

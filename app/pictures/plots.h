@@ -19,7 +19,7 @@ struct PlotAxis {
   std::string title;
   double low = 0, high = 1;
   bool whole = false;                ///< whole numbers alone are marked
-  std::vector<std::string> names{};  ///< of the places 0, 1, …, in place of numbers; '\n' parts their lines
+  std::vector<std::string> names{};  ///< names of the places 0, 1, …, in place of numbers; '\n' parts their lines
 };
 
 /// The size of the numbers and names at axes, and how far apart the lines of a name lie.

@@ -16,7 +16,7 @@ namespace homolog {
 struct FittedCase {
   std::string name;
   std::filesystem::path image, labels;               ///< the scan, and the label map over it; empty: none
-  std::shared_ptr<const Volume> grid;                ///< of the image; no voxels are needed; null without one
+  std::shared_ptr<const Volume> grid;                ///< the image's grid; no voxels are needed; null without one
   std::shared_ptr<const Template> template_of_file;  ///< as its file has it
   bool mirrored = false;                             ///< it was fitted as that of the other side
   Points points;                                     ///< n×3, mm
@@ -25,7 +25,7 @@ struct FittedCase {
   VertexScalars doubt_mm, outlier;  ///< empty: none
   std::string doubt;                ///< why a person has to look at it, as a sentence; empty: no doubt
   std::optional<FitFigures> figures;
-  std::string record{};  ///< of how the case is made [record.h]
+  std::string record{};  ///< the record of how the case is made [record.h]
 };
 
 /// Writes NAME.homolog into a folder that is there, whose one edit is the fit, and gives its entry in a study. One that

@@ -6,7 +6,7 @@
 
 namespace homolog {
 
-// What verbs say of surfaces that were mended.
+// The verbs' words on surfaces that were mended.
 
 /// Counts by name, as `mended` in the reports of `repair-mesh`, `template` and `info`.
 Json json_of(const MendedFaults& mended);

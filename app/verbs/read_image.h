@@ -71,10 +71,10 @@ CLI::Option* add_mask_frame_option(CLI::App& verb, std::optional<int>& frame);
 CLI::Option* add_level_option(CLI::App& verb, std::optional<double>& level);
 
 struct MaskRead : VolumeRead {
-  int label = 0;                  ///< of the union, where several were asked for: the first of them
+  int label = 0;                  ///< the union's, if several were asked for: the first of them
   int frame = 0;                  ///< which is meant
   std::vector<int> from;          ///< the labels that it holds
-  std::optional<double> level{};  ///< of a soft mask: where its surface lies, in its own values
+  std::optional<double> level{};  ///< the value of a soft mask at which its surface lies
 
   /// A sentence about `label` that names all of `from`: "label 1+2".
   std::string named(std::string sentence) const;

@@ -27,8 +27,8 @@ namespace homolog {
 struct RecordedVerb {
   std::string_view name;
   std::vector<std::string_view> inputs;  ///< options that name what is read, as CLI11 calls them
-  std::string_view output;               ///< that names the file, or the folder, to write
-  std::vector<std::string_view> beside;  ///< that name what else is written; not in the record
+  std::string_view output;               ///< the option that names the file, or the folder, to write
+  std::vector<std::string_view> beside;  ///< options that name files written beside it; not in the record
 
   bool reads(std::string_view option) const;
   bool writes(std::string_view option) const;

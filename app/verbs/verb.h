@@ -24,7 +24,7 @@ struct Report {
   Json values = Json::object();
   std::vector<std::string> warnings;
   std::vector<std::filesystem::path> made{};  ///< files that still have to get the record of the command [record.h]
-  std::optional<Error> refusal{};             ///< what was reported is no success: printed after it, with exit status 1
+  std::optional<Error> refusal{};  ///< why what was reported is no success: printed after it, with exit status 1
 };
 
 /// The work of a verb.
@@ -32,8 +32,8 @@ using VerbRun = std::function<Result<Report>(Progress&)>;
 
 /// The requests of the command line.
 struct CommandLine {
-  VerbRun run;             ///< of the verb that was given; empty where the editor is to be opened
-  EditorOptions editor;    ///< what the editor opens
+  VerbRun run;             ///< the work of the verb that was given; empty where the editor is to be opened
+  EditorOptions editor;    ///< the editor's options
   bool is_of_lab = false;  ///< a verb of the laboratory was given [lab_verbs.h]
 };
 

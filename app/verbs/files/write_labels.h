@@ -11,7 +11,7 @@
 
 namespace homolog {
 
-// What the verbs share that write a label map on the grid of an image: convert, label-map.
+// Things shared by the verbs that write a label map on the grid of an image: convert, label-map.
 
 /// Whether a file of that name is one of DICOM.
 bool is_dicom_name(const std::filesystem::path& path);

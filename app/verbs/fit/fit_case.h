@@ -25,21 +25,21 @@ struct FitJob {
   std::vector<std::filesystem::path> masks, meshes;
   std::filesystem::path image, out, placement, landmarks, model;
   std::vector<std::filesystem::path> contours;
-  std::string structure;  ///< of the contours: which
+  std::string structure;  ///< the contours' structure
   double off_mm = 0;      ///< how far contours may lie off the boundary
   bool outside = false;   ///< contours only lie outside of the organ
   double beyond = 1;
   SnapArguments snap;        ///< for an image
-  std::optional<int> frame;  ///< of a label map: as asked
+  std::optional<int> frame;  ///< the label map's frame, as asked
   std::string label;
-  std::optional<double> level;  ///< of a soft mask
+  std::optional<double> level;  ///< a soft mask's level
   std::optional<double> closing_mm;
   bool resample = false;  ///< the image's slices, where they are no even stack
   bool mirror = false, partial = false;
   bool of_folder = false;  ///< cases were named by their folder
 
   int by_others = 0;  ///< third subjects
-  double gap_mm = 0;  ///< of a set: between neighbours
+  double gap_mm = 0;  ///< the gap between neighbours of a set
 
   GivenCommand command;  ///< for the records of its files
 
@@ -79,7 +79,7 @@ struct FitTarget {
   MapLabel label() const { return {mask->volume, mask->label, mask->frame, mask->segmentation}; }
 };
 
-/// What the verb reports of a fit, without the closing radius and without warnings.
+/// The verb's report of a fit, without the closing radius and without warnings.
 Report report_of_fit(const FitTarget& target, const Template& the_template, const FitResult& fit,
                      const FitJudgement& judgement, bool partial, double seconds);
 
@@ -91,7 +91,7 @@ struct FittedTarget {
   FitResult fit;
   FitJudgement judgement;
   Json closing;                       ///< for the report
-  std::vector<std::string> warnings;  ///< of its landmarks
+  std::vector<std::string> warnings;  ///< warnings of its landmarks
   double seconds = 0;
 };
 

@@ -15,11 +15,11 @@ struct RecipeJob {
   std::string group;
   std::string recipe;               ///< a file, or the name of one that ships; empty: that of the template
   std::string the_template;         ///< lends landmarks and regions; empty: none
-  std::filesystem::path landmarks;  ///< of one shape, or a folder with a file of each shape's name; empty: none
+  std::filesystem::path landmarks;  ///< one shape's file, or a folder with a file of each shape's name; empty: none
   std::filesystem::path model;      ///< empty: none
   int modes = 3;
-  std::filesystem::path image;     ///< of all shapes, or a folder with a file of each shape's name; empty: none
-  std::filesystem::path out;       ///< the table; empty: none
+  std::filesystem::path image;  ///< the image of all shapes, or a folder with a file of each shape's name; empty: none
+  std::filesystem::path out;    ///< the table; empty: none
   std::filesystem::path profiles;  ///< a folder for meshes with the image along normals; empty: none
 };
 

@@ -44,7 +44,7 @@ struct Training {
   std::vector<double> sizes_mm;     ///< centroid sizes before they were aligned
   std::optional<FacedNames> faced;  ///< as the set's
   std::vector<std::string> groups;
-  std::vector<std::vector<std::string>> study_keys;  ///< of each shape, as TrainingSetRead has them
+  std::vector<std::vector<std::string>> study_keys;  ///< each shape's, as TrainingSetRead has them
   std::vector<DoubtfulShape> doubtful, left_out;
   std::size_t flipped = 0;  ///< mirror images that were flipped, as asked
   // Several structures have these.

@@ -21,7 +21,7 @@ struct PictureVerb {
   bool transparent = false, all_frames = false, flip_mirrored = false, captions = false;
   std::string ground, only;             ///< empty: as it always was
   std::vector<std::string> structures;  ///< joined; empty: shapes of one
-  std::string structure;                ///< of those this one alone; empty: all
+  std::string structure;                ///< the only one of those to show; empty: all
   int modes = 2, mode = 0, frames = 40;
 
   /// On paper lengths count, in pixels on a screen those.

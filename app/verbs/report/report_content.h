@@ -19,7 +19,7 @@ struct ReportVerb {
   std::string title;  ///< empty: the name of the first file
   int modes = 0;      ///< how many the page has; 0: those that hold 95 % of the variance, at most 10
   Eigen::Index samples = 1000;
-  std::string recipe;              ///< what is measured along the modes: a file, or the name of one that ships
+  std::string recipe;              ///< the recipe to measure along the modes: a file, or the name of one that ships
   std::string the_template;        ///< lends landmarks and regions for that; empty: the first shape does
   std::filesystem::path left_out;  ///< a table of cases that are not among the shapes, with the reasons; empty: none
   bool without_names = false;      ///< cases are numbered: their names may be those of patients
@@ -41,9 +41,9 @@ struct PageCase {
 struct PageContent {
   std::string title;
   std::string command;                           ///< without folders, whose names may be those of patients
-  std::string template_name;                     ///< of a study; empty: none, or not known
-  bool from_model = false;                       ///< of a model's file: nothing is known beyond its modes
-  ShapeModel model;                              ///< of exactly the modes that are shown
+  std::string template_name;                     ///< the template of a study; empty: none, or not known
+  bool from_model = false;                       ///< the page is of a model's file: nothing is known beyond its modes
+  ShapeModel model;                              ///< the model with exactly the modes that are shown
   Eigen::Index distance_modes = 0;               ///< in how many of them the cases' distances are; 0: none are known
   Eigen::VectorXd variances;                     ///< mm², of all modes that are known
   ShapeMatrix shapes;                            ///< 3n×M, aligned, mm; empty: the cases' places are not known
@@ -52,9 +52,9 @@ struct PageContent {
   Eigen::Index doubt_cases = 0;                  ///< how many have one
   Eigen::Index flipped = 0;                      ///< how many shapes were flipped left for right
   Measures generalisation_rms, specificity_rms;  ///< at m = 1…M−2; empty: not known
-  Eigen::Index samples = 0;                      ///< of the specificity
+  Eigen::Index samples = 0;                      ///< samples of the specificity
   std::shared_ptr<const Recipe> recipe;          ///< null: nothing is measured
-  std::vector<ModeValues> along_modes;           ///< of it: the first modes, from −3 to 3 standard deviations
+  std::vector<ModeValues> along_modes;  ///< its values along the first modes, from −3 to 3 standard deviations
   std::vector<std::string> warnings;
 
   Eigen::Index cases_in_model() const;

@@ -6,7 +6,7 @@
 
 namespace homolog {
 
-// What a recipe measures along the modes of a page's model.
+// Measurements by a recipe along the modes of a page's model.
 
 /// Measures the mean and the first modes of the content, which is otherwise whole. A part that the model lacks becomes
 /// a warning. Errors: those of the recipe and of the template; cancelled.

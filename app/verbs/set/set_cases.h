@@ -13,7 +13,7 @@
 
 namespace homolog {
 
-// What the verbs share that go through label maps with a template set.
+// Things shared by the verbs that go through label maps with a template set.
 
 /// A label map of a case, and which of its frames is meant.
 struct SubjectMap {
@@ -34,8 +34,8 @@ std::vector<std::filesystem::path> maps_of(const std::vector<std::filesystem::pa
 /// A label map of a run.
 struct NamedMap {
   std::filesystem::path path;
-  std::string name;   ///< of its case
-  std::string alone;  ///< what that is called in a run with this map alone, which records are of
+  std::string name;   ///< its case's name
+  std::string alone;  ///< its case's name in a run with this map alone, which records are of
 };
 
 /// Names maps by their files: "seg". Where several have one name their folders stand before it: "p1-seg". Errors: a map

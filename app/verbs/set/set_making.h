@@ -37,9 +37,9 @@ CLI::Option* is_name_of_set(CLI::Option* output);
 struct SetInMaking {
   SetOfTemplates made;
   std::vector<MeshFile> files;                    ///< without faces: the template lies on the disk already
-  std::vector<std::vector<Similarity>> relative;  ///< of each subject: from where neighbours say to where it is
-  std::vector<Json> rows;                         ///< of the report, also of those without a template
-  int highest_value = 0;                          ///< of the labels of the maps that are asked for
+  std::vector<std::vector<Similarity>> relative;  ///< for each subject, from where neighbours say to where it is
+  std::vector<Json> rows;                         ///< rows of the report, also of those without a template
+  int highest_value = 0;                          ///< the highest label of the maps that are asked for
   std::vector<std::string> warnings;
 };
 

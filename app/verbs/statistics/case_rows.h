@@ -14,7 +14,7 @@ namespace homolog {
 /// A shape that looks for its row.
 struct ShapeOfRow {
   std::string name;                     ///< as TrainingSet names it
-  std::vector<std::string> study_keys;  ///< of the study's cases that it is of
+  std::vector<std::string> study_keys;  ///< keys of the study's cases that it is of
 };
 
 /// The row of each shape; none: it has none. A study's case has the row of its name there. All else goes by file names

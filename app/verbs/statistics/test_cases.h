@@ -34,12 +34,12 @@ struct TestCases {
   std::shared_ptr<const Topology> topology;  ///< null: of points alone
   Eigen::VectorXd sizes_mm;                  ///< centroid sizes before they were aligned
   CovariateTable table;
-  std::vector<std::size_t> rows;  ///< of the table, for each case
+  std::vector<std::size_t> rows;  ///< the table's row of each case
   std::vector<double> doubt_mm;   ///< root mean square over the aligned vertices; NaN: not known; empty: nobody asked
   VertexScalars vertex_doubt_mm;  ///< root mean square over the cases whose doubt is known; empty: of none
   std::vector<DoubtfulShape> left_out;  ///< shapes and rows without a partner or a value, with the reason
   std::vector<std::string> warnings;
-  double symmetry_off_mm = 0;  ///< of object symmetry: how far the mean's mirror image lies off it, root mean square
+  double symmetry_off_mm = 0;  ///< object symmetry: how far the mean's mirror image lies off it, root mean square
 };
 
 /// The cases of the studies among the files, by their keys [ShapeSource::study_key]. Errors: read_study's.

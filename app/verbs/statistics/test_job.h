@@ -33,7 +33,7 @@ struct TestJob {
   Eigen::MatrixXd responses{};  ///< a case a column
   Eigen::VectorXd root_weights{};
   Permutations permutations{};
-  Eigen::Index modes = 0;                       ///< where the shape is what explains
+  Eigen::Index modes = 0;                       ///< the number of modes by which the shape explains; else 0
   std::vector<std::filesystem::path> tables{};  ///< those that were written
 
   bool of_shape() const { return options.asked.formula.response.name == "shape"; }

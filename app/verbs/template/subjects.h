@@ -16,18 +16,18 @@ namespace homolog {
 struct SubjectFiles {
   std::vector<std::filesystem::path> files;  ///< see subject_paths
   std::filesystem::path landmarks;           ///< a folder with a file for each [landmark_file_in]; empty: none
-  std::string label;                         ///< of label maps: see read_mask
-  std::optional<int> frame;                  ///< of label maps with several: see read_mask
-  std::optional<double> level;               ///< of soft masks: see read_mask
+  std::string label;                         ///< the label of label maps: see read_mask
+  std::optional<int> frame;                  ///< the frame of label maps with several: see read_mask
+  std::optional<double> level;               ///< the level of soft masks: see read_mask
   std::optional<double> closing_mm;          ///< see label_boundary
-  std::optional<FacedNames> faced;           ///< of label maps: of the label's surface a part alone
+  std::optional<FacedNames> faced;           ///< the part of the label's surface to take, of label maps
   int vertices = 2500;
   bool flip_mirrored = false;
 };
 
 struct SubjectsRead {
   std::vector<BiasSubject> subjects;         ///< by name
-  std::vector<std::filesystem::path> paths;  ///< of each subject's file
+  std::vector<std::filesystem::path> paths;  ///< the path of each subject's file
   std::vector<std::string> flipped;
   std::map<std::string, int> frames;  ///< which was taken, of each whose label map holds several
   std::vector<std::string> warnings;

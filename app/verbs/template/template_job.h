@@ -20,8 +20,8 @@ struct TemplateJob {
   bool flip_mirrored = false;
   std::string label;
   std::optional<int> frame;
-  std::optional<double> level;      ///< of soft masks
-  std::optional<FacedNames> faced;  ///< of the label's surface a part alone
+  std::optional<double> level;      ///< the level of soft masks
+  std::optional<FacedNames> faced;  ///< the part of the label's surface to take
   int vertices = 2500;
   std::optional<double> closing_mm, opening_mm;
   std::string genus = "auto", parts = "largest", holes = "small";
@@ -35,7 +35,7 @@ struct TemplateJob {
 /// A template that is not written yet.
 struct MadeTemplate {
   MeshFile file;
-  Json values = Json::object();  ///< what the report says beside its mesh
+  Json values = Json::object();  ///< the report's values beside its mesh
   std::vector<std::string> warnings;
   std::vector<std::string> of_reading{};  ///< warnings of the file that it is made of, whatever label is taken
 };

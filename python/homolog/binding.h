@@ -21,7 +21,7 @@
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
 
-// What the sources of the Python module share. The module is thin: it turns numpy arrays into what core takes, calls
+// Things shared by the sources of the Python module. It is thin: it turns numpy arrays into what core takes, calls
 // the functions that the verbs call, and gives arrays that are views of what came of them.
 
 namespace homolog::python {
@@ -104,7 +104,7 @@ struct HeldMesh {
   std::shared_ptr<const MeshFile> file;
   std::string source{};  ///< the file it was read from, or a built-in name; empty: it was made here
   std::string record{};  ///< how it was made [app/verbs/record.h]; empty: nobody knows
-  FileStamp stamp{};     ///< of `source`
+  FileStamp stamp{};     ///< the stamp of `source`
 };
 
 /// A volume that Python holds, likewise.

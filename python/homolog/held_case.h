@@ -22,7 +22,7 @@ struct HeldCase {
   std::string source;                           ///< its file, from the root; empty: it has none
   bool is_written;                              ///< its edits are in that file
   bool is_closed = false;                       ///< it has a file that takes no more edits
-  FileStamp image_stamp;                        ///< of the image's file
+  FileStamp image_stamp;                        ///< the stamp of the image's file
   mutable std::shared_ptr<HeldVolume> image{};  ///< the scan, once it was asked for
   mutable std::atomic<bool> in_use{false};  ///< a call is at work on it, which may run without the interpreter's lock
 };

@@ -13,7 +13,7 @@ struct HeldModel {
   std::shared_ptr<const ShapeModel> model;
   std::string source{};  ///< the file it was read from; empty: it was made here
   std::string record{};  ///< how it was made; empty: nobody knows
-  FileStamp stamp{};     ///< of `source`
+  FileStamp stamp{};     ///< the stamp of `source`
 };
 
 }  // namespace homolog::python

@@ -8,7 +8,7 @@ namespace homolog {
 struct FaintLayer::Parts {
   int width_px = 0, height_px = 0;
   gl::Texture colour;  ///< premultiplied by alpha
-  gl::Texture depth;   ///< of the nearest surface
+  gl::Texture depth;   ///< depth of the nearest surface
   gl::FramebufferObject framebuffer;
 };
 

@@ -45,7 +45,7 @@ class MeshPass {
   struct Surface {
     gl::VertexArray attributes;
     gl::Buffer points_and_normals, colours;
-    std::shared_ptr<gl::Buffer> triangles;  ///< of the topology; its surfaces share it
+    std::shared_ptr<gl::Buffer> triangles;  ///< the topology's triangles; its surfaces share them
     Uploaded<Topology> topology;
     Uploaded<Points> points;
     Uploaded<std::vector<Rgb>> colour_values;

@@ -33,7 +33,7 @@ struct LabelLayer {
   std::shared_ptr<const Volume> labels;  ///< any grid; resliced by nearest voxel, coloured by label_colour()
   int frame = 0;
   float opacity = 0.4f;                               ///< twice that on the edges of a label
-  std::shared_ptr<const std::map<int, Rgb>> colours;  ///< that the map gives; null where it gives none
+  std::shared_ptr<const std::map<int, Rgb>> colours;  ///< the colours that the map gives; null where it gives none
   std::shared_ptr<const std::set<int>> hidden{};      ///< labels that are not drawn; null: all are
   bool operator==(const LabelLayer&) const = default;
 };
@@ -48,7 +48,7 @@ struct MeshLayer {
   std::shared_ptr<const std::vector<Rgb>> colours;  ///< one a vertex; null is mesh_colour
   std::uint64_t colours_revision = 0;
   bool outline = true;                 ///< its intersection with slice planes, exact, anti-aliased
-  std::shared_ptr<Outlines> outlines;  ///< where outlines are looked up; null: they are worked out each time
+  std::shared_ptr<Outlines> outlines;  ///< the outlines to look in; null: they are worked out each time
   float outline_px = 2;                ///< times the content scale
   float outline_opacity = 1;
   bool surface = true;  ///< shaded in the 3D view; below opacity 1 drawn after all else

@@ -20,8 +20,8 @@ class SlicePass {
   gl::Program plain_, labelled_;
   gl::VertexArray no_attributes_;
   gl::Texture label_colours_;
-  int last_label_ = 1;                                     ///< of which label_colours_ has a colour
-  std::shared_ptr<const std::map<int, Rgb>> own_colours_;  ///< that label_colours_ holds
+  int last_label_ = 1;                                     ///< the last label of which label_colours_ has a colour
+  std::shared_ptr<const std::map<int, Rgb>> own_colours_;  ///< the colours that label_colours_ holds
   std::shared_ptr<const std::set<int>> hidden_;            ///< whose colours are clear in it
   VolumeTextures textures_;
 };

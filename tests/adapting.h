@@ -13,7 +13,7 @@
 #include "core/mesh/voxels/label_map.h"
 #include "core/template_making/template_file.h"
 
-/// What tests of fits share.
+/// Helpers that tests of fits share.
 namespace homolog {
 
 inline std::shared_ptr<const Template> built_in(Organ organ) {

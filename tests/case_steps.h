@@ -18,7 +18,7 @@ inline Document cine_document(const CaseFolder& folder, int frames) {
   return document;
 }
 
-/// What a snap of the whole mesh would find: every landmark up to half a millimetre away.
+/// A snap of the whole mesh as it would be: every landmark up to half a millimetre away.
 inline SetPoints random_snap(const Document& document, std::mt19937& random, double share = 1) {
   std::uniform_real_distribution<double> mm(-0.5, 0.5), chance(0, 1);
   Points points = *document.view()->shape.points;

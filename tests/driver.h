@@ -31,7 +31,7 @@ class Driver {
   Driver(const Driver&) = delete;
   Driver& operator=(const Driver&) = delete;
 
-  // What the screen shows.
+  // The screen's content.
 
   /// Controls and texts of the latest frame.
   const std::vector<DrawnItem>& items() const { return drawn_.items(); }

@@ -43,7 +43,7 @@ struct PicturePart {
   int difference = plain_difference;
 };
 
-/// What `picture` shows and `without` does not.
+/// The part that `picture` shows and `without` does not.
 inline PicturePart part_drawn(std::string name, const Picture& picture, const Picture& without, double limit = 0.05) {
   return {std::move(name), differing_pixels(picture, without, plain_difference), limit};
 }
@@ -60,7 +60,7 @@ inline PicturePart part_in(std::string name, const Picture& picture, float x, fl
   return part;
 }
 
-/// What is wrong with a picture where `golden` is right: one line a part; empty where nothing is. What belongs to no
+/// The faults of a picture where `golden` is right: one line a part; empty where nothing is. What belongs to no
 /// part is "the rest", of which 0.5 % may differ.
 inline std::string golden_fault(const Picture& picture, const Picture& golden, std::vector<PicturePart> parts) {
   constexpr std::size_t fewest = 20;  // pixels of a part that is there

@@ -11,8 +11,8 @@ namespace homolog {
 
 /// A pair of ellipsoids one above the other, as a case of two structures. The upper one has a known pose.
 struct JointCase {
-  double turn_deg = 0, offset_mm = 0, scale = 1;  ///< of the upper one: about its middle and along z
-  double length = 1;                              ///< of both, along x: their shape
+  double turn_deg = 0, offset_mm = 0, scale = 1;  ///< the upper one's: about its middle and along z
+  double length = 1;                              ///< the length of both along x: their shape
 };
 
 constexpr double joint_gap_mm = 60;

@@ -13,7 +13,7 @@
 
 namespace homolog::test {
 
-/// What draw() made of a scene, or its error.
+/// The picture that draw() made of a scene, or its error.
 struct Drawn {
   Picture picture;
   Result<void> result;

@@ -13,7 +13,7 @@
 
 namespace homolog::test {
 
-/// What draws without a display; null, and the test is skipped, where there is none.
+/// A context that draws without a display; null, and the test is skipped, where there is none.
 inline std::unique_ptr<OffscreenContext> context_or_skip() {
   auto gl = OffscreenContext::make();
   if (gl) return std::move(*gl);

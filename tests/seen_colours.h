@@ -12,7 +12,7 @@ namespace homolog::test {
 /// Red, green and blue light, 0…1, linear.
 using Light = std::array<double, 3>;
 
-/// Of a colour in sRGB, 0…1.
+/// The light of a colour in sRGB, 0…1.
 inline Light light_of(const std::array<double, 3>& srgb) {
   Light light{};
   for (std::size_t k = 0; k < 3; ++k)

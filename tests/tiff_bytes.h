@@ -30,7 +30,7 @@ struct TiffBytes {
   bool alpha = false;
   std::string description;
   std::vector<std::vector<std::string>> pages;  ///< strips or tiles of each page, as they are stored
-  std::uint32_t last_link = 0;                  ///< where the last page's link points
+  std::uint32_t last_link = 0;                  ///< the place that the last page's link points to
 
   std::string bytes() const {
     std::string text = "II" + little_endian(42, 2) + little_endian(8, 4);

@@ -44,7 +44,7 @@ struct WatchedDisk {
   ~WatchedDisk() { disk_watch(nullptr); }
 };
 
-/// What a person would miss of a case: its meshes, landmarks, regions and settings, as bytes.
+/// All that a person would miss of a case: its meshes, landmarks, regions and settings, as bytes.
 inline std::string state_of(const Document& document) {
   std::string state;
   const auto add = [&state](const void* bytes, std::size_t count) {

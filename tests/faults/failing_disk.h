@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-// What a program asks of the disk: open for writing and mkdir (which make a name), write, ftruncate, fsync, rename,
+// Requests of a program to the disk: open for writing and mkdir (which make a name), write, ftruncate, fsync, rename,
 // unlink and rmdir.
 enum disk_call {
   disk_makes_file,
@@ -26,11 +26,11 @@ enum disk_call {
 struct disk_operation {
   enum disk_call call;
   unsigned long file;  // its inode; inodes are given again when a file is made
-  size_t at;           // of what is written; the new size of what is cut
+  size_t at;           // the place of what is written; the new size of what is cut
   size_t size;
   char* bytes;  // written; of a mark its text
-  char* path;   // of what has one
-  char* to;     // of a renaming
+  char* path;   // the path of what has one
+  char* to;     // the new name of a renaming
 };
 
 // From now on calls below the folder count; null: none do. Nothing fails.

@@ -72,7 +72,7 @@ class CaseNumber {
  public:
   /// `committed` is the case's own value.
   CaseNumber(const UiContext& ui, std::string control, double committed);
-  double value = 0;  ///< for the control to show and to change
+  double value = 0;  ///< the number that the control shows and changes
   /// `action_for` makes the edit that gives the case a value; called where the control changed or was let go.
   void settle(bool changed, bool released, const std::function<Action(double)>& action_for, Outbox& out) const;
 

@@ -47,7 +47,7 @@ struct ColouringInput {
 /// Everything about a colouring.
 struct ColouringKind {
   Colouring colouring;
-  const char* log_name;            ///< in the log
+  const char* log_name;            ///< its name in the log
   const char* name;                ///< its button's name
   const char* title;               ///< its legend's title in a view
   const char* tip;                 ///< its button's tip

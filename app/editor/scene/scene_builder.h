@@ -19,7 +19,7 @@ class SceneBuilder {
  public:
   struct Input {
     const EditorState& state;
-    std::shared_ptr<const Document> document;  ///< as shown
+    std::shared_ptr<const Document> document;  ///< the document as shown
     const std::optional<EditReport>& preview;  ///< the report on the structure that is worked on
     std::shared_ptr<const Volume> labels;
     std::shared_ptr<const Mesh> making;  ///< a template being made, shown in place of the case's mesh; null: none

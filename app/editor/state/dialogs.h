@@ -24,7 +24,7 @@ struct PictureOptions {
   bool transparent = false;           ///< clear where nothing is drawn; of a view
   bool light = false;                 ///< a light ground; of a view
   bool captions = true;               ///< letters, scale bar, names; of a view
-  std::optional<StudyPicture> study;  ///< in place of a view
+  std::optional<StudyPicture> study;  ///< a picture of the study, in place of a view
 };
 
 // The dialogs that cover the window; one at a time.
@@ -81,7 +81,7 @@ struct FileDialog {
 };
 /// A file of that name is there already.
 struct ReplaceDialog {
-  FileDialog files;  ///< to go back to
+  FileDialog files;  ///< the dialog to go back to
   std::filesystem::path path;
   std::filesystem::path there;  ///< the first file that is there of those to be written under that name
 };

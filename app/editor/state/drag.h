@@ -66,9 +66,9 @@ struct RulerDrag {
 struct HeldContour {
   std::string id;             ///< its set's id
   int number = 0;             ///< the curve's number in the set
-  Contour curve;              ///< as it is before
+  Contour curve;              ///< the curve as it was before
   Vec3 at = Vec3::Zero();     ///< the place of it, LPS mm
-  Vec3 aside = Vec3::Zero();  ///< from the slice to the plane in which it lies, mm
+  Vec3 aside = Vec3::Zero();  ///< the way from the slice to the plane in which it lies, mm
   double near_mm = 0;         ///< so near to it a stroke begins and ends that draws a part anew
 };
 
@@ -86,8 +86,8 @@ struct ContourDrag {
 /// The click's request, while another press may still make it a double click, which edits nothing.
 struct HeldClick {
   std::optional<Action> action;
-  std::string notice;  ///< in place of an action: why there is none
-  double until = 0;    ///< by the clock of the events
+  std::string notice;  ///< the reason why there is no action
+  double until = 0;    ///< its end by the clock of the events
 };
 
 using Drag = std::variant<PanDrag, WindowLevelDrag, TurnDrag, StrokeDrag, PlaceDrag, LandmarkDrag, BrushDrag, RulerDrag,

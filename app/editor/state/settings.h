@@ -47,7 +47,7 @@ struct SnapSettings {
   Polarity polarity = Polarity::automatic;
   bool with_strokes = false;  ///< the part under the tool is snapped while a stroke is dragged
   bool show_confidence = true;
-  bool learn = false;                         ///< from the study's cases that are done
+  bool learn = false;                         ///< learns from the study's cases that are done
   std::shared_ptr<const Appearance> learned;  ///< the look that was learned; null where none was
 };
 

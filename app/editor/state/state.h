@@ -102,8 +102,8 @@ struct RegionNaming {
 /// The thing that the pointer is over; nothing while it is outside the views.
 struct Hover {
   ViewKind view = ViewKind::axial;
-  double x_px = 0, y_px = 0;         ///< from the window's upper left corner
-  std::optional<Vec3> p_mm;          ///< on the slice, or on the surface in the 3D view
+  double x_px = 0, y_px = 0;         ///< distance from the window's upper left corner
+  std::optional<Vec3> p_mm;          ///< the place on the slice, or on the surface in the 3D view
   std::optional<Vec3> on_mesh;       ///< the surface point that a press would take hold of
   std::string landmark;              ///< name of the placed landmark under the pointer
   std::string structure;             ///< id of another structure than the active one, that a click would choose
@@ -203,7 +203,7 @@ struct Look {
   Camera3D camera;
   bool own_planes = false;
   std::optional<ViewKind> maximised;
-  bool show_all_wanted = true;  ///< in the views, once it is known how large they are
+  bool show_all_wanted = true;  ///< shows all in the views, once it is known how large they are
 
   double window_low = 0, window_high = 1;
   double label_opacity = 0.4;
@@ -226,7 +226,7 @@ struct Hand {
   MouseTool tool_before_naming = MouseTool::pull;  ///< taken up again when a landmark of the template has its place
   std::array<double, 3> sigma_presets_mm{4, 10, 25};
   std::size_t sigma_preset = 1;
-  std::optional<double> wheel_sigma_mm;  ///< in place of the preset, until one is chosen or changed
+  std::optional<double> wheel_sigma_mm;  ///< it counts in place of the preset, until one is chosen or changed
   double relax_strength = 0.5;
   bool through_space = false;
   BrushSettings brush;
@@ -263,7 +263,7 @@ struct Automatic {
   BetweenCurves between_contours = BetweenCurves::shape;
   OfferedContours offered;  ///< the contours of a file, to choose from
   double model_help = 0;    ///< 0…1: how far the study's model completes every stroke
-  bool keep_apart = true;   ///< at the end of a stroke the structure goes out of its neighbours
+  bool keep_apart = true;   ///< moves the structure out of its neighbours at the end of a stroke
   double gap_mm = 0;        ///< the gap that a fit of the set and the end of a stroke leave between neighbours
 };
 
@@ -304,7 +304,7 @@ struct EditorState {
   Scoring scoring;
   ModelsState models;
 
-  std::optional<Guide> guide;  ///< to the first case, while that is open
+  std::optional<Guide> guide;  ///< the guide to the first case, while that is open
   std::optional<Dialog> dialog;
   std::vector<Notice> notices;
   std::optional<Situation> said_in;   ///< when the session said its last sentence

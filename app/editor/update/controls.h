@@ -36,7 +36,7 @@ struct InputEvent {
 /// The state that the controls look at.
 struct ControlsContext {
   const Layout& layout;
-  const Document& document;  ///< as shown
+  const Document& document;  ///< the document as shown
   ShownMesh& mesh;           ///< the document's mesh
   bool can_undo = false, can_redo = false;
   std::filesystem::path file = {};  ///< the case's file; empty where it has none

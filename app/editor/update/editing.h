@@ -71,11 +71,11 @@ struct Work {
   RecoveryOffer recovery_offer = RecoveryOffer::dialog;
   std::shared_ptr<const Recipe> measured_by;          ///< the recipe of `measurements`; null: none
   std::shared_ptr<const ShapeModel> scored_by;        ///< the model of `scores`; null: none
-  bool scored_flipped = false;                        ///< by it, left for right
+  bool scored_flipped = false;                        ///< it takes the shape left for right
   bool fit_seen = false;                              ///< a step of the fit that goes on was shown
   std::optional<StartFit> started_fit;                ///< the fit that goes on; none while it is a refinement
   bool set_enters = false;                            ///< the structures of a set that was fitted come into the case
-  std::optional<BlendModel> blend_wanted;             ///< as soon as the model's part is computed
+  std::optional<BlendModel> blend_wanted;             ///< the blend to do as soon as the model's part is computed
   std::shared_ptr<const TemplateMaking> seen_making;  ///< the template maker's making when it was looked at last
 };
 
@@ -98,7 +98,7 @@ struct Editing {
   ShownCase& shown;
   Work& work;
   PictureSource& pictures;
-  Outbox& out;  ///< for further commands
+  Outbox& out;  ///< takes further commands
   CommandLog& log;
 
   ControlsContext controls() const {

@@ -13,7 +13,7 @@ namespace homolog {
 /// All that the program knows of a purpose of files.
 struct FilePurposeKind {
   FilePurpose purpose;
-  const char* name;   ///< in the log
+  const char* name;   ///< its name in the log
   const char* title;  ///< the dialog's title
   FileKind files;
   Command (*command)(const std::filesystem::path& chosen, const EditorState& state);

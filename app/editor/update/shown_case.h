@@ -114,7 +114,7 @@ class ShownCase {
   std::shared_ptr<const Document> displayed_;
   std::shared_ptr<const Document> tried_to_keep_;  ///< the last for which a journal was asked
   std::shared_ptr<const Template> loaded_template_;
-  std::optional<std::array<double, 2>> kept_window_;  ///< as the case says, or as an image is shown at first
+  std::optional<std::array<double, 2>> kept_window_;  ///< the case's window, or an image's at first
   ShownLabels labels_;
   mutable ShownMesh mesh_;  ///< the mesh of `displayed_`, with what is remembered of it
 };

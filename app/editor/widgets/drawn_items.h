@@ -24,7 +24,7 @@ struct DrawnItem {
   unsigned layer = 0;    ///< the window, dialog or card that it lies in; those of one layer do not cover each other
   bool scrolls = false;  ///< lies in a list or panel that is longer than its room, and moves up and down with it
   bool enabled = true;
-  bool hovered = false;  ///< by the pointer, with nothing over it
+  bool hovered = false;  ///< the pointer is on it, with nothing over it
   bool at_keys = false;  ///< marked as what the keys operate
 
   bool is_control() const { return kind != Kind::text && kind != Kind::tip; }

@@ -22,7 +22,7 @@ struct ControlsMemory {
   unsigned menu_closed = 0;            ///< ImGui's id of the menu that the press that goes on has closed
   bool pointer_by_keys = false;        ///< keys move the pointer, so it is drawn
   std::vector<RectPx> controls;        ///< the seen part of each control that was drawn in this frame so far
-  std::vector<RectPx> last_controls;   ///< in the frame before: where no tooltip should lie
+  std::vector<RectPx> last_controls;   ///< those of the frame before: no tooltip should lie on them
   TypedNumber typed;
   std::vector<std::string> refusals;  ///< refusals of typed numbers, until somebody says them
   std::string searched;               ///< the text typed into the list or menu that is open

@@ -97,7 +97,7 @@ class KeyFocus {
   bool speaks_ = false;    ///< the keys were used last, so the reached control is marked
   bool explains_ = false;  ///< a key has led to it, so it is explained
   bool scrolls_ = false, leaves_field_ = false, types_next_ = false;
-  std::optional<Way> again_;  ///< to go once more when a list has scrolled
+  std::optional<Way> again_;  ///< the way to go once more when a list has scrolled
   int steps_ = 0;
 };
 

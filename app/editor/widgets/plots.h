@@ -22,7 +22,7 @@ struct Plot {
   std::optional<int> mark_modes;  ///< the model's own number of modes
   const char* over = "modes";     ///< the things counted along the plot, in the plural
   int first = 1;
-  std::size_t room = 0;    ///< for how many entries there is room at least, as they come one after the other
+  std::size_t room = 0;    ///< entries that there is room for at least, as they come one after the other
   bool from_zero = true;   ///< else the axis begins near the least value, so that small differences are seen
   bool has_errors = true;  ///< the standard errors are known
 };

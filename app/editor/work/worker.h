@@ -149,7 +149,7 @@ class Worker {
   std::deque<std::shared_ptr<Job>> jobs_;  ///< the first is being done
   std::deque<Result<Value>> results_;
   bool stopping_ = false;
-  std::thread thread_;  ///< from the first job on
+  std::thread thread_;  ///< runs from the first job on
 };
 
 }  // namespace homolog

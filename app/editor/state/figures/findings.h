@@ -23,7 +23,7 @@ inline constexpr double thin_below_deg = 10, unclear_below = 0.3;
 /// A place of the mesh that a person should look at: faces or vertices of one kind that hang together.
 struct Finding {
   FindingKind kind = FindingKind::intersecting;
-  std::int32_t vertex = 0;          ///< in its middle
+  std::int32_t vertex = 0;          ///< a vertex in its middle
   std::vector<std::int32_t> faces;  ///< the faces that are marked; none where vertices are meant
   std::size_t count = 1;            ///< faces or vertices
   bool operator==(const Finding&) const = default;

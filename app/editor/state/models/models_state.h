@@ -20,7 +20,7 @@ enum class CaseColumn { study, name, group, state, distance };
 
 /// A vertex of one of the gallery's shapes.
 struct GalleryVertex {
-  std::size_t shape = 0;  ///< in the model
+  std::size_t shape = 0;  ///< the shape's number in the model
   Eigen::Index vertex = 0;
   bool operator==(const GalleryVertex&) const = default;
 };
@@ -87,7 +87,7 @@ struct StudyMade {
 
 /// How the gallery is looked at.
 struct GalleryLook {
-  std::size_t page = 0;  ///< from 0; see gallery_pages
+  std::size_t page = 0;  ///< the page's number, from 0; see gallery_pages
   Camera3D camera;       ///< linked: of all cells and of the model; its target stands off each shape's centre
   bool turning = false;
   bool glyphs = true;

@@ -11,7 +11,7 @@ namespace homolog {
 
 /// The input of an optimisation: the shapes of a study, and how its model aligns them.
 struct StudyToOptimise {
-  ShapesOfStudy fitted;  ///< with a model
+  ShapesOfStudy fitted;  ///< the study's shapes, with a model
   Alignment alignment = Alignment::similarity;
 };
 

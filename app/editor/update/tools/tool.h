@@ -72,11 +72,11 @@ bool edits_mesh_at(const Hover& hover);
 /// Everything about a tool of the mouse.
 struct ToolKind {
   MouseTool tool;
-  const char* name;               ///< as the strip calls it
-  const char* log_name;           ///< as the log does
+  const char* name;               ///< its name on the strip
+  const char* log_name;           ///< its name in the log
   const char* key = "";           ///< the key that takes it in hand; empty: none
   const char* in_keys = "";       ///< its words in the list of keys
-  const char* glyph = "";         ///< on the strip; empty: the tool is not there
+  const char* glyph = "";         ///< its glyph on the strip; empty: the tool is not there
   const char* tip = "";           ///< the button's tip
   bool ends_group = false;        ///< a gap follows on the strip
   bool needs_image = false;       ///< the button waits for an image; else for a mesh

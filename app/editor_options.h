@@ -29,7 +29,7 @@ struct EditorOptions {
   std::optional<Organ> demo;                 ///< a phantom's image with its template
   std::filesystem::path log;                 ///< gets every command as a line; empty: none does
   std::filesystem::path replay;              ///< such a file, whose commands are done again; empty: none
-  WriteReport write_report;                  ///< for the button; empty: there is none
+  WriteReport write_report;                  ///< writes the report for the button; empty: there is none
 };
 
 }  // namespace homolog

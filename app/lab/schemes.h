@@ -34,7 +34,7 @@ struct WorkingScheme {
   int paper_events = 1;
   double even_spacing = 0;
   LandmarkUse features = LandmarkUse::none;
-  bool refine = false;  ///< at the end vertices are moved along the surface
+  bool refine = false;  ///< moves the vertices along the surface at the end
 };
 
 /// The scheme of a name: raw, paper-1, paper-10, anchored or spacing (anchored, spacing 1), alone or with +grab, +warp

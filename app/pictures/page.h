@@ -15,7 +15,7 @@ namespace homolog {
 /// Letters on a page: one line (UTF-8).
 struct PageText {
   enum class Anchor { start, middle, end };
-  Eigen::Vector2d at_mm = Eigen::Vector2d::Zero();  ///< on the baseline, where the anchor is
+  Eigen::Vector2d at_mm = Eigen::Vector2d::Zero();  ///< the anchor's place on the baseline
   std::string text;
   Anchor anchor = Anchor::start;
   double size_pt = 8;

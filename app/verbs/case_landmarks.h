@@ -19,7 +19,7 @@ std::filesystem::path landmark_file_in(const std::filesystem::path& folder, cons
 /// The sources of a run's landmarks.
 struct LandmarkFiles {
   std::filesystem::path given;  ///< one case's file, or a folder with a file of each case's name; empty: none
-  std::string template_source;  ///< for messages
+  std::string template_source;  ///< the template's name in messages
   bool several = false;         ///< cases: what is an error for one alone is a warning
 };
 

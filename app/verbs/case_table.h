@@ -34,7 +34,7 @@ std::string name_of_row(const RowOfCase& row);
 /// A file that a table of cases names.
 struct FileOfTable {
   std::string of_case;  ///< the name of its row
-  std::string file;     ///< as the table spells it
+  std::string file;     ///< the file's name as the table spells it
 };
 /// All that it names, row by row; nothing of a table that cannot be read.
 std::vector<FileOfTable> files_of_table(const std::filesystem::path& table);

@@ -29,7 +29,7 @@ struct FitJob {
   double off_mm = 0;      ///< how far contours may lie off the boundary
   bool outside = false;   ///< contours only lie outside of the organ
   double beyond = 1;
-  SnapArguments snap;        ///< for an image
+  SnapArguments snap;        ///< the snap to an image
   std::optional<int> frame;  ///< the label map's frame, as asked
   std::string label;
   std::optional<double> level;  ///< a soft mask's level
@@ -41,7 +41,7 @@ struct FitJob {
   int by_others = 0;  ///< third subjects
   double gap_mm = 0;  ///< the gap between neighbours of a set
 
-  GivenCommand command;  ///< for the records of its files
+  GivenCommand command;  ///< the command, for the records of its files
 
   bool to_meshes() const { return !meshes.empty(); }
   const std::vector<std::filesystem::path>& cases() const { return to_meshes() ? meshes : masks; }
@@ -62,7 +62,7 @@ struct FitShared {
   std::shared_ptr<const Template> the_template;
   std::shared_ptr<const Template> template_of_file;  ///< the same, not mirrored
   FitOptions fit;
-  std::optional<double> kept_closing_mm;  ///< with the template
+  std::optional<double> kept_closing_mm;  ///< the closing kept with the template
 };
 
 /// Reads the template, the placement and the model. Errors: theirs.
@@ -90,7 +90,7 @@ Json described_closing(const LabelFit& fitted, const LabelFitOptions& how);
 struct FittedTarget {
   FitResult fit;
   FitJudgement judgement;
-  Json closing;                       ///< for the report
+  Json closing;                       ///< the closing's part of the report
   std::vector<std::string> warnings;  ///< warnings of its landmarks
   double seconds = 0;
 };

@@ -37,12 +37,12 @@ void check_training_options(const TrainingVerb& options);
 
 /// An aligned training set and its components.
 struct Training {
-  std::vector<std::string> names;  ///< as the set's; of several structures those of the cases
+  std::vector<std::string> names;  ///< the set's names; of several structures those of the cases
   std::shared_ptr<const Topology> topology;
   PrincipalComponents components;
   std::vector<std::string> warnings;
   std::vector<double> sizes_mm;     ///< centroid sizes before they were aligned
-  std::optional<FacedNames> faced;  ///< as the set's
+  std::optional<FacedNames> faced;  ///< the set's
   std::vector<std::string> groups;
   std::vector<std::vector<std::string>> study_keys;  ///< each shape's, as TrainingSetRead has them
   std::vector<DoubtfulShape> doubtful, left_out;

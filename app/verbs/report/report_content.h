@@ -34,7 +34,7 @@ struct PageCase {
   bool flipped = false;               ///< its study flips it left for right
   std::optional<double> size_mm;      ///< centroid size before it was aligned
   std::optional<double> doubt_mm;     ///< root mean square over its vertices
-  std::optional<double> distance_sd;  ///< from the model of the others [left_out_distances]
+  std::optional<double> distance_sd;  ///< distance from the model of the others [left_out_distances]
 };
 
 /// All that a page shows.
@@ -44,7 +44,7 @@ struct PageContent {
   std::string template_name;                     ///< the template of a study; empty: none, or not known
   bool from_model = false;                       ///< the page is of a model's file: nothing is known beyond its modes
   ShapeModel model;                              ///< the model with exactly the modes that are shown
-  Eigen::Index distance_modes = 0;               ///< in how many of them the cases' distances are; 0: none are known
+  Eigen::Index distance_modes = 0;               ///< how many of them the cases' distances are in; 0: none are known
   Eigen::VectorXd variances;                     ///< mm², of all modes that are known
   ShapeMatrix shapes;                            ///< 3n×M, aligned, mm; empty: the cases' places are not known
   std::vector<PageCase> cases;                   ///< those in the model in the order of `shapes`, then the others

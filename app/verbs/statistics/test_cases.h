@@ -19,7 +19,7 @@ struct TestCasesAsked {
   std::filesystem::path covariates;  ///< empty: a study's own
   Formula formula;
   std::string paired;                            ///< the column of the subjects; empty: unpaired
-  std::vector<std::filesystem::path> direction;  ///< from one shape to another: is taken out; empty: none
+  std::vector<std::filesystem::path> direction;  ///< the way from one shape to another: is taken out; empty: none
   bool object_symmetry = false;  ///< each case counts twice: as it is, and as its mirror image in its own numbering
 };
 

@@ -29,7 +29,7 @@ struct TemplateJob {
   bool tube = false, capped = false;
   int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;
   std::vector<double> axis, base, apex;
-  GivenCommand command;  ///< for the record of its file
+  GivenCommand command;  ///< the command, for the record of its file
 };
 
 /// A template that is not written yet.

@@ -10,7 +10,7 @@ namespace homolog {
 
 /// How far a file is from the one that was made anew.
 struct FileDifference {
-  bool same_bytes = false;            ///< but for where other files lie that it names
+  bool same_bytes = false;            ///< all are the same but for where other files lie that it names
   bool same_content = false;          ///< points, faces, modes or voxels are the same to the last bit
   std::optional<double> largest_mm;   ///< the largest distance of vertices, or of a model's mean and modes at one σ
   std::optional<std::size_t> voxels;  ///< how many differ

@@ -28,7 +28,7 @@ struct AllowedShapes {
 struct AllowedFit {
   Points points;         ///< n×3, LPS mm
   Points shape;          ///< the same in the frame of the allowed shapes
-  Similarity placement;  ///< from there
+  Similarity placement;  ///< takes `shape` to `points`
 };
 
 /// The template with the mean for its shape: what a fit to allowed shapes begins with.

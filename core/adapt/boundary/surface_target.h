@@ -53,7 +53,7 @@ class SurfaceTarget : public Target {
   struct Sample {
     Vec3 position, normal;
     double area_mm2 = 0;
-    SurfaceSearch::Nearest on_mesh;  ///< at the last call
+    SurfaceSearch::Nearest on_mesh;  ///< the nearest place of the mesh at the last call
   };
   bool partial() const { return std::isfinite(reach_mm_); }
   Vec3 normal_at(const SurfacePoint& at) const;

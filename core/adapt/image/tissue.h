@@ -18,7 +18,7 @@ class Tissue {
 
  private:
   float low_ = 0, high_ = 1;
-  Eigen::ArrayXf balance_;  ///< by bins of intensity
+  Eigen::ArrayXf balance_;  ///< one value for each bin of intensity
 };
 
 }  // namespace homolog

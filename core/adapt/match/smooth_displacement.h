@@ -40,7 +40,7 @@ class SmoothDisplacement {
   Coefficients bumps(const Coefficients& by) const { return root_.matrixU().solve(by); }
 
   Eigen::RowVector3d centre_;
-  Points nodes_;  ///< from the centre
+  Points nodes_;  ///< places from the centre
   DisplacementScales scales_;
   Eigen::LLT<Eigen::MatrixXd> root_;  ///< the nodes' covariance, factorised
 };

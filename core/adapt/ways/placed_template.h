@@ -15,7 +15,7 @@ struct PlacedTemplate {
   Points points;                              ///< n×3, LPS mm: the template under it
   VertexScalars trust;                        ///< trust in each landmark that was given and that the template has
   KnownMatches landmarks;                     ///< those given and mirrored, from `points`
-  std::vector<SurfacePoint> landmark_places;  ///< on the template, of each of these
+  std::vector<SurfacePoint> landmark_places;  ///< the template's place for each of these
   std::vector<std::string> warnings;          ///< each a sentence
 
   /// Whether landmarks had a say in the placement.

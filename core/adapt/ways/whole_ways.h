@@ -28,7 +28,7 @@ class WholeWays {
   /// The beginning of a way.
   struct Start {
     Points points;         ///< n×3, LPS mm
-    bool matched = false;  ///< with the boundary as a whole, so that it is near and its own reference
+    bool matched = false;  ///< it was matched with the boundary as a whole, so that it is near and its own reference
   };
   std::vector<Start> starts(const Points& start, bool match) const;
   Result<Adapted> from(const Start& start);

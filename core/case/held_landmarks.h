@@ -12,8 +12,8 @@ namespace homolog {
 
 /// How the mesh lies to one landmark of the template.
 struct LandmarkHold {
-  bool placed = false;     ///< in the image
-  double distance_mm = 0;  ///< from the mesh to its place; 0 where it has none
+  bool placed = false;     ///< it is placed in the image
+  double distance_mm = 0;  ///< distance from the mesh to its place; 0 where it has none
   bool met = false;        ///< placed, and no farther than 2 mm or the longest edge of its triangle
   bool held = false;       ///< the mesh is confirmed there
 };

@@ -35,7 +35,7 @@ constexpr bool moves_along(Origin origin) {
 
 template <class Owner, class Value>
 struct Member {
-  const char* key;  ///< in a checkpoint
+  const char* key;  ///< its key in a checkpoint
   Value Owner::*of;
   Origin origin;
 

@@ -60,12 +60,12 @@ struct Structure {
   std::optional<std::string> partner;            ///< the id of the same structure of the other side; none: not known
   std::shared_ptr<const Template> the_template;  ///< never null
   Paint paint;
-  std::map<int, std::shared_ptr<const Shape>> shapes;  ///< by frame, never null; a static volume has frame 0 only
+  std::map<int, std::shared_ptr<const Shape>> shapes;  ///< all by frame, never null; a static volume has frame 0 only
   LandmarkRules landmarks;
   double confidence = -1;  ///< 0…1: that its mesh is right, as a fit of a set or a person says; below 0: nobody said
   std::string doubt;       ///< why its mesh has to be looked at, as a sentence; empty: it need not
   std::vector<std::shared_ptr<const ContourSet>> contours;  ///< drawn of it, in any frames; never null
-  std::vector<SharedWith> shared;                           ///< with others of the case; one of two that share says it
+  std::vector<SharedWith> shared;  ///< sharings with others of the case; one of the two says it
 
   /// The curves of an id; null: there are none.
   const ContourSet* contour_set(const std::string& id) const;

@@ -8,7 +8,7 @@ namespace homolog {
 /// history: there is nothing to undo, and what can be redone stays so.
 struct SetFrame {
   int frame = 0;
-  bool step = false;  ///< in older files it was one
+  bool step = false;  ///< it is a step, as in older files
   bool operator==(const SetFrame&) const = default;
 };
 const ActionKind<SetFrame>& action_kind(const SetFrame&);

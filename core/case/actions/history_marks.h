@@ -18,7 +18,7 @@ namespace homolog {
 struct FitFigures {
   std::string mesh;                     ///< mesh_hash of what it made
   double mean_mm = 0, p95_mm = 0;       ///< distance between mesh and label; of a partial fit, from the label
-  std::optional<double> dice;           ///< with the closed label
+  std::optional<double> dice;           ///< Dice with the closed label
   std::optional<double> missing_share;  ///< share of the mesh that the label lacks, of a partial fit
   std::vector<std::string> warnings, remarks;
   bool operator==(const FitFigures&) const = default;

@@ -28,8 +28,8 @@ class SurfaceFollower {
   Place followed(const Vec3& cursor, double step_mm) const;
   const Topology& topology_;
   const Points& points_;
-  Place station_;  ///< at the last half of an edge along the path
-  Place now_;      ///< from there to the cursor
+  Place station_;  ///< the place at the last half of an edge along the path
+  Place now_;      ///< the place reached from there towards the cursor
   Vec3 cursor_;
   double beyond_mm_ = 0;  ///< the path's length from the station to the cursor
 };

@@ -13,7 +13,7 @@ namespace homolog {
 struct Springs {
   std::vector<Eigen::Index> points;
   Points places, feet, normals;  ///< a row for each of `points`: where it belongs; a place on the surface near to it
-  double length_mm = 1;          ///< at which a spring weighs about as much as an element
+  double length_mm = 1;          ///< the length at which a spring weighs about as much as an element
 
   double along = 2, across = 100;  ///< how strong they are
 

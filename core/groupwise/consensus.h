@@ -26,7 +26,7 @@ struct ConsensusOptions {
 
 struct Consensus {
   Mesh mesh;                          ///< upright as the subjects are on average, its centroid at 0, mm
-  int rounds = 0;                     ///< in which all subjects were fitted
+  int rounds = 0;                     ///< rounds in which all subjects were fitted
   double moved_mm = 0;                ///< root mean square of how far the mean's surface moved in the last round
   bool rests = false;                 ///< less than `rests_share` or `rests_edges`
   std::vector<std::size_t> left_out;  ///< subjects that could not be fitted in the last round

@@ -19,7 +19,7 @@ Result<std::vector<std::size_t>> nearest_to_mean(const std::vector<Boundary>& su
 
 /// How well a template made from one subject fits the others.
 struct Suitability {
-  std::size_t fits = 0;      ///< to other subjects
+  std::size_t fits = 0;      ///< fits to other subjects
   std::size_t doubtful = 0;  ///< those of them that are doubtful, or not possible at all
   double assd_mm = 0;        ///< mean over these fits of FitJudgement::inside_scan
   double doubt_share = 0;    ///< mean over these fits of FitJudgement::doubt_share

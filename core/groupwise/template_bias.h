@@ -13,7 +13,7 @@ namespace homolog {
 struct BiasSubject {
   std::string name;
   Boundary boundary;
-  std::vector<Landmark> landmarks;  ///< on its surface, LPS mm; without any, places spread over the surface stand in
+  std::vector<Landmark> landmarks;  ///< places on its surface, LPS mm; without any, places spread over it stand in
 };
 
 struct BiasOptions {

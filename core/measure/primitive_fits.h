@@ -23,7 +23,7 @@ struct FittedSphere {
   double radius_mm = 0, rms_mm = 0;
 };
 struct FittedCylinder {
-  Vec3 at = Vec3::Zero();  ///< on the axis, amid the points
+  Vec3 at = Vec3::Zero();  ///< a place on the axis, amid the points
   Vec3 direction = Vec3::UnitZ();
   double radius_mm = 0, rms_mm = 0;
 };

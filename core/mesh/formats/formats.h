@@ -13,7 +13,7 @@ namespace homolog {
 /// All that the program knows of a mesh format. Each has one of these in the source of this folder that is named like
 /// it.
 struct MeshFormat {
-  const char* name;             ///< in docs/formats.md
+  const char* name;             ///< its name in docs/formats.md
   const char* extension;        ///< how the names of its files end, in lower case
   const char* note = "";        ///< a remark for docs/formats.md
   bool has_faces = true;        ///< false for a list of points

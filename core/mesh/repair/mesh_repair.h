@@ -13,9 +13,9 @@ namespace homolog {
 /// The faults of a surface, counted. All of it was mended.
 struct MendedFaults {
   std::size_t not_finite = 0;             ///< vertices with a coordinate that is no finite number: left out
-  std::size_t duplicate_vertices = 0;     ///< at (nearly) one place with another: made one
+  std::size_t duplicate_vertices = 0;     ///< vertices at (nearly) one place with another: made one
   std::size_t unused_vertices = 0;        ///< vertices of no face: left out
-  std::size_t degenerate_faces = 0;       ///< without area: left out, or their longest edge was flipped
+  std::size_t degenerate_faces = 0;       ///< faces without area: left out, or their longest edge was flipped
   std::size_t duplicate_faces = 0;        ///< faces with the same three corners as another: left out
   std::size_t non_manifold_edges = 0;     ///< edges of more than two faces: the sheets that met there were parted
   std::size_t non_manifold_vertices = 0;  ///< vertices at which alone sheets met: parted

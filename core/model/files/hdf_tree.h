@@ -20,7 +20,7 @@ struct HdfTree {
     std::variant<std::vector<float>, std::vector<std::int32_t>, std::string> values;
   };
   std::map<std::string, std::map<std::string, std::string>> groups;  ///< path → attributes
-  std::map<std::string, Dataset> datasets;                           ///< by path, "/model/mean"
+  std::map<std::string, Dataset> datasets;                           ///< datasets by path, "/model/mean"
 
   const std::vector<float>* floats(const std::string& path) const;
   const std::vector<std::int32_t>* integers(const std::string& path) const;

@@ -19,7 +19,7 @@ struct JointOptions {
   bool without_doubtful = false;  ///< as TrainingOptions says; a structure that is left out is one that a case lacks
   /// Cases that lack structures but not all are completed [completed_shapes]; else they are left out.
   bool complete = false;
-  Alignment alignment = Alignment::similarity;  ///< in which they are completed
+  Alignment alignment = Alignment::similarity;  ///< the alignment in which they are completed
   bool vertex_doubts = false;                   ///< gives those of cases whose structures all have them
 };
 

@@ -30,7 +30,7 @@ std::vector<SuspiciousShape> shapes_by_distance(const PrincipalComponents& compo
 
 struct SuspiciousVertex {
   Eigen::Index shape = 0, vertex = 0;
-  double deviation_mm = 0;  ///< from where the model of all other shapes puts it
+  double deviation_mm = 0;  ///< distance from where the model of all other shapes puts it
   double usual_mm = 0;      ///< median of the same over all shapes
 };
 /// Vertices that lie elsewhere than the other shapes predict. A shape is rebuilt by `modes` modes of a model of the
@@ -42,7 +42,7 @@ std::vector<SuspiciousVertex> suspicious_vertices(const PrincipalComponents& com
 
 struct SuspiciousTriangle {
   Eigen::Index shape = 0, triangle = 0;
-  double stretch = 1;  ///< by how much its worst direction is longer or shorter than in the mean shape, ≥ 1
+  double stretch = 1;  ///< how much longer or shorter its worst direction is than in the mean shape, ≥ 1
   double usual = 1;    ///< median of the same over all shapes
 };
 /// Triangles whose stretch is beyond the outer fence of all shapes' stretches of that triangle and of all triangles' in

@@ -54,7 +54,7 @@ std::string measurement_cells(const std::vector<MeasuredNumber>& values);
 
 /// The measurements of one shape of a model.
 struct ModeValues {
-  int mode = 0;   ///< from 1
+  int mode = 0;   ///< the mode's number, from 1
   double sd = 0;  ///< standard deviations along the mode: 0 is the mean
   std::vector<MeasuredNumber> values;
 };

@@ -29,7 +29,7 @@ struct ShapesOfStructure {
 
 /// Which shape of a file is meant.
 struct WhichShape {
-  std::string structure{};     ///< by its id; empty: the first
+  std::string structure{};     ///< the structure, by its id; empty: the first
   std::optional<int> frame{};  ///< none: the one that is shown
 };
 

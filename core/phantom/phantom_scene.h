@@ -12,8 +12,8 @@ namespace homolog {
 
 /// One structure of a phantom that shows several.
 struct SceneStructure {
-  std::string name;  ///< as TotalSegmentator calls it where it knows it: "vertebrae_L3", "disc_L3_L4", "sacrum"
-  int value = 0;     ///< in the label map
+  std::string name;  ///< the name of TotalSegmentator where it has one: "vertebrae_L3", "disc_L3_L4", "sacrum"
+  int value = 0;     ///< its label in the label map
   MeshFile truth;    ///< its true surface with its landmarks, LPS mm
 };
 

@@ -12,9 +12,9 @@ namespace homolog {
 /// mean place in a joint model's.
 struct RelativePose {
   std::size_t subjects = 1;
-  Vec3 offset_mm = Vec3::Zero();                           ///< the mean offset of its middle
-  Vec3 turn_deg = Vec3::Zero();                            ///< about its middle: the axis times the angle, the mean
-  double scale = 1;                                        ///< the geometric mean
+  Vec3 offset_mm = Vec3::Zero();  ///< the mean offset of its middle
+  Vec3 turn_deg = Vec3::Zero();   ///< the turn about its middle: the axis times the angle, the mean
+  double scale = 1;               ///< the geometric mean
   double offset_sd_mm = 0, turn_sd_deg = 0, scale_sd = 0;  ///< the spread; 0 of one subject
 };
 

@@ -23,7 +23,7 @@ class History {
   };
   struct Step {
     LinePlace line;
-    std::string name;     ///< for menus; empty where the line was not read yet
+    std::string name;     ///< the name in menus; empty where the line was not read yet
     bool joined = false;  ///< undone and done again together with the step before
     bool look = false;    ///< a frame was shown: no step of its own, but what later ones start from
     bool stroke = false;

@@ -26,7 +26,7 @@ using Compute = std::function<Result<std::optional<Action>>(const Document&, con
 
 /// The limits of a session's history.
 struct HistoryLimits {
-  std::size_t bytes = std::size_t{192} << 20;  ///< for states kept in memory
+  std::size_t bytes = std::size_t{192} << 20;  ///< room for states kept in memory
   /// At most so many steps are played again to come to a state: a checkpoint is written to the file where more would
   /// be. 0: what takes about half a second with this mesh.
   std::size_t replayed_steps = 0;

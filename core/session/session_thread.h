@@ -12,7 +12,7 @@ namespace homolog {
 
 /// The interface's knowledge of the session at one moment; immutable once handed out.
 struct Snapshot {
-  std::shared_ptr<const Document> document;  ///< as committed (and on disk)
+  std::shared_ptr<const Document> document;  ///< the document as committed (and on disk)
   std::shared_ptr<const Document> shown;     ///< the running preview's document, else `document`
   std::optional<EditReport> preview;         ///< the running preview's report
   std::string preview_of;                    ///< the structure that it is about; empty: the first

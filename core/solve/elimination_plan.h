@@ -33,7 +33,7 @@ class EliminationPlan {
   };
   /// An entry of A's lower triangle, in the order of elimination.
   struct Entry {
-    int row;    ///< at the diagonal or below it
+    int row;    ///< its row, at the diagonal or below it
     int place;  ///< the row's place in the front of its column
     int value;  ///< which unknown it belongs to, at the diagonal; below it which edge
   };

@@ -30,7 +30,7 @@ class SparseCholesky {
   Points solve(const Points& b) const;
 
   const EliminationPlan& plan() const { return *plan_; }
-  int fronts_factorised() const { return fronts_factorised_; }  ///< by the last `factorise`
+  int fronts_factorised() const { return fronts_factorised_; }  ///< the fronts that the last `factorise` did
 
  private:
   struct alignas(32) FourRows {

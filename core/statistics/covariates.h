@@ -13,7 +13,7 @@ namespace homolog {
 /// Facts about cases beside their shape, as text: a row a case.
 struct CovariateTable {
   std::string source;                           ///< the file, as errors name it
-  std::vector<std::string> columns;             ///< but that of the names
+  std::vector<std::string> columns;             ///< all columns but that of the names
   std::vector<std::string> cases;               ///< names; no two are equal
   std::vector<std::vector<std::string>> cells;  ///< each case's cells, one a column
   std::string first_as_names{};  ///< the first column, where it has the names because none is called so; else empty

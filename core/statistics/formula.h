@@ -13,7 +13,7 @@ struct Variable {
   By by = By::itself;
   std::string name;
 
-  std::string text() const;  ///< as the formula has it: "log(size)"
+  std::string text() const;  ///< its text in the formula: "log(size)"
   bool operator==(const Variable&) const = default;
 };
 

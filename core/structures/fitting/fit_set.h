@@ -39,7 +39,7 @@ struct FittedStructure {
 
 /// Two structures of a set that were kept apart.
 struct KeptApart {
-  std::size_t a = 0, b = 0;  ///< by their places in the set
+  std::size_t a = 0, b = 0;  ///< both structures, by their places in the set
   double mm = 0;             ///< how far apart they came, at most the gap asked for; below 0: so far within each other
   bool too_near = false;     ///< less than was asked for, by more than a tenth of a millimetre
 };

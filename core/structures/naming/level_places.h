@@ -13,7 +13,7 @@ namespace homolog {
 
 /// The structures of a set whose names say a level in the same way, as all vertebrae.
 struct LevelChain {
-  std::map<int, std::size_t> by_level;  ///< to their places in the set
+  std::map<int, std::size_t> by_level;  ///< their places in the set, by level
   /// The number to add to the level that the name says, so that all agree with the most of them. It has those that a
   /// map has and whose fit tells where they are; 0 for nearly all.
   std::map<std::size_t, int> apart;

@@ -8,7 +8,7 @@ namespace homolog {
 
 /// Findings on the name of a structure that says a level of the spine.
 struct LevelFound {
-  int shift = 0;       ///< by how many levels the name should move: 1 where it is rather the next one down
+  int shift = 0;       ///< levels that the name should move by: 1 where it is rather the next one down
   int maybe = 0;       ///< the same where too little speaks for it to move the name; 0 where `shift` is none
   double p_named = 1;  ///< 0…1: that the name is right; 1 where nothing is known
 };

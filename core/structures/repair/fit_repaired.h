@@ -11,7 +11,7 @@ namespace homolog {
 /// The repair of a map that a person looks at and decides on: shapes as they are proposed, and as they were.
 struct RepairedFit {
   SetInMap subject;                            ///< the set in the map as proposed
-  FittedSet fitted;                            ///< to that map; confidences are those of the map as it was
+  FittedSet fitted;                            ///< the fit to that map; confidences are those of the map as it was
   std::vector<std::string> found;              ///< a sentence on each structure; empty: nothing is wrong with it
   std::vector<std::optional<Points>> as_read;  ///< n×3, LPS mm: fits to the map as it was; none: it was missing
 };

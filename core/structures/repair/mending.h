@@ -94,7 +94,7 @@ class Mending {
   /// The part that a structure lacks by its template, bent to what there is of it.
   struct Lack {
     Neighbourhood there;
-    std::vector<std::uint8_t> voxels;  ///< to fill, where they have no label
+    std::vector<std::uint8_t> voxels;  ///< voxels to fill, where they have no label
     double share = 0;                  ///< share of the template's voxels, without the outermost ones
   };
   std::optional<Lack> lack_of(std::size_t k);

@@ -28,7 +28,7 @@ struct RepairedStructure {
 struct RepairedMap {
   /// In the set's order, by the names that the map gave. Defects name others as they are called now.
   std::vector<RepairedStructure> structures;
-  FittedSet fitted;  ///< to the map as it was, but with the names that are proposed
+  FittedSet fitted;  ///< the fit to the map as it was, but with the names that are proposed
   std::vector<StructureSigns> signs;
   std::vector<std::optional<Mesh>> expected;  ///< by the neighbours, of the map as it was; of one that was missing and
                                               ///< is filled in, the shape that it got
@@ -43,7 +43,7 @@ struct MapRepairOptions {
   int image_frame = 0;
   const SetModel* model = nullptr;  ///< says how what is missing lies and looks, and what shapes are likely
   Progress* progress = nullptr;
-  std::function<void(std::size_t structure, SetFitStep step)> tell{};  ///< as FitSetOptions::tell, of every fit
+  std::function<void(std::size_t structure, SetFitStep step)> tell{};  ///< called as FitSetOptions::tell, for every fit
 };
 
 /// Finds what is wrong with the structures of a label map, and changes its voxels as it proposes: islands go, holes are

@@ -12,7 +12,7 @@ namespace homolog {
 
 /// Voxels of one layer of a label map, as they would be changed.
 struct VoxelChange {
-  std::size_t voxel = 0;  ///< in the frame, i fastest
+  std::size_t voxel = 0;  ///< its number in the frame, i fastest
   int from = 0, to = 0;
 };
 

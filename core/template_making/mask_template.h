@@ -39,9 +39,9 @@ const char* stage_name(TemplateStage stage);
 using ShowStage = std::function<void(TemplateStage stage, const Mesh& surface)>;
 
 struct MaskTemplate {
-  Mesh mesh;                       ///< closed, one component, outward oriented, numbered breadth-first; LPS mm
-  SurfaceDistance to_mask;         ///< from the mesh to the boundary of the label's largest part, cavities filled
-  SurfaceDistance from_mask;       ///< and back, so that what the mesh misses is seen too
+  Mesh mesh;                  ///< closed, one component, outward oriented, numbered breadth-first; LPS mm
+  SurfaceDistance to_mask;    ///< distance from the mesh to the boundary of the label's largest part, cavities filled
+  SurfaceDistance from_mask;  ///< and back, so that what the mesh misses is seen too
   std::vector<CutTunnel> tunnels;  ///< the tunnels that were cut
   std::vector<double> islands_ml;  ///< parts left out, the largest first
   int cavities = 0;                ///< filled

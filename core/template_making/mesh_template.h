@@ -16,7 +16,7 @@ struct MeshTemplateOptions {
   int vertices = 2500;
   /// automatic: a surface of up to 16 tunnels keeps them; of one with more, narrow ones are filled.
   GenusRule genus;
-  std::optional<double> closing_mm, opening_mm;  ///< as of a label; where one is given the surface is rebuilt
+  std::optional<double> closing_mm, opening_mm;  ///< they act as on a label; where one is given the surface is rebuilt
   /// Holes whose rim is longer stay open, as rims of the template. A share of the diagonal; negative: all stay.
   double longest_rim_share = small_rim_share;
 };
@@ -31,7 +31,7 @@ struct Rebuilt {
 struct MeshTemplate {
   /// One component, numbered breadth-first, in the given mesh's frame. Closed where the surface has no long rim.
   Mesh mesh;
-  SurfaceDistance to_mesh, from_mesh;  ///< from the template to the surface as it was mended, and back
+  SurfaceDistance to_mesh, from_mesh;  ///< distances from the template to the surface as it was mended, and back
   MendedFaults mended;
   std::optional<Rebuilt> rebuilt;
   std::vector<std::string> warnings;  ///< each a sentence on a part that was mended, left out or rebuilt

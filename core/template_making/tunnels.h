@@ -28,9 +28,9 @@ struct TunnelLimits {
   int keep = 0;               ///< genus to end with
   double first_below_mm = 5;  ///< narrower ones are cut first; then the width grows to the next two
   double fill_below_mm = 0;   ///< tunnels narrower than this are filled; 0: none
-  bool fill_any = false;      ///< at last wider ones too, as a ring's
+  bool fill_any = false;      ///< wider ones are filled at last too, as a ring's
   double sever_below_mm = 0;  ///< strands thinner than this are severed; 0: none
-  double reach_mm = 0;        ///< to which a cut extends to either side of the narrowest place
+  double reach_mm = 0;        ///< how far a cut extends to either side of the narrowest place
 };
 
 /// Cuts tunnels, the narrowest first, until the genus is `keep` or none is left within the limits. Space that a ball of

@@ -22,7 +22,7 @@ struct SeriesInfo {
 
 /// One of the slices that a series had, as the rectangular grid sees it that they became.
 struct OldSlice {
-  double height = 0;           ///< along the normal, in slices of the grid from the first
+  double height = 0;           ///< its height along the normal, in slices of the grid from the first
   double column = 0, row = 0;  ///< the place of its first voxel, in pixels of the grid
 };
 
@@ -30,8 +30,8 @@ struct OldSlice {
 struct ResampledSlices {
   std::string why;                   ///< why they were no even stack: "slices that are shifted sideways …"
   int from_slices = 0;               ///< how many slices the series has
-  double least_mm = 0, most_mm = 0;  ///< between two of them along their normal
-  double shifted_mm = 0;             ///< by how much they lie sideways against one another
+  double least_mm = 0, most_mm = 0;  ///< distances between two of them along their normal
+  double shifted_mm = 0;             ///< how far they lie sideways against one another
   int columns = 0, rows = 0;         ///< the size of a slice that the series has
   std::array<int, 3> dims{0, 0, 0};  ///< the new grid's size
   Vec3 spacing_mm = Vec3::Zero();    ///< the new grid's voxel spacing

@@ -15,13 +15,13 @@ namespace homolog {
 /// The voxels of one segment, as it will be written.
 struct WrittenSegment {
   Segment segment;  ///< its value and layer in the map
-  int number = 0;   ///< in the file
+  int number = 0;   ///< its number in the file
 };
 
 /// All that goes into the frames of a DICOM segmentation: pixels, and which segment and slice each is of.
 struct WrittenFrames {
   int full = 0;                         ///< the value that stands for 1 in fractional frames; 0: single bits
-  double rounded = 0;                   ///< by how much a share was changed at most
+  double rounded = 0;                   ///< the most by which a share was changed
   std::string pixels;                   ///< bits behind one another, or bytes
   std::vector<std::pair<int, int>> of;  ///< segment's number, slice
   Hash hash;

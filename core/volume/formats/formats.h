@@ -11,7 +11,7 @@ namespace homolog {
 /// All that the program knows of an image format. Each has one of these in the source of this folder that is named like
 /// it.
 struct VolumeFormat {
-  std::string name;                  ///< in sentences and in docs/formats.md
+  std::string name;                  ///< its name in sentences and in docs/formats.md
   std::vector<std::string> endings;  ///< the endings of its files' names, in lower case
   std::vector<std::string> written;  ///< those that write_volume takes, the usual one first; none where it writes none
   std::string in_folder;             ///< the content of a folder of it, in sentences; empty where a file holds it all

@@ -15,7 +15,7 @@ namespace homolog {
 struct Segment {
   std::string name;  ///< UTF-8 without control characters; empty where the map gives none
   int value = 0;
-  std::size_t layer = 0;  ///< in the file: structures that overlap lie in several
+  std::size_t layer = 0;  ///< its layer in the file: structures that overlap lie in several
   std::optional<std::array<std::uint8_t, 3>> colour{};
   std::string terminology{};  ///< 3D Slicer's codes, as it writes them
 };

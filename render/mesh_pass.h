@@ -54,7 +54,7 @@ class MeshPass {
     double edge_mm = 0;  ///< mean length
     bool faces = false, edges = false;
     float opacity = 1;
-    std::uint64_t bytes = 0;  ///< on the GPU
+    std::uint64_t bytes = 0;  ///< bytes on the GPU
     std::uint64_t scene = 0;  ///< the last one that it was in
   };
   static Surface make_surface();

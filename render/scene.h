@@ -85,7 +85,7 @@ struct LineLayer {
 
 /// A plane through the volume: `right` and `down` on the screen are unit vectors in LPS; the plane holds `centre`.
 struct SliceView {
-  Vec3 centre = Vec3::Zero();  ///< in the middle of the view, mm
+  Vec3 centre = Vec3::Zero();  ///< the middle of the view, mm
   Vec3 right = Vec3::UnitX(), down = Vec3::UnitY();
   double mm_per_px = 1;
   Vec3 normal() const { return right.cross(down); }  ///< into the screen

@@ -9,7 +9,7 @@ namespace homolog {
 namespace {
 
 constexpr int allowed_steps = 40;
-constexpr double first_noise_share = 0.05;  ///< of the extent
+constexpr double first_noise_share = 0.05;  ///< share of the extent
 constexpr double last_noise_edges = 0.4;    ///< about what a model of ten shapes leaves of a new one
 
 }  // namespace

@@ -25,7 +25,7 @@ void hold(const Adapting& shape, const VertexScalars& w, Force& force) {
   }
 }
 
-/// Where the pins lie, k×3, and each one's weights at its corners: a column of n values.
+/// The places of the pins, k×3, and each one's weights at its corners: a column of n values.
 struct PinnedPlaces {
   Points to;
   Eigen::SparseMatrix<double> weights;

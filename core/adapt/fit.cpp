@@ -30,7 +30,7 @@ struct PartialFit {
 /// the boundary; then it begins anew without them. Where nothing is missing the organ is whole.
 Result<PartialFit> fit_partial(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
   constexpr int rounds = 3;
-  constexpr double whole_share = 0.3;  // of the work
+  constexpr double whole_share = 0.3;  // share of the work
   std::optional<Progress> of_whole;
   FitOptions as_whole = with_part(options, whole_share, of_whole);
   as_whole.partial = false;
@@ -54,7 +54,7 @@ Result<PartialFit> fit_partial(const Template& the_template, const Boundary& bou
   }
 }
 
-/// Of a template that is cut off: placed by what both have, then fitted to what lies on its side of the cuts. Those
+/// Fits a template that is cut off: placed by what both have, then fitted to what lies on its side of the cuts. Those
 /// follow the mesh in a second round.
 Result<FitResult> fit_cut_template(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
   std::optional<Progress> of_first, of_second;
@@ -103,7 +103,7 @@ Result<FitResult> fit_within(const Template& the_template, const Boundary& bound
     if (auto done = fitting.to_boundary(); !done) return fail(done.error());
     return fitting.finish();
   }
-  constexpr double free_share = 0.7;  // of the work
+  constexpr double free_share = 0.7;  // share of the work
   std::optional<Progress> of_free, of_allowed;
   FitOptions to_any = options.allowed ? with_part(options, free_share, of_free) : options;
   to_any.allowed = nullptr;

@@ -19,9 +19,9 @@ namespace {
 
 constexpr double least_dice = 0.9;
 constexpr double hardly_any_dice = 0.5;  ///< below, the template is likely of another organ, whatever else it is
-constexpr double most_missing = 0.6;     ///< of the mesh: of less nobody can tell where it belongs
-constexpr double told_beyond = 0.02;     ///< of the boundary's area, beyond a template's cut
-constexpr double most_share = 0.04, most_mean_share = 0.01;  ///< of the diagonal
+constexpr double most_missing = 0.6;     ///< share of the mesh: of less nobody can tell where it belongs
+constexpr double told_beyond = 0.02;     ///< share of the boundary's area, beyond a template's cut
+constexpr double most_share = 0.04, most_mean_share = 0.01;  ///< shares of the diagonal
 
 /// The agreement as far as it counts: Dice of two open surfaces would be that of caps which nobody has seen.
 Agreement counting(Agreement agreement, const std::optional<RimDistance>& rim) {
@@ -65,7 +65,7 @@ std::string poor_fit(const Agreement& agreement, double doubt_share, bool partia
 /// How far the target of a partial fit, without its flat cuts, lies from the mesh: mean and 95th percentile by area.
 TargetDistance target_distance(const Mesh& target, const Mesh& mesh) {
   // The fit pulls no farther in the end [surface_target.h].
-  constexpr double cut_share = 0.015;  ///< of the diagonal: a flat face that lies farther off is a cut
+  constexpr double cut_share = 0.015;  ///< share of the diagonal: a flat face that lies farther off is a cut
   const SurfaceSearch search(mesh);
   const Triangles& triangles = target.topology->triangles();
   std::vector<double> off_mm(static_cast<std::size_t>(triangles.rows()));
@@ -100,7 +100,7 @@ TargetDistance target_distance(const Mesh& target, const Mesh& mesh) {
   return distance;
 }
 
-/// What the scan shows of a surface, cut along its borders; empty where nothing sound is left.
+/// The part of a surface that the scan shows, cut along its borders; empty where nothing sound is left.
 std::optional<Mesh> shown_part(const Mesh& surface, const std::vector<ScanBorder>& borders) {
   std::optional<Mesh> part = surface;
   for (const ScanBorder& border : borders)
@@ -119,7 +119,7 @@ void judge_inside(const Boundary& boundary, const FitResult& fit, FitJudgement& 
   if (seen && target) judgement.inside_scan = compare_meshes(*seen, *target);
 }
 
-/// Of the boundary's area: what lies beyond the template's cuts.
+/// The share of the boundary's area that lies beyond the template's cuts.
 double share_beyond(const Boundary& boundary, const std::vector<ScanBorder>& template_cuts) {
   double beyond = 0, all = 0;
   const Triangles& triangles = boundary.surface.topology->triangles();
@@ -134,10 +134,10 @@ double share_beyond(const Boundary& boundary, const std::vector<ScanBorder>& tem
   return all > 0 ? beyond / all : 0;
 }
 
-/// Of a closed boundary's area: what lies off an open mesh and off its flat cap, as where the organ goes on beyond the
+/// The share of a closed boundary's area off an open mesh and off its flat cap, as where the organ goes on beyond the
 /// mesh's rim.
 double share_beyond_rim(const Boundary& boundary, const Mesh& mesh) {
-  constexpr double off_share = 0.02;  ///< of the diagonal: farther off is beyond
+  constexpr double off_share = 0.02;  ///< share of the diagonal: farther off is beyond
   const Mesh& surface = boundary.surface;
   const double far_mm = off_share * bounds_of(surface.points).diagonal().norm();
   const SurfaceSearch open(mesh), closed(capped(mesh));

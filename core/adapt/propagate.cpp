@@ -17,16 +17,16 @@ namespace homolog {
 namespace {
 
 constexpr double lost_confidence = 0.35;  ///< below it a frame is not followed
-constexpr double doubtful_frame = 0.7;    ///< of the median frame's
-constexpr double doubtful_edges = 1;      ///< of disagreement, in mean edges, and not below the next
+constexpr double doubtful_frame = 0.7;    ///< share of the median frame's
+constexpr double doubtful_edges = 1;      ///< disagreement in mean edges, and not below the next
 constexpr double least_doubtful_mm = 3;
-constexpr double doubtful_jump = 0.25;  ///< of all volumes' range, against the mean of both neighbours
-constexpr double least_jump = 0.05;     ///< of that mean
+constexpr double doubtful_jump = 0.25;  ///< share of all volumes' range, against the mean of both neighbours
+constexpr double least_jump = 0.05;     ///< share of that mean
 constexpr double rough_change = 0.9;    ///< share of the steps between frames that change less than a cycle's end
-constexpr double closed_share = 0.4;  ///< of what the motion changes: what a closed cycle may still differ at its ends
+constexpr double closed_share = 0.4;    ///< share of what the motion changes: a closed cycle may still differ by it
 
-constexpr double closed_volume = 0.15;  ///< of the volumes' range: what the ends of a closed cycle differ at most
-constexpr double least_beat = 0.1;      ///< of the largest volume: a smaller range tells nothing about a beat
+constexpr double closed_volume = 0.15;  ///< share of the volumes' range: the ends of a closed cycle differ by no more
+constexpr double least_beat = 0.1;      ///< share of the largest volume: a smaller range tells nothing about a beat
 
 /// A frame as one of the two ways came to it.
 struct Arrival {
@@ -69,7 +69,7 @@ struct Stretch {
   int from = 0, to = 0;  ///< both known; the same where one known frame has the whole cycle
   int steps = 0;         ///< from the one to the other
   bool meets = true;     ///< both ways are gone; else only the one in `direction`
-  int direction = 1;     ///< of one that does not meet: on from `from`, or back
+  int direction = 1;     ///< the way of one that does not meet: on from `from`, or back
 };
 
 class Propagating {
@@ -114,7 +114,7 @@ class Propagating {
   /// Through a stretch from one of its ends.
   using Way = std::vector<Arrival>;
 
-  /// What the boundary looks like in each known frame.
+  /// Learns the boundary's look in each known frame.
   Result<void> learn() {
     for (const auto& [frame, points] : known_) {
       auto appearance = std::make_shared<Appearance>();

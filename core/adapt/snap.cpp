@@ -91,7 +91,7 @@ class Snapping {
     mesh.points = without_turning(*mesh.topology, start_.placed, start_.mesh.points, mesh.points);
   }
 
-  /// What untangling moved away from the pins comes back, with what lies around.
+  /// Brings back to the pins what untangling moved away, with what lies around.
   void meet_again() {
     Mesh& mesh = shape_.mesh;
     const double edge_mm = mean_edge_mm(*mesh.topology, mesh.points);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int most_untangle_rounds = 10;
 constexpr int rotation_rounds = 5;
-constexpr double untangling_weight = 1e-4;  ///< of the force that keeps a freed vertex where it is
+constexpr double untangling_weight = 1e-4;  ///< weight of the force that keeps a freed vertex where it is
 
 std::set<std::int32_t> tangled_vertices(const Mesh& mesh, const Points& reference) {
   std::set<std::int32_t> faces;

@@ -27,7 +27,7 @@ namespace homolog {
 
 namespace {
 
-/// Where the label's largest part lies at the first or last plane of the label map in an axis.
+/// The borders at which the label's largest part lies at the first or last plane of the label map in an axis.
 std::vector<ScanBorder> borders_of(const LabelBody& region, const VolumeGeometry& whole) {
   std::vector<ScanBorder> borders;
   for (const MapSide& side : sides_that_cut(region, whole))
@@ -56,7 +56,7 @@ std::size_t close_holes(Mesh& surface, std::size_t rims) {
   for (const Rim& rim : surface.topology->rims()) lengths_mm.push_back(rim_length_mm(rim, surface.points));
   if (lengths_mm.size() <= rims) return 0;
   std::ranges::sort(lengths_mm, std::greater());
-  constexpr double hole_share = 2.0 / 3;  // of the shortest rim: the outflow of a ventricle comes to 0.58 of its base
+  constexpr double hole_share = 2.0 / 3;  // share of the shortest rim: a ventricle's outflow comes to 0.58 of its base
   double longest_mm = hole_share * lengths_mm[rims - 1];
   // What template_of_mesh closes is a hole here too where the rims are of those that it keeps.
   const double small_mm = small_rim_share * bounds_of(surface.points).diagonal().norm();
@@ -65,7 +65,7 @@ std::size_t close_holes(Mesh& surface, std::size_t rims) {
   return lengths_mm.size() - surface.topology->rims().size();
 }
 
-/// Of a label's boundary, which is whole, the part that is asked for.
+/// Takes the part that is asked for of a label's boundary, which is whole.
 void take_faced_part(Boundary& boundary, const Volume& mask, int label, int frame, const LabelParts& parts) {
   const auto take_whole = [&](const std::string& why) {
     boundary.why_whole = why + ", and its whole surface was taken";

@@ -17,7 +17,7 @@ namespace homolog {
 
 namespace {
 
-/// Of the bounding-box diagonal: how far what is known reaches, how large a displacement may be, and how far the
+/// Shares of the bounding-box diagonal: how far what is known reaches, how large a displacement may be, how far the
 /// nearest boundary may be off.
 struct Shares {
   double reach, bump, boundary_noise;
@@ -36,7 +36,7 @@ WarpLengths lengths_of(const Shares& shares, double diagonal_mm) {
   return {shares.reach * diagonal_mm, shares.bump * diagonal_mm, warp_lengths(diagonal_mm).noise_mm};
 }
 
-/// Where an organ is known to differ smoothly: what is typical of the parts of its displacement, at one diagonal of the
+/// The typical parts of the displacement of an organ that is known to differ smoothly, at one diagonal of the
 /// bounding box from its centre. With so much shift, stretch and bend any quadratic map is nearly free.
 constexpr double shift = 0.1, stretch = 0.25, bend = 0.9;
 constexpr Shares beside_these{.reach = 0.13, .bump = 0.02, .boundary_noise = 0.007};
@@ -121,7 +121,7 @@ Shares shares_of(double roundness, double times) {
 struct Look {
   Covariance kernel;
   double boundary_mm;   ///< how far off the nearest boundary may be
-  Eigen::Index stride;  ///< of the vertices that look for it
+  Eigen::Index stride;  ///< every so many vertices look for it
   int rounds;
   std::optional<double> outlying;  ///< times the median distance: farther off, it is that of another part
   bool own_normals;                ///< the distance is known along the mesh's normals, else along the boundary's

@@ -10,16 +10,16 @@ namespace homolog {
 
 namespace {
 
-constexpr Eigen::Index surface_samples = 300;  ///< of each surface
+constexpr Eigen::Index surface_samples = 300;  ///< samples of each surface
 /// How far an organ's surface lies from its template's under the right similarity, as a share of the diagonal, and of
 /// how many places on it one may say so independently.
 constexpr double surface_deviation_share = 0.02, independent_places = 100;
 constexpr double blunders = 0.05;  ///< share of named places that are no places of that name
-/// Of the diagonal: surfaces farther apart have no counterpart, where parts may be missing. And how much a place of the
-/// template counts there against one of the boundary, which is mostly the organ's.
+/// Share of the diagonal: surfaces farther apart have no counterpart, where parts may be missing. And how much a place
+/// of the template counts there against one of the boundary, which is mostly the organ's.
 constexpr double missing_share = 0.05, missing_counts = 0.4;
 
-constexpr double near_the_end = 2e-3;  ///< of the organ's size: such steps and shorter ones are near the end
+constexpr double near_the_end = 2e-3;  ///< share of the organ's size: such steps and shorter ones are near the end
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
 Eigen::Matrix<double, 7, 1> moved_along(const Vec3& normal, const Vec3& from_centre) {
@@ -41,7 +41,7 @@ std::vector<Vec3> sampled(const Points& points) {
 /// A placement with what is seen there.
 struct ClosestPoints::State {
   struct Gap {
-    Vec3 at, normal;  ///< of the placed template; away from the boundary along `normal`
+    Vec3 at, normal;  ///< the placed template's; away from the boundary along `normal`
     double mm = 0;
     double weight = 1;  ///< less where one of the surfaces seems to lack the place
   };
@@ -182,7 +182,7 @@ Placed ClosestPoints::refined(const Similarity& start, double most_turn, const P
   State state = look(start, prior, places, {});
   System system = system_at(state, prior, places);
   double damping = 1e-3;
-  constexpr double rounding = 1e-11;  // of a cost that is some tens
+  constexpr double rounding = 1e-11;  // share of a cost that is some tens
   for (int step = 0; step < most_steps && damping < 1e9; ++step) {
     Matrix7 matrix = system.matrix;
     matrix.diagonal() *= 1 + damping;

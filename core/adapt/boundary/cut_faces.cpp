@@ -11,18 +11,18 @@ namespace homolog {
 namespace {
 
 // Lengths are shares of the surface's diagonal.
-constexpr double flat_within = 0.008, flat_cosine = 0.95;  ///< of one plane, and of its normal
+constexpr double flat_within = 0.008, flat_cosine = 0.95;  ///< how near to one plane, and to its normal
 constexpr double edge_width = 0.025, edge_cosine = 0.87;   ///< behind a sharp edge the surface has turned by 30°
-constexpr double sharp_share = 0.6;                        ///< of the way around
-constexpr double smoothing_width = 0.024;                  ///< of the normals
+constexpr double sharp_share = 0.6;                        ///< share of the way around
+constexpr double smoothing_width = 0.024;                  ///< the width over which normals are smoothed
 /// A cut is where the template looks elsewhere on average. At a small face details of the organ do, too, so there it
 /// has to look farther away. Or its normals spread (the length of their mean) at a large face, unless the template is
 /// flat at more than this share of it too.
 constexpr double elsewhere_cosine = 0.75, far_elsewhere_cosine = 0.6, flat_template = 0.9, as_in_template = 0.5;
-constexpr double detail_share = 0.01;  ///< of the surface's area
+constexpr double detail_share = 0.01;  ///< share of the surface's area
 constexpr Eigen::Index seeds = 2000;
 
-/// Of each face, unit length, without the steps that voxels leave.
+/// The normal of each face, unit length, without the steps that voxels leave.
 Points smooth_normals(const Mesh& mesh) {
   Points normals = vertex_normals(mesh);
   const auto rounds = std::lround(smoothing_width * bounds_of(mesh.points).diagonal().norm() /
@@ -115,7 +115,7 @@ class FlatFaces {
     return area;
   }
 
-  /// Of the faces a little way beyond the rim: how many have turned away. An opening counts as an edge.
+  /// The share of the faces a little way beyond the rim that have turned away. An opening counts as an edge.
   double sharp_edge_share(const std::vector<std::int32_t>& flat, const Vec3& normal) const {
     std::vector<char> seen(faces(), 0);
     for (const std::int32_t f : flat) seen[static_cast<std::size_t>(f)] = 1;
@@ -146,7 +146,7 @@ class FlatFaces {
   double diagonal_mm_ = 0, edge_mm_ = 0;
 };
 
-/// What a template says of a flat face that lies near it.
+/// A template, and how it lies to a flat face near it.
 class TemplateSurface {
  public:
   TemplateSurface(const Mesh& on_surface, const Points& placed)

@@ -10,7 +10,7 @@ namespace homolog {
 
 std::vector<ScanBorder> cut_borders(const Template& the_template, const Points& points) {
   constexpr double tolerance_edges = 0.75;  ///< the rim of a flat face is round by about this
-  constexpr double least_share = 0.01;      ///< of the vertices: a smaller face hardly draws a fit aside
+  constexpr double least_share = 0.01;      ///< share of the vertices: a smaller face hardly draws a fit aside
   std::vector<ScanBorder> borders;
   std::vector<char> marked(static_cast<std::size_t>(points.rows()), 0);
   for (const std::int32_t i : vertices_in(the_template.regions, cut_region)) marked[static_cast<std::size_t>(i)] = 1;

@@ -124,10 +124,10 @@ std::vector<Eigen::Quaterniond> starts_of(const Moments& from, const Moments& to
 
 struct Start {
   Similarity placement;
-  double farthest;  ///< that it may turn away from what is likely beforehand, radians
+  double farthest;  ///< the farthest that it may turn away from what is likely beforehand, radians
 };
 
-/// Of many starts, those that a few steps bring nearest.
+/// Keeps of many starts those that a few steps bring nearest.
 void keep_promising(const ClosestPoints& closest, const PlacementPrior& prior, const KnownPlaces& places,
                     std::vector<Start>& starts) {
   constexpr int few_steps = 8;
@@ -230,9 +230,9 @@ std::optional<OtherLie> other_lie(const Template& the_template, const Boundary& 
   // by 17 or more, and to 0.67 of it or less, but for one kidney in 25. On the same side it raises the cost by 18 or
   // more; vertebrae differ by 3. Another organ costs hundreds either way, so a small part of that tells nothing.
   constexpr double clearly = 10, clearly_less = 0.75;
-  constexpr double clearly_share = 0.65;   // of cut femora and hips, one way: 0.1 to 1.25, and 0.8 to 8
-  constexpr double turn_share = 0.8;       // of partial fits: an organ may be like its mirror image but for a half turn
-  constexpr double visible_share = 0.005;  // of the diagonal: below, a ball would look mirrored by its noise
+  constexpr double clearly_share = 0.65;  // cut femora and hips, one way: 0.1 to 1.25, and 0.8 to 8
+  constexpr double turn_share = 0.8;      // for partial fits: an organ may be like its mirror image but for a half turn
+  constexpr double visible_share = 0.005;  // share of the diagonal: below, a ball would look mirrored by its noise
   struct There {
     Points points;
     double distance_mm, cost;

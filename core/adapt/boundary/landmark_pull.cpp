@@ -8,7 +8,7 @@ namespace homolog {
 
 namespace {
 
-constexpr double landmark_weight = 10;  ///< of a named place against a vertex on the boundary
+constexpr double landmark_weight = 10;  ///< weight of a named place against a vertex on the boundary
 
 }  // namespace
 

@@ -11,7 +11,7 @@ namespace homolog {
 
 namespace {
 
-/// Of the root of the area.
+/// Shares of the root of the area.
 constexpr double as_known_share = 0.08;   ///< nearer to a known place, a mirrored one tells nothing new
 constexpr double asymmetry_share = 0.01;  ///< how far a place may lie from its mirror image, each coordinate
 

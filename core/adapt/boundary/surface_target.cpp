@@ -12,7 +12,7 @@ namespace homolog {
 namespace {
 
 constexpr double same_way = 0.4;      ///< cosine between normals of places that may be counterparts
-constexpr double widest_reach = 0.1;  ///< of an organ that may lack parts: how far it looks for counterparts at first
+constexpr double widest_reach = 0.1;  ///< share of an organ that may lack parts: so far it looks for counterparts first
 
 }  // namespace
 
@@ -139,7 +139,7 @@ TargetPull SurfaceTarget::nearest(const Mesh& mesh) {
 
 std::vector<std::int32_t> SurfaceTarget::missing(const Mesh& mesh) {
   constexpr int rounds = 5;
-  constexpr double fewest = 0.005;  // of the vertices
+  constexpr double fewest = 0.005;  // share of the vertices
   VertexScalars found = nearest(mesh).weights;
   for (int round = 0; round < rounds; ++round) {
     const VertexScalars before = found;
@@ -173,7 +173,7 @@ TargetPull SurfaceTarget::pull(const Mesh& mesh, double share) {
   for (const Sample& sample : samples_) {
     const auto& own = sample.on_mesh;
     if (rims_count() && on_rim(*mesh.topology, own.at)) continue;
-    // Of normals that go on over edges: a sample that lies nearest to a corner is as near to several faces, and which
+    // The normals go on over edges: a sample that lies nearest to a corner is as near to several faces, and which
     // of them is named hangs on rounding.
     const Vec3 facing = own.at.interpolate(*mesh.topology, normals).transpose().stableNormalized();
     if (facing.dot(sample.normal) < same_way || (partial() && (own.position - sample.position).norm() > reach_mm_))

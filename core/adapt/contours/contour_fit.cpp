@@ -183,7 +183,7 @@ class ContourFitting {
   std::size_t holes_ = 0;
   ContourTarget target_;
   Similarity placement_;
-  VertexScalars trust_;  ///< of the landmarks
+  VertexScalars trust_;  ///< trust in the landmarks
 };
 
 }  // namespace

@@ -12,9 +12,9 @@ namespace homolog {
 
 namespace {
 
-constexpr double flat_share = 0.01;  ///< of a curve's extent: how far its points may lie from its plane
+constexpr double flat_share = 0.01;  ///< share of a curve's extent: how far its points may lie from its plane
 constexpr double same_plane_share = 1e-3;
-constexpr double loose_area = 1.5;  ///< of a stroke that lies outside, over the organ's
+constexpr double loose_area = 1.5;  ///< area of a stroke that lies outside, over the organ's
 constexpr std::size_t fewest_pieces = 8;
 
 /// The plane of a curve; none where it is straight or lies in none.
@@ -84,7 +84,7 @@ std::vector<ContourSample> pieces_of(const Contour& curve, std::size_t count) {
 /// The end of the last edge of a path along which an edge from the path's end runs back, or beside it with a slit
 /// between them as some programs leave; 0 where there is none.
 std::size_t edge_back(const std::vector<Vec3>& path, const Vec3& to) {
-  constexpr double widest_slit_mm = 0.1, widest_share = 0.1;  // of the edge
+  constexpr double widest_slit_mm = 0.1, widest_share = 0.1;  // share of the edge
   const double width_mm = std::min(widest_slit_mm, widest_share * (to - path.back()).norm());
   const auto near = [&](const Vec3& a, const Vec3& b) { return (a - b).squaredNorm() <= width_mm * width_mm; };
   std::size_t end = path.size() - 1;

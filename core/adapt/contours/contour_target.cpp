@@ -13,12 +13,12 @@ namespace {
 constexpr double facing_alike = -0.5;  ///< cosine between directions of places that may belong together
 /// A distance of this share of the curves' diagonal counts as much as a right angle between directions.
 constexpr double turned_share = 0.05;
-constexpr double little = 0.05;  ///< what a curve that lies outside pulls to where the boundary is likeliest
+constexpr double little = 0.05;  ///< the pull of a curve that lies outside to where the boundary is likeliest
 
 /// A straight piece of a mesh's section with a plane.
 struct SectionPiece {
   std::int32_t face;
-  Vec3 from_weights, to_weights;  ///< of the face's corners
+  Vec3 from_weights, to_weights;  ///< weights of the face's corners
   Vec3 from, to, outward;         ///< mm; outward in the plane, unit
 };
 

@@ -43,7 +43,7 @@ struct Differences {
   }
 };
 
-/// What is known of a displacement: at places, along directions, by how much, and how surely.
+/// The knowledge of a displacement: at places, along directions, by how much, and how surely.
 struct Knowledge {
   Points places, along;
   Eigen::VectorXd offset_mm, noise_mm;

@@ -15,7 +15,7 @@ namespace {
 constexpr double least_doubt = 0.004, doubt_by_strain = 0.6, doubt_if_round = 0.024;
 /// A share of the same root: what is missing counts as this much farther away, since how much is missing is a guess.
 constexpr double farther_if_missing = 0.15;
-constexpr double slides_share = 0.5;  ///< of what holds everywhere, as squares: lies where vertices can slide
+constexpr double slides_share = 0.5;  ///< share of what holds everywhere, as squares: lies where vertices can slide
 
 }  // namespace
 

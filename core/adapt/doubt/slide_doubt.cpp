@@ -14,11 +14,11 @@ namespace {
 using Eigen::Index;
 
 constexpr Index sliding_nodes = 200, sliding_samples = 600;
-/// Of the root of the surface's area: how far places may go astray, over which distance they go together, and how well
-/// a sample sees its distance from the surface.
+/// Shares of the root of the surface's area: how far places may go astray, over which distance they go together, how
+/// well a sample sees its distance from the surface.
 constexpr double astray_share = 0.04, together_share = 0.08, seen_share = 0.01;
 
-/// Of each vertex the mean of what samples near it have, n. `near_mm`: about.
+/// The mean at each vertex of what samples near it have, n. `near_mm`: about.
 VertexScalars spread_to_vertices(const Points& points, const Points& samples, const VertexScalars& of_samples,
                                  double near_mm) {
   VertexScalars all(points.rows());
@@ -52,10 +52,10 @@ VertexScalars shares_of_sliding(const Mesh& mesh) {
   const Eigen::LLT<Eigen::MatrixXf> root(information.selfadjointView<Eigen::Lower>());
   if (root.info() != Eigen::Success) return alike;
 
-  // Of a place: what the nodes leave open whatever is seen, and what seeing leaves of the rest.
-  const double before_mm2 = 2 * std::pow(astray_share * size_mm, 2);  // of a bump and of a shift of the whole
+  // A place's doubt: what the nodes leave open whatever is seen, and what seeing leaves of the rest.
+  const double before_mm2 = 2 * std::pow(astray_share * size_mm, 2);  // a bump's and a whole shift's
   VertexScalars left_mm2 = 3 * (before_mm2 - at_each.rowwise().squaredNorm().array()).cwiseMax(0);
-  for (int d = 0; d < 3; ++d) {  // what lies before a coordinate's own coefficients stays 0
+  for (int d = 0; d < 3; ++d) {  // all before a coordinate's own coefficients stays 0
     const Index size = (3 - d) * nodes;
     Eigen::MatrixXf whitened = Eigen::MatrixXf::Zero(size, at_each.rows());
     whitened.topRows(nodes) = at_each.transpose().cast<float>();

@@ -10,7 +10,7 @@ namespace homolog {
 namespace {
 
 constexpr double compared_mm = 10;
-constexpr float least_learned_contrast = 0.5f;  ///< of the learned one, that a profile needs for full likeness
+constexpr float least_learned_contrast = 0.5f;  ///< share of the learned one that a profile needs for full likeness
 
 /// `column` at `t_mm` from its middle, linear between samples.
 float profile_value(const Eigen::Ref<const Eigen::VectorXf>& column, double step_mm, double t_mm) {

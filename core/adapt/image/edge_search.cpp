@@ -14,14 +14,14 @@ namespace homolog {
 namespace {
 
 constexpr double window_voxels = 1.5;                ///< to each side of an edge
-constexpr float deviation_from_median = 1.48f;       ///< of a normal distribution's absolute values
+constexpr float deviation_from_median = 1.48f;       ///< for a normal distribution's absolute values
 constexpr float least_grains = 1, clear_grains = 3;  ///< contrast of no and of full confidence, in the noise's
-constexpr double usual_share = 0.6;                  ///< of the vertices have a weaker edge than the usual one
-constexpr double clear_majority = 1.5;               ///< of one polarity's energy over the other's
-constexpr float misplaced_per_mm = 0.3f;             ///< what a mm of foreign tissue on one side costs, in usual edges
-constexpr float farthest_cost = 0.3f;                ///< of an edge at the end of the reach, in usual edges
+constexpr double usual_share = 0.6;                  ///< so many of the vertices have a weaker edge than the usual one
+constexpr double clear_majority = 1.5;               ///< one polarity's energy over the other's
+constexpr float misplaced_per_mm = 0.3f;             ///< cost of a mm of foreign tissue on one side, in usual edges
+constexpr float farthest_cost = 0.3f;                ///< cost of an edge at the end of the reach, in usual edges
 constexpr float least_likeness = 0.3f, full_likeness = 0.9f;  ///< likeness of no and of full confidence
-constexpr double agreeing_share = 0.25;  ///< of the reach that the edges of neighbours may differ by
+constexpr double agreeing_share = 0.25;  ///< share of the reach that the edges of neighbours may differ by
 constexpr double least_agreeing_mm = 1;
 
 /// A local maximum of a column, in samples from its middle.
@@ -30,7 +30,7 @@ struct EdgePeak {
   float height = 0;
 };
 
-/// Of the maxima of `edge` within `reach` samples of the middle the one with the best `score`.
+/// The best by `score` of the maxima of `edge` within `reach` samples of the middle.
 std::optional<EdgePeak> best_peak(const Eigen::Ref<const Eigen::VectorXf>& edge,
                                   const Eigen::Ref<const Eigen::VectorXf>& score, Eigen::Index reach) {
   const Eigen::Index middle = edge.size() / 2;
@@ -139,7 +139,7 @@ Eigen::MatrixXf EdgeSearch::scores(const Profiles& profiles, const Eigen::Matrix
   const std::optional<Tissue> tissue = learned() ? std::nullopt : std::optional<Tissue>(profiles);
   in_parallel(score.cols(), [&](Eigen::Index from, Eigen::Index to) {
     for (Eigen::Index i = from; i < to; ++i) {
-      float rightly_mm = 0;  // of the organ's tissue within, minus foreign one
+      float rightly_mm = 0;  // the organ's tissue within, minus foreign one
       for (Eigen::Index k = 0; k < score.rows(); ++k) {
         if (tissue) rightly_mm += static_cast<float>(step_mm_) * tissue->belongs(profiles.values(k, i));
         const auto away = static_cast<float>(profiles.at_mm(k) / reach_mm);

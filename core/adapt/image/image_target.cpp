@@ -10,15 +10,15 @@ namespace homolog {
 
 namespace {
 
-constexpr double last_reach_share = 0.3;  ///< of the reach at the last step
+constexpr double last_reach_share = 0.3;  ///< share of the reach at the last step
 constexpr double least_clear = 0.15,
                  clear_enough = 0.5;      ///< confidence of an edge that is none, and of one that counts
 constexpr double most_beyond_others = 3;  ///< times as clear as those around it counts an edge at most
 constexpr double pin_slope = 0.7;         ///< a mm away from a pin the boundary may lie so far off the mesh
 constexpr double pin_tolerance_mm = 2;
 
-/// What an edge counts: nothing where it is hardly one, and little where those around it are none. A single vertex with
-/// an edge would be drawn out to a spur.
+/// The weight of an edge: nothing where it is hardly one, and little where those around it are none. A single vertex
+/// with an edge would be drawn out to a spur.
 VertexScalars supported(const Topology& topology, const VertexScalars& clearness) {
   const Eigen::ArrayXd share = ((clearness.array() - least_clear) / (clear_enough - least_clear)).max(0).min(1);
   const VertexScalars clear = clearness.array() * share.square() * (3 - 2 * share);

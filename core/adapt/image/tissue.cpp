@@ -12,7 +12,7 @@ namespace {
 
 constexpr Eigen::Index tissue_bins = 64;
 constexpr double counted_from_mm = 3, counted_to_mm = 12;  ///< nearer to the mesh a sample may be of either side
-constexpr float unseen_share = 0.1f;  ///< of the samples, spread over all bins: rare values prove little
+constexpr float unseen_share = 0.1f;  ///< share of the samples, spread over all bins: rare values prove little
 
 /// Shares of a histogram, blurred by a bin or two.
 Eigen::ArrayXf blurred_shares(Eigen::ArrayXf counts) {

@@ -16,10 +16,10 @@ constexpr Index nodes = 200;
 constexpr std::array<Index, 2> moved_samples{800, 1600};
 constexpr Index still_for_moved = 2;  ///< at most: samples that stay, for each that is displaced
 constexpr int matching_rounds = 16, turning_rounds = 6;
-/// Of the root of the surface's area: what counts as near. Fine samples are taken from the last of these on.
+/// Shares of the root of the surface's area that count as near. Fine samples are taken from the last of these on.
 constexpr double first_near = 0.06, last_near = 0.016, near_of_fine = 0.0226;
 constexpr double bend_length = 1, fine_length = 0.2;      ///< reach of the displacement's two scales, of the radius
-constexpr double fine_share = 0.12, stretch_share = 0.1;  ///< of the radius: fine displacement; stretch or turn
+constexpr double fine_share = 0.12, stretch_share = 0.1;  ///< shares of the radius: fine displacement; stretch or turn
 
 }  // namespace
 
@@ -44,7 +44,7 @@ CoherentMatch::CoherentMatch(const Points& template_points, const Mesh& placed, 
       radius_mm_(std::sqrt((placed.points.rowwise() - centre_).rowwise().squaredNorm().mean())),
       size_mm_(std::sqrt(surface_area_mm2(surface))) {}
 
-/// Of the displacement that matches `own` with `there`; not finite where none can be solved for.
+/// Coefficients of the displacement that matches `own` with `there`; not finite where none can be solved for.
 SmoothDisplacement::Coefficients CoherentMatch::matching(const Sides& own, const Sides& there,
                                                          const SmoothDisplacement& displacement,
                                                          const MatchFreedom& freedom, const KnownMatches& known) const {

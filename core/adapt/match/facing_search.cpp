@@ -15,8 +15,8 @@ namespace {
 using Eigen::Index;
 
 constexpr Index samples_a_vertex = 2, regions = 60;
-constexpr double region_share = 0.3;  ///< of the radius: how far a region reaches
-/// Of the root of the surface's area: how far a place may be off; what slides as one.
+constexpr double region_share = 0.3;  ///< share of the radius: how far a region reaches
+/// Shares of the root of the surface's area: how far a place may be off; what slides as one.
 constexpr double near_share = 0.022, stiff_share = 0.044;
 constexpr double smooth_of_near = 0.64;  ///< detail that directions leave out
 constexpr double sharpness = 8;          ///< 1 over the angle, in radians, by which directions of the same place differ

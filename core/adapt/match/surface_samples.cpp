@@ -15,8 +15,8 @@ namespace {
 using Eigen::Index;
 using Rows6f = Eigen::Matrix<float, Eigen::Dynamic, 6>;
 
-constexpr Index most_candidates = 40000;  ///< of the vertices that are spread
-constexpr double unmatched = 0.01;        ///< of what a full match weighs: belonging to none
+constexpr Index most_candidates = 40000;  ///< at most so many vertices are spread
+constexpr double unmatched = 0.01;        ///< share of a full match's weight: belonging to none
 constexpr double unlocated = 0.0001;      ///< the same of a place that is located for itself
 constexpr float least_exponent = -16;     ///< smaller probabilities are lost in the sums
 
@@ -24,7 +24,7 @@ constexpr float least_exponent = -16;     ///< smaller probabilities are lost in
 const float full_reach = std::sqrt(-2 * least_exponent);
 /// The same where only what lies around counts.
 constexpr float smoothing_reach = 3, locating_reach = 2;
-/// Of the square of the distance that counts as near: no place is located finer.
+/// Share of the square of the distance that counts as near: no place is located finer.
 constexpr float finest_variance = 0.01F;
 constexpr float least_known = 0.2F;  ///< below, several places are as likely or none is
 
@@ -39,7 +39,7 @@ Rows rows_within(const Eigen::Ref<const Eigen::VectorXf>& values, float middle, 
   return {from - values.begin(), to - from};
 }
 
-/// Of each place its share of the area. The denser they lie, the less each stands for. A count of what lies nearest to
+/// Each place's share of the area. The denser they lie, the less each stands for. A count of what lies nearest to
 /// each would hang on ties. `places` in units of their mean spacing.
 Eigen::VectorXf area_shares(const Eigen::MatrixX3f& places, Index along) {
   Eigen::VectorXf shares(places.rows());
@@ -167,7 +167,7 @@ DrawnSamples drawn(const SurfaceSamples& own, const SurfaceSamples& there, doubl
   const auto none = static_cast<float>(unmatched * 2 * std::numbers::pi * near_mm * near_mm);
   Eigen::VectorXf of_own = Eigen::VectorXf::Constant(a.rows(), none),
                   of_there = Eigen::VectorXf::Constant(b.rows(), none);
-  Eigen::VectorXf likely(pairs);  // of each sample's near ones, one sample after the other
+  Eigen::VectorXf likely(pairs);  // each sample's near ones, one sample after the other
   for (Index i = 0, at = 0; i < a.rows(); ++i) {
     const auto [first, count] = near_ones[static_cast<std::size_t>(i)];
     auto row = likely.segment(at, count);

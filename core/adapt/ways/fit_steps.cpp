@@ -16,7 +16,7 @@ namespace homolog {
 
 namespace {
 
-constexpr double stays_off_share = 0.0015;  ///< of the target's size: how much farther off it a way may end
+constexpr double stays_off_share = 0.0015;  ///< share of the target's size: how much farther off it a way may end
 constexpr int settling_steps = 3, sliding_steps = 2;
 constexpr double easing_edges = 1;  ///< mean edges: folds of the template finer than about this are eased
 

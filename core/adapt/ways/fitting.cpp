@@ -24,10 +24,10 @@ namespace homolog {
 
 namespace {
 
-constexpr double told_if_smooth = 0.5;    ///< of the doubt that is due to roundness, how much such a match takes away
+constexpr double told_if_smooth = 0.5;    ///< share of the doubt due to roundness: how much such a match takes away
 constexpr double about_as_likely = 1.15;  ///< times the least energy of the ways onto what is there
 
-/// What is in one list or in both. Both ascend.
+/// All that is in one list or in both. Both ascend.
 std::vector<std::int32_t> either(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) {
   std::vector<std::int32_t> both;
   std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));

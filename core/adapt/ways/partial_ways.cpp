@@ -19,9 +19,9 @@ constexpr Annealing from_placement_of_parts{.steps = 16, .softest_edges = 2},
     from_mesh_of_parts{.steps = 10, .softest_edges = 2, .stiffest_share = 0.1},
     from_own_match{.steps = 10, .softest_edges = 1, .stiffest_share = 0.05};
 constexpr double unexplained_counts = 1000;  ///< times its mean square, as a share of the boundary's area
-constexpr double least_there = 0.01;         ///< of the vertices
+constexpr double least_there = 0.01;         ///< share of the vertices
 
-/// Of the boundary's own places from a mesh, mean square. A tenth of them may lie on cuts or patches that are not known
+/// Mean square distance of the boundary's own places from a mesh. A tenth of them may lie on cuts or patches not known
 /// to be such; the farthest ones do not count.
 double unexplained_mm2(const Boundary& boundary, const Mesh& mesh) {
   constexpr Eigen::Index enough = 5000;

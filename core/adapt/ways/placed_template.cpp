@@ -10,7 +10,7 @@ namespace homolog {
 
 namespace {
 
-/// What the landmarks say: `from`, where the template's are under its similarity, and `to`, where they belong, k×3.
+/// The landmarks' places: `from`, where the template's are under its similarity, and `to`, where they belong, k×3.
 void know_landmarks(const Template& the_template, const Boundary& boundary, const FitOptions& options,
                     const Points& from, const Points& to, PlacedTemplate& placed) {
   placed.landmarks = known_matches(placed.points, from, to, placed.trust);

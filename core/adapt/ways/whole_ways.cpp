@@ -26,10 +26,10 @@ constexpr double less_energy_counts = 12, off_counts = 1000;
 constexpr double rounded_edges = 0.0962;  // 1 / (3 √12)
 /// Times that, as squares: beyond, as much is unexplained as rounding makes, and the match tells nothing.
 constexpr double most_unexplained = 2;
-/// Of the work after the ways: their mean, that with the plain way, and the slide.
+/// Parts of the work after the ways: their mean, that with the plain way, and the slide.
 constexpr std::size_t finishing_parts = 3;
 
-/// Of a match, by its strain over that of the plain way: 0 wrong … 1.
+/// The belief in a match, by its strain over that of the plain way: 0 wrong … 1.
 double believed(double strain_ratio) {
   return std::clamp((most_strain_ratio - strain_ratio) / (most_strain_ratio - full_strain_ratio), 0.0, 1.0);
 }

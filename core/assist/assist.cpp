@@ -17,9 +17,9 @@ namespace homolog {
 
 namespace {
 
-constexpr double least_falloff = 0.05;  ///< of the falloff: beyond it nothing moves
+constexpr double least_falloff = 0.05;  ///< share of the falloff: beyond it nothing moves
 
-/// Of the edited frame nearest to the shown one; null where there is none.
+/// The look of the edited frame nearest to the shown one; null where there is none.
 std::shared_ptr<const Appearance> appearance_of_frames(const Scan& scan, const ShapeView& shown) {
   int best = -1;
   for (const auto& [frame, shape] : shown.structure.shapes) {
@@ -92,7 +92,7 @@ void hold_pulled(const Shape& shape, SnapStart& start, SnapEdit& edit) {
 
 /// Whether most of some curves lie where the mesh is.
 bool meets(const Points& points, const std::vector<DrawnContour>& contours) {
-  constexpr double beside = 0.1;  // of the mesh's diagonal
+  constexpr double beside = 0.1;  // share of the mesh's diagonal
   Box box = bounds_of(points);
   const Vec3 room = Vec3::Constant(beside * box.diagonal().norm());
   box = Box(box.min() - room, box.max() + room);

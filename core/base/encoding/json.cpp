@@ -23,7 +23,7 @@ constexpr std::size_t most_values(std::size_t characters) {
 std::string excess_of(std::string_view text, std::size_t most_members) {
   const std::size_t values_left = most_values(text.size());
   std::size_t containers = 0, values = 0;
-  std::array<std::size_t, deepest + 1> members{};  // of the object that is open at each level
+  std::array<std::size_t, deepest + 1> members{};  // members of the object that is open at each level
   std::size_t level = 0;
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {

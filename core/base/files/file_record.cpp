@@ -118,8 +118,8 @@ std::string png_chunk(std::string_view record) {
 
 /// The record's place in a file; empty where there is none.
 struct Place {
-  std::size_t from = 0, size = 0;    ///< of the record
-  std::size_t begin = 0, whole = 0;  ///< of what holds it
+  std::size_t from = 0, size = 0;    ///< the record's place
+  std::size_t begin = 0, whole = 0;  ///< the place of what holds it
 };
 
 Place place_in_png(std::string_view bytes) {

@@ -105,7 +105,7 @@ class FileBuffer : public std::streambuf {
   std::array<char, 1 << 16> buffer_;
 };
 
-/// What a link leads to, so that it stays one. Errors: it leads to nothing.
+/// The file that a link leads to, so that it stays one. Errors: it leads to nothing.
 Result<fs::path> followed(const fs::path& path) {
   std::error_code error;
   if (!fs::is_symlink(path, error)) return path;
@@ -231,7 +231,7 @@ class Temporary {
   static int open_new(const fs::path& path, bool for_user_alone) {
     return ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, for_user_alone ? 0600 : 0666);
   }
-  /// Where the group cannot be kept, another one must not get its rights. Where there is an access list, the bits of
+  /// Another one must not get the group's rights if it cannot be kept. Where there is an access list, the bits of
   /// the group are its mask, the most that anybody named in it may do: without the list they would be the group's own.
   void take_rights_of(const fs::path& path, const struct stat& replaced) {
     const mode_t mode = replaced.st_mode & 0777;
@@ -241,7 +241,7 @@ class Temporary {
         ::fstat(file_, &own) == 0 &&
         (own.st_uid == replaced.st_uid || ::fchown(file_, replaced.st_uid, static_cast<gid_t>(-1)) == 0);
     changes_hands_ = !owner_stays && !group_stays;
-    ::fremovexattr(file_, access_list_name);  // what it got from its folder
+    ::fremovexattr(file_, access_list_name);  // the list that it got from its folder
     const auto list = access_list_of(path);
     if (list && list->empty())
       ::fchmod(file_, group_stays ? mode : (mode & 0707) | (mode & 0007) << 3);
@@ -363,12 +363,12 @@ ResultFolder::~ResultFolder() {
 Result<void> make_folder(const fs::path& folder, Readers readers) {
   std::error_code ignored;
   if (folder.empty() || fs::is_directory(folder, ignored)) return {};
-  if (folder.native().starts_with(std::string(no_home) + "/."))  // what programs keep in a home begins with a dot
+  if (folder.native().starts_with(std::string(no_home) + "/."))  // names of programs' own data begin with a dot
     return fail("HOME", "is not set, and the system knows no home of this user, so nothing can be kept there; set it");
   if (const fs::path above = folder.parent_path(); above != folder)
     if (auto made = make_folder(above, readers); !made) return made;
   if (::mkdir(folder.c_str(), readers == Readers::user_alone ? 0700 : 0777) == 0) {
-    sync_names(folder_of(folder));  // what is kept in it is not lost with its name
+    sync_names(folder_of(folder));  // things kept in it are not lost with its name
     return {};
   }
   const int error = errno;

@@ -40,7 +40,7 @@ class PngFile {
     if (!header_read()) return damaged_png(path_, reason_);
     std::error_code error;
     const auto size = static_cast<double>(fs::file_size(path_, error));
-    constexpr double best_ratio = 1032;  // of Deflate, which is all that PNG packs by (zlib's technical details)
+    constexpr double best_ratio = 1032;  // Deflate's, which is all that PNG packs by (zlib's technical details)
     const double bytes = static_cast<double>(png_get_rowbytes(png_, info_)) * png_get_image_height(png_, info_);
     constexpr png_uint_32 most = std::numeric_limits<int>::max();
     if (error || bytes > best_ratio * size || png_get_image_width(png_, info_) > most ||

@@ -32,7 +32,7 @@ tl::unexpected<Error> unreadable_kind(const fs::path& path, const std::string& w
   return fail(path.string(), what + ", which cannot be read; save it as a plain greyscale picture");
 }
 
-/// What libtiff says of one file, kept instead of printed.
+/// The words of libtiff on one file, kept instead of printed.
 struct Messages {
   std::string error;      ///< the first one
   bool decoding = false;  ///< a warning counts as an error: pixels were made up
@@ -62,7 +62,7 @@ struct TiffCloser {
 /// One page's kind of pixels, and how they are stored.
 struct PageKind {
   PicturePages pages{0, 0, 1, Scalar::uint8};
-  TiffRow row;            ///< of as many pixels as the page is wide
+  TiffRow row;            ///< a row of as many pixels as the page is wide
   int orientation = 1;    ///< 1…4 [TIFF 6.0, "Orientation"]
   bool separate = false;  ///< samples lie in planes of their own; the first plane is read
 };

@@ -42,7 +42,7 @@ struct GroupFiles {
 constexpr GroupFiles version_1{"memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"};
 constexpr GroupFiles version_2{"memory.max", "memory.current", "inactive_file"};
 
-/// What one group's limit leaves. Cached files count as its usage, but give way.
+/// The room that one group's limit leaves. Cached files count as its usage, but give way.
 double room_in(const fs::path& group, const GroupFiles& files) {
   const auto limit = number_in(group / files.limit), usage = number_in(group / files.usage);
   if (!limit || !usage) return no_limit;
@@ -62,7 +62,7 @@ double room_along(const fs::path& root, const fs::path& path, const GroupFiles& 
   return room;
 }
 
-/// What a file of the system says by "KEY: N kB", in bytes; nothing where it does not.
+/// The number that a file of the system gives by "KEY: N kB", in bytes; nothing where it does not.
 std::optional<double> kilobytes_of(const char* file, const std::string& key) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
@@ -73,7 +73,7 @@ std::optional<double> kilobytes_of(const char* file, const std::string& key) {
   return {};
 }
 
-/// What one limit of this process leaves of what it has; `key` names that in /proc/self/status.
+/// The room that one limit of this process leaves of what it has; `key` names that in /proc/self/status.
 template <class Resource>
 double room_under(Resource resource, const std::string& key) {
   rlimit limit{};

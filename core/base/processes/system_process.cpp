@@ -108,7 +108,7 @@ bool errors_are_seen() {
 SilencedErrors::SilencedErrors() : lock_(only_one_is_silent()) {
   std::fflush(stderr);
   before_ = ::dup(STDERR_FILENO);
-  if (before_ < 0) return;  // what is printed then can be borne: nothing could bring it back
+  if (before_ < 0) return;  // all that is printed then can be borne: nothing could bring it back
   if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) {
     ::dup2(nowhere, STDERR_FILENO);
     ::close(nowhere);

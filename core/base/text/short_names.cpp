@@ -31,7 +31,7 @@ struct Shared {
   }
 };
 
-/// What names that would look much as `shortened`, which is this one's, share with it; nothing where it stands alone.
+/// The ends shared with names that would look much as `shortened`, which is this one's; nothing where it stands alone.
 /// Those that have half of its ends count, so that a list is shortened in one way.
 std::optional<Shared> shared_ends(const std::string& name, const std::vector<std::string>& names,
                                   const std::string& shortened) {
@@ -130,7 +130,7 @@ Shared outside_numbers(Shared shared, const std::string& name) {
   return shared;
 }
 
-/// What a name has of its own, with as much of what it shares as there is room for; empty where there is too little.
+/// A name's own part, with as much of what it shares as there is room for; empty where there is too little.
 std::string own_part(const std::string& name, const Shared& shared, const TextFits& fits) {
   const std::string own = name.substr(shared.head, name.size() - shared.tail - shared.head);
   const std::string after = shared.tail > 0 ? left_out : "";
@@ -167,7 +167,7 @@ std::string own_number(const std::string& name, const Shared& shared, const Text
   return digits > 0 && fits(alone) ? alone : std::string();
 }
 
-/// What all names share, however they are shortened; nothing where there is one only.
+/// The ends that all names share, however they are shortened; nothing where there is one only.
 std::optional<Shared> shared_by_all(const std::string& name, const std::vector<std::string>& names) {
   std::optional<Shared> shared;
   for (const std::string& other : names) {
@@ -182,7 +182,7 @@ std::optional<Shared> shared_by_all(const std::string& name, const std::vector<s
 
 std::string shortened(const std::string& text, const TextFits& fits) {
   if (text.empty() || fits(text)) return text;
-  std::vector<std::size_t> characters;  // where each begins in UTF-8
+  std::vector<std::size_t> characters;  // the begin of each in UTF-8
   for (std::size_t i = 0; i < text.size(); ++i)
     if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) characters.push_back(i);
   for (std::size_t kept = characters.size(); kept-- > 2;) {

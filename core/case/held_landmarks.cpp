@@ -39,7 +39,7 @@ std::size_t index_in(const Template& the_template, const std::string& name) {
   return static_cast<std::size_t>(found - all.begin());
 }
 
-/// What a shape says of a landmark by name, with the vertices that hold it.
+/// A shape's knowledge of a landmark by name, with the vertices that hold it.
 struct Known {
   LandmarkHold hold;
   Corners corners{};

@@ -49,7 +49,7 @@ std::string packed(std::span<const Number> numbers) {
 
 template <class Number>
 Result<std::vector<Number>> unpacked(std::string_view text, std::size_t count) {
-  constexpr std::size_t most_to_1 = 1032;  // what zlib reaches: a larger claim is not worth the memory
+  constexpr std::size_t most_to_1 = 1032;  // zlib's limit: a larger claim is not worth the memory
   const std::vector<unsigned char> bytes = from_base64(text);
   if (bytes.empty() || count > most_to_1 * bytes.size() / sizeof(Number))
     return fail("", "holds packed numbers that are damaged");

@@ -10,7 +10,7 @@ namespace {
 constexpr const char* no_template = "There is no template yet; load one first.";
 constexpr const char* no_mesh = "This frame has no mesh yet; start it from another frame.";
 
-/// What an action works on, and how.
+/// The things that an action works on, and how.
 struct Place {
   const Document& document;
   const std::string& of;

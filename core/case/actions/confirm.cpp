@@ -15,7 +15,7 @@ void spell_confirm(Fields& line, Confirm& action) {
   dab.optional("hold", action.hold);
 }
 
-/// What is released is no longer held as pulled either.
+/// Released vertices are no longer held as pulled either.
 void let_go(const Confirm& action, Shape& shape) {
   constexpr double hardly = 0.05;
   VertexScalars pulled = *shape.pulled;

@@ -31,7 +31,7 @@ Result<EditReport> apply_copy(const StartFrameFrom& action, StructureEdit& edit)
   const Shape* from = edit.before.shape(action.frame);
   if (from == nullptr) return fail("frame", std::to_string(action.frame) + " has no mesh to start from");
   Shape begun = *from;
-  forget_edits(begun);  // what was decided there is a guess here, and so is what a model did
+  forget_edits(begun);  // all that was decided there is a guess here, and so is what a model did
   begun.strokes = from->strokes;
   begun.carried = begun.points;
   edit.after.set_shape(edit.document.frame, std::move(begun));

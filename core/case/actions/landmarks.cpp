@@ -76,7 +76,7 @@ Result<EditReport> apply_template_landmark(const SetTemplateLandmark& action, St
   return EditReport{};
 }
 
-/// Of both kinds of landmark.
+/// Spells both kinds of landmark.
 template <class A>
 void spell_landmark(Fields& line, A& action) {
   Fields landmark = line.object(action_kind(action).key);

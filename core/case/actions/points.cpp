@@ -127,7 +127,7 @@ bool keeps_pulls(const SetPoints& action) {
          by == FoundBy::shared || (by == FoundBy::contours && !is_drawn_anew(action));
 }
 
-/// What an edit by `action`, which is not yet done, leaves of what was pulled and of the shape without snaps.
+/// Keeps what an edit by `action`, which is not yet done, leaves of what was pulled and of the shape without snaps.
 void keep_unsnapped(const SetPoints& action, Shape& shape) {
   if (!keeps_pulls(action)) return forget(Origin::since_fit, shape);
   if (action.by == FoundBy::snap) {
@@ -137,7 +137,7 @@ void keep_unsnapped(const SetPoints& action, Shape& shape) {
   }
 }
 
-/// What an edit by `action` leaves of the shape without the model's help.
+/// The rest that an edit by `action` leaves of the shape without the model's help.
 std::shared_ptr<const Points> unaided_by(const SetPoints& action, const Shape& shape) {
   if (action.by == FoundBy::model) {
     Points unaided = unaided_points(shape);

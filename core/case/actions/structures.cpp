@@ -155,7 +155,7 @@ Result<void> check_relations(const SetStructure& action, const Template& own, co
   return {};
 }
 
-/// What a structure knows of one that leaves the case is dropped.
+/// Drops all that a structure knows of one that leaves the case.
 void forget_structure(const std::string& id, Structure& structure) {
   if (structure.partner == id) structure.partner.reset();
   std::erase_if(structure.shared, [&](const SharedWith& shared) { return shared.with == id; });

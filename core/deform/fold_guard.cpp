@@ -13,7 +13,7 @@ namespace {
 constexpr double usual_reach_mm = 15;  // most drags are shorter; a longer one looks at more faces
 constexpr double quality_floor = 0.1;
 constexpr double kept_share =
-    0.5;  // of a sliver's own quality: equal to it, the next touch of the sliver would freeze the tool
+    0.5;  // share of a sliver's own quality: equal to it, the next touch of the sliver would freeze the tool
 const double shape_factor = 2 * std::sqrt(3.0);  // quality = shape_factor · |e1 × e2| / Σ edge²
 
 Vec3 face_normal(const Points& p, const auto& t) {

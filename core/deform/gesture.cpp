@@ -50,7 +50,7 @@ void Gesture::aim(const SurfacePoint& centre, double sigma_mm, Pass pass, Stroke
   const bool same = response_ != nullptr && sigma_mm == sigma_mm_ && centre.face == centre_.face &&
                     (centre.weights - centre_.weights).norm() <= tolerance;
   if (same) return;
-  response_.reset();  // where memory runs out below, nothing is known of either place
+  response_.reset();  // nothing is known of either place if memory runs out below
   const VertexScalars g =
       gaussian_falloff(*start_.topology, *start_.points, centre, sigma_mm, edge_mm_, through_space_);
   if (start_.scheme == Scheme::anchored || kind_.along_surface) {

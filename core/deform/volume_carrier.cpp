@@ -245,8 +245,8 @@ bool VolumeCarrier::settle_within(const Points& rest, Points& points, Progress* 
 /// The surface of a case, to hold the outside of a volume mesh to it.
 struct VolumeCarrier::Ground {
   SurfaceSearch search;
-  Points outside;         ///< where the fixed points belong, a row each
-  VertexScalars heights;  ///< of these above the surface, mm
+  Points outside;         ///< places of the fixed points, a row each
+  VertexScalars heights;  ///< their heights above the surface, mm
 
   /// The foot of a point on the surface, raised by the height that it has there, and the normal.
   std::pair<Vec3, Vec3> foot(const Vec3& point, double height) const {

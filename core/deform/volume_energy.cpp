@@ -75,7 +75,7 @@ double VolumeEnergy::epsilon_for(const Points& points) const {
 
 double VolumeEnergy::value(const Points& points, double epsilon, Points* gradient) const {
   VertexScalars energies(tetrahedra_.rows());
-  Points forces(gradient != nullptr ? tetrahedra_.size() : 0, 3);  // of each corner of each element
+  Points forces(gradient != nullptr ? tetrahedra_.size() : 0, 3);  // forces on each corner of each element
   in_parallel(
       tetrahedra_.rows(),
       [&](Eigen::Index from, Eigen::Index to) {

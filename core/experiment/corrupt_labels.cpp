@@ -136,7 +136,7 @@ void Changing::relabel_bar(const Vec3& from, const Vec3& to, double radius_mm, i
 
 Result<void> Changing::shift_levels() {
   const auto own = level_in_name(name_of(value_));
-  std::map<int, int> levels;  // of the same family, to labels
+  std::map<int, int> levels;  // levels of the same family, to labels
   for (const auto& [value, box] : label_boxes(map_.volume))
     if (const auto one = level_in_name(name_of(value)); one && own && one->family == own->family && !one->sacral)
       levels[one->level] = value;
@@ -151,7 +151,7 @@ Result<void> Changing::shift_levels() {
     if (extent < from_here) return (level - own->level) * by >= 0 ? by : 0;
     return level == own->level ? by : level == own->level + by ? -by : 0;
   };
-  std::map<int, int> to;  // of each label
+  std::map<int, int> to;  // the new value of each label
   int fresh = 1 + label_boxes(map_.volume).rbegin()->first;
   for (const auto& [level, value] : levels) {
     if (moves(level) == 0) continue;
@@ -179,7 +179,7 @@ Result<void> Changing::exchange_sides() {
 
 void Changing::cut() {
   const VoxelBox box = label_boxes(map_.volume).at(value_);
-  std::size_t axis = 0;  // that runs most nearly along the body
+  std::size_t axis = 0;  // the axis that runs most nearly along the body
   for (std::size_t a = 1; a < 3; ++a)
     if (std::abs(grid_.direction(2, static_cast<Eigen::Index>(a))) >
         std::abs(grid_.direction(2, static_cast<Eigen::Index>(axis))))

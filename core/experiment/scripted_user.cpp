@@ -17,11 +17,11 @@ namespace homolog {
 
 namespace {
 
-/// What the solve adds to a σ, about, as a share of the stiffness length: enough to choose a place by.
+/// The width that the solve adds to a σ, about, as a share of the stiffness length: enough to choose a place by.
 constexpr double widening_share = 0.8;
 constexpr std::size_t most_places = 60, most_tries = 24, most_compared = 4;
 constexpr double farthest_drag = 3;  // times the deviation, where the surface lags behind the cursor
-constexpr double helps = 0.998;      // of the mean square deviation: less is not seen
+constexpr double helps = 0.998;      // share of the mean square deviation: less is not seen
 
 constexpr double turn_deviation = 3 * std::numbers::pi / 180, shift_fraction = 0.015, size_deviation = 0.015;
 constexpr int feature_rounds = 3;
@@ -38,7 +38,7 @@ double diagonal_mm(const EditSession& session) {
   return bounds_of(*session.document().view()->shape.placed).diagonal().norm();
 }
 
-/// What a person sees in slices of the three views: the in-plane part of a deviation. The plane is the one that shows
+/// The part of a deviation that slices of the three views show: the in-plane one. The plane is the one that shows
 /// most of it, so the component along the smallest axis stays out of sight.
 Vec3 in_slice(const Deviation& deviation) {
   Vec3 d = deviation.to - deviation.from;
@@ -171,7 +171,7 @@ Result<bool> pull_once(EditSession& session, Sight& sight, const std::vector<Dev
   return true;
 }
 
-/// Where a landmark of the template lies on the mesh as it is.
+/// The place of a template's landmark on the mesh as it is.
 std::optional<Vec3> on_mesh(const Document& document, const std::string& name) {
   const Template& the_template = *document.structure()->the_template;
   for (std::size_t k = 0; k < the_template.landmarks.size(); ++k)

@@ -56,7 +56,7 @@ Points mean_of(const ShapeMatrix& fits) {
   return turn.apply(points);
 }
 
-/// Of those `fitted` which are likely of another organ. `doubt`: of all; `fits`: of those fitted, in their order.
+/// Those among `fitted` that are likely of another organ. `doubt`: of all; `fits`: of those fitted, in their order.
 std::vector<std::size_t> unlike_among(const std::vector<std::size_t>& fitted, const std::vector<double>& doubt,
                                       const ShapeMatrix& fits) {
   const auto shapes = shape_shares(fits);

@@ -10,9 +10,9 @@ namespace homolog {
 
 namespace {
 
-constexpr double off_share = 0.015;  ///< of the diagonal
+constexpr double off_share = 0.015;  ///< share of the diagonal
 constexpr std::size_t fewest_fits = 3;
-constexpr double fewest_vertices = 0.004;  ///< of all
+constexpr double fewest_vertices = 0.004;  ///< share of all
 
 }  // namespace
 

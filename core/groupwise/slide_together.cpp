@@ -13,11 +13,11 @@ namespace homolog {
 
 namespace {
 
-constexpr double position_weight = 0.25;  ///< of a coordinate in a large set, where each feature counts 1
+constexpr double position_weight = 0.25;  ///< weight of a coordinate in a large set, where each feature counts 1
 constexpr double few_shapes = 4;          ///< in so few positions do not count
-constexpr double stiffness_share = 0.15;  ///< of the square root of the area: how far a slide spreads
+constexpr double stiffness_share = 0.15;  ///< share of the square root of the area: how far a slide spreads
 constexpr double first_precision = 1, last_precision = 0.1;  ///< in units of the set's own deviation
-constexpr double step = 0.5;  ///< of the way to what is expected, since all shapes move at a time
+constexpr double step = 0.5;  ///< share of the way to what is expected, since all shapes move at a time
 
 using Row6 = Eigen::Matrix<double, 1, 6>;
 
@@ -138,7 +138,7 @@ class Sliding {
   ShapeMatrix shapes_, aligned_;
   Descriptions described_;
   std::vector<SlidingSurface> surfaces_;
-  double per_mm_ = 0;  ///< what a mm counts where a feature's deviation counts 1
+  double per_mm_ = 0;  ///< the weight of a mm where a feature's deviation counts 1
 };
 
 }  // namespace

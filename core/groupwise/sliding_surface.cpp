@@ -16,8 +16,8 @@ namespace homolog {
 namespace {
 
 constexpr double reach_edges = 0.1;     ///< mean edges: how far a vertex is drawn at most where no feature decides
-constexpr double surface_share = 0.07;  ///< of the mean edge: how far the surface may move where it is looked at
-constexpr double quality_floor = 0.1, kept_share = 0.5;  ///< of a triangle, and of its quality at first
+constexpr double surface_share = 0.07;  ///< share of the mean edge: how far the surface may move where it is looked at
+constexpr double quality_floor = 0.1, kept_share = 0.5;  ///< a triangle's, and a share of its quality at first
 constexpr int most_tries = 10, halvings = 2;
 
 double quality_of(const Points& p, const auto& t) {

@@ -18,7 +18,7 @@ namespace {
 
 constexpr Eigen::Index stand_in_places = 40;
 
-/// What one start gave: its template's faces, and the fit to each subject (3n×M).
+/// The result of one start: its template's faces, and the fit to each subject (3n×M).
 struct Start {
   std::shared_ptr<const Topology> topology;
   ShapeMatrix fits;
@@ -89,7 +89,7 @@ Eigen::MatrixXd products_of(ShapeMatrix shapes) {
   return shapes.transpose() * shapes;
 }
 
-/// Where a place of the template lies on a subject.
+/// The place on a subject of a place of the template.
 Eigen::RowVector3d place_of(const Start& start, Eigen::Index subject, const SurfacePoint& at) {
   const auto corners = start.topology->triangles().row(at.face);
   Eigen::RowVector3d place = Eigen::RowVector3d::Zero();
@@ -99,8 +99,8 @@ Eigen::RowVector3d place_of(const Start& start, Eigen::Index subject, const Surf
 
 /// How far the answers of the starts lie apart, where the places of one subject lie on all others.
 struct Spreads {
-  std::vector<std::vector<double>> by_place;  ///< of each place: one spread for each other subject, mm
-  std::vector<double> of_start;               ///< of each start: mean distance of its answers to the starts' mean, mm
+  std::vector<std::vector<double>> by_place;  ///< one spread of each place for each other subject, mm
+  std::vector<double> of_start;               ///< mean distance of each start's answers to the starts' mean, mm
 };
 
 Spreads spreads_of(const std::vector<Landmark>& places, std::size_t from, const std::vector<Start>& starts) {
@@ -150,7 +150,7 @@ Result<TemplateBias> template_bias(const std::vector<BiasSubject>& subjects, con
   if (options.progress != nullptr && options.progress->cancelled()) return fail("", "the study was cancelled");
   TemplateBias bias;
   std::vector<Start> starts;
-  std::vector<std::string> names;  // of the starts
+  std::vector<std::string> names;  // the starts' names
   for (std::size_t s = 0; s < runs.size(); ++s) {
     for (const std::string& warning : warnings[s])
       bias.warnings.push_back(subjects[s].name + ", as a template: " + warning);
@@ -163,7 +163,7 @@ Result<TemplateBias> template_bias(const std::vector<BiasSubject>& subjects, con
   }
   if (starts.size() < 2) return fail("", "fewer than two subjects gave templates that fit all others; check them");
 
-  std::vector<std::vector<double>> shapes;  // of each start
+  std::vector<std::vector<double>> shapes;  // the shape of each start
   for (const Start& start : starts) shapes.push_back(shape_shares(start.fits));
   std::vector<FitSigns> signs;  // the medians over the starts
   for (std::size_t k = 0; k < subjects.size(); ++k) {

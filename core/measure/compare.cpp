@@ -18,7 +18,7 @@ namespace homolog {
 namespace {
 
 constexpr double dice_spacing_mm = 0.5;
-constexpr double least_voxels_across = 128;    ///< of the grid for Dice; finer where meshes are smaller
+constexpr double least_voxels_across = 128;    ///< voxels of the grid for Dice; finer where meshes are smaller
 constexpr double largest_grid = 0x1p31;        ///< voxels of the grid for Dice; coarser beyond
 constexpr std::size_t slab_voxels = 1u << 24;  ///< voxelised at a time
 constexpr double samples_per_surface = 20000;
@@ -139,7 +139,7 @@ double dice_of_meshes(const Mesh& a, const Mesh& b) {
   const Box box_a = bounds_of(a.points), box_b = bounds_of(b.points);
   const Box box = box_a.merged(box_b);
   if (!box_a.intersects(box_b) || !box.sizes().allFinite()) return 0;
-  constexpr int most_doublings = 1024;  // of a finite number
+  constexpr int most_doublings = 1024;  // as many as a finite number has
   double spacing = dice_spacing_mm;
   const double longest_mm = box.sizes().maxCoeff();
   for (int k = 0; k < most_doublings && longest_mm > 0 && spacing * least_voxels_across > longest_mm; ++k) spacing /= 2;

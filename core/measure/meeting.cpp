@@ -14,7 +14,7 @@ namespace homolog {
 
 namespace {
 
-/// What lengths in another unit differ by; metres are the most frequent.
+/// Factors between lengths in other units; metres are the most frequent.
 constexpr std::array unit_factors{1e3, 1e-3, 10.0, 0.1, 100.0, 0.01, 1e6, 1e-6};
 constexpr double least_apart = 50;  ///< times: no two organs of one kind differ so much
 constexpr double close_share = 0.02, near_share = 0.05, clearly = 0.25;
@@ -175,7 +175,7 @@ std::vector<std::string> misfits_among(const std::vector<Meeting>& all, const st
   for (const Meeting& one : all)
     if (one.size_mm > 0) sizes.push_back(one.size_mm);
   if (sizes.size() < 2) return sentences;
-  // Of two, the one that an organ may have; of more, what most have.
+  // The usual size: of two, the one that an organ may have; of more, what most have.
   std::sort(sizes.begin(), sizes.end());
   const Meeting usual{kind, sizes.size() == 2 && sizes[0] < least_organ_mm ? sizes[1] : sizes[(sizes.size() - 1) / 2]};
   for (const Meeting& one : all)

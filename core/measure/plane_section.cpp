@@ -10,7 +10,7 @@ namespace homolog {
 
 namespace {
 
-/// Where a plane passes through one face: it comes in through the edge where the corners go below the plane, and leaves
+/// The plane's way through one face: it comes in through the edge where the corners go below the plane, and leaves
 /// through the one where they come up. The face across the latter has it as the former.
 struct SectionFace {
   int in = -1, out = -1;  ///< edge k is from corner k to corner k + 1; −1: the plane misses the face

@@ -13,11 +13,11 @@ namespace {
 /// Shares of the size below which points count as being in one place, on a line or in a plane.
 constexpr double nothing = 1e-10;
 
-/// Where points lie and how they spread.
+/// The points' mean and how they spread.
 struct PointSpread {
   Vec3 mean = Vec3::Zero();
   double weight = 0;
-  Eigen::SelfAdjointEigenSolver<Mat3> axes;  ///< of the covariance: variances in mm², rising
+  Eigen::SelfAdjointEigenSolver<Mat3> axes;  ///< axes of the covariance: variances in mm², rising
   double size_mm() const { return std::sqrt(std::max(axes.eigenvalues()[2], 0.0)); }
   /// Whether the spread along the axes from the smallest to `axis` is nothing.
   bool flat(int axis) const { return axes.eigenvalues()[axis] <= nothing * axes.eigenvalues()[2]; }

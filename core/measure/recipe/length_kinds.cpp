@@ -52,8 +52,8 @@ double angle_deg(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * deg;
 }
 
-/// Of lines that both have a direction 0…180°, else 0…90°; of planes that between their normals, of a line and a plane
-/// that to the plane itself.
+/// The angle of lines that both have a direction 0…180°, else 0…90°; of planes that between their normals, of a line
+/// and a plane that to the plane itself.
 Result<StepValue> angle_between(Measuring& measuring, const RecipeStep& step) {
   std::array<Vec3, 2> directions;
   bool directed = true;

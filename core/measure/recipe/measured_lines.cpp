@@ -177,7 +177,7 @@ class LinesOfStep {
     if (std::holds_alternative<SectionValue>(of)) drawn.at = add_value(drawn, of);
   }
 
-  /// What is made of several measurements has their lines.
+  /// A number made of several measurements has their lines.
   void add_parts(MeasuredLines& drawn, const RecipeStep& step) {
     Vec3 sum = Vec3::Zero();
     int count = 0;

@@ -126,7 +126,7 @@ Result<StepValue> nearest_on_mesh(Measuring& measuring, const RecipeStep& step) 
   return measuring.surface(*there).search().nearest(measuring.point(step, "of")).position;
 }
 
-/// Where a ray first meets the surface.
+/// The place where a ray first meets the surface.
 Result<StepValue> hit(Measuring& measuring, const RecipeStep& step) {
   const auto there = measuring.faces(step);
   if (!there) return fail(there.error());

@@ -319,7 +319,7 @@ class RecipeReader {
   }
 
   Recipe recipe_;
-  std::map<std::string, std::size_t> numbers_;  ///< of the named steps
+  std::map<std::string, std::size_t> numbers_;  ///< numbers of the named steps
   std::vector<const RecipeJson*> sources_;
 };
 

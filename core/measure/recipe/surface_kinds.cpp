@@ -57,7 +57,7 @@ double six_volumes(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& from
 /// The volume within faces, mm³. Each rim that they leave is closed by a fan around its middle.
 double volume_within_mm3(const Mesh& mesh, const std::vector<Eigen::Index>& faces) {
   const Triangles& triangles = mesh.topology->triangles();
-  std::map<std::pair<std::int32_t, std::int32_t>, int> edges;  // of faces, without those that come both ways
+  std::map<std::pair<std::int32_t, std::int32_t>, int> edges;  // edges of faces, without those that come both ways
   const Vec3 middle = bounds_of(mesh.points).center();
   double six = 0;
   for (const Eigen::Index f : faces) {
@@ -124,7 +124,7 @@ std::string statistic_asked(const Measuring& measuring, const RecipeStep& step) 
   return measuring.has(step, "statistic") ? measuring.given(step, "statistic").texts.front() : "mean";
 }
 
-/// Where the ray from a vertex leaves the solid that it goes through; none: it meets no surface, or enters one.
+/// The way of a ray from a vertex out of the solid that it goes through; none: it meets no surface, or enters one.
 std::optional<double> own_wall_mm(const SurfaceSearch& search, const Vec3& from, const Vec3& direction,
                                   double skip_mm) {
   const auto hit = search.first_hit(from + skip_mm * direction, direction);
@@ -132,7 +132,7 @@ std::optional<double> own_wall_mm(const SurfaceSearch& search, const Vec3& from,
   return (hit->position - from).norm();
 }
 
-/// Where the ray first meets one of these faces, whatever lies before; none: it meets none.
+/// The way of a ray to the first of these faces, whatever lies before; none: it meets none.
 std::optional<double> other_wall_mm(const SurfaceSearch& search, const std::vector<char>& faces, const Vec3& from,
                                     const Vec3& direction, double skip_mm) {
   Vec3 at = from;

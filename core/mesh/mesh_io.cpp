@@ -77,7 +77,7 @@ Result<void> check_seams(const Mesh& mesh) {
                       " are duplicates at an open edge; merge duplicate vertices of the mesh");
 }
 
-/// What a mesh says that was put together wrongly: it must not become a file.
+/// The fault of a mesh that was put together wrongly: it must not become a file.
 Result<void> check_parts(const MeshFile& mesh) {
   const Eigen::Index vertices = mesh.points.rows();
   for (const auto& triangle : mesh.triangles->rowwise())

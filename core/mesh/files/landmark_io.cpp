@@ -45,7 +45,7 @@ Result<Landmark> landmark_of(std::string name, const Json* coordinates) {
   return landmark;
 }
 
-/// What a line "# key = value" of a .fcsv says; empty for another key.
+/// The value in a line "# key = value" of a .fcsv; empty for another key.
 std::string_view fcsv_value(std::string_view line, std::string_view key) {
   const auto bare = [](std::string_view text) {
     while (!text.empty() && (text.front() == ' ' || text.front() == '#')) text.remove_prefix(1);

@@ -86,7 +86,7 @@ Result<VolumeMesh> read_volume_mesh(const std::filesystem::path& path) {
   mesh.points = formats::to_points(std::move(cells->coordinates));
   if (mesh.points.rows() == 0) return fail(path.string(), "holds no points; export it again");
   if (!all_in_reach(mesh.points)) return fail(path.string(), "has a point that is no place in mm; export it again");
-  MeshFile probe;  // what the file says of its space
+  MeshFile probe;  // takes what the file says of its space
   probe.points = Points::Ones(1, 3);
   cells->space.apply_to(probe);
   const bool ras = probe.points(0, 0) < 0;

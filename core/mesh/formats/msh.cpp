@@ -294,7 +294,7 @@ class MshReader {
     return {};
   }
 
-  /// What stands before the values of nodes or elements.
+  /// The head of the values of nodes or elements.
   struct DataHead {
     std::string name;
     std::int64_t components = 0, count = 0;
@@ -345,7 +345,7 @@ class MshReader {
   Text text_;
   bool with_places_, four_ = false, long_names_ = false, binary_ = false, has_nodes_ = false, has_elements_ = false;
   std::endian order_ = std::endian::little;
-  std::unordered_map<std::int64_t, std::int64_t> index_of_;  ///< of a node by its name
+  std::unordered_map<std::int64_t, std::int64_t> index_of_;  ///< the index of a node by its name
   VolumeCells cells_;
 };
 

@@ -18,7 +18,7 @@ namespace {
 struct Property {
   std::string_view name;
   Scalar type = Scalar::float32;
-  std::optional<Scalar> length_type;  ///< of a list
+  std::optional<Scalar> length_type;  ///< the type of a list's length
 };
 
 struct Element {
@@ -152,7 +152,7 @@ class AsciiSource {
 
 struct Body {
   std::vector<double> coordinates;
-  std::map<std::string, VertexScalars, std::less<>> values;  ///< of every other property, by name
+  std::map<std::string, VertexScalars, std::less<>> values;  ///< values of every other property, by name
   Faces faces;
 };
 

@@ -5,7 +5,7 @@
 namespace homolog::formats {
 namespace {
 
-constexpr double flat_area_share = 1e-9;             ///< of the square of the polygon's extent
+constexpr double flat_area_share = 1e-9;             ///< share of the square of the polygon's extent
 constexpr std::size_t most_looked_at = 300'000'000;  ///< about two seconds
 
 }  // namespace

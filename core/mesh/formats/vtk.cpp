@@ -283,7 +283,7 @@ class VtkReader {
   std::vector<double> coordinates_;
   Faces faces_;
   MeshFile mesh_;
-  std::vector<std::pair<std::string, std::vector<double>>> arrays_;  ///< of one value a vertex
+  std::vector<std::pair<std::string, std::vector<double>>> arrays_;  ///< arrays with one value a vertex
 };
 
 Result<MeshFile> read_vtk(std::string_view bytes) {

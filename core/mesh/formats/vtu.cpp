@@ -14,7 +14,7 @@
 namespace homolog::formats {
 namespace {
 
-/// What VTK numbers its kinds of cells.
+/// VTK's numbers of its kinds of cells.
 enum VtkCell : std::int64_t {
   vtk_empty = 0,
   vtk_line = 3,

@@ -11,7 +11,7 @@ namespace homolog {
 
 namespace {
 
-constexpr int rim_samples = 1000;  ///< of all rims of a surface, at equal steps along them
+constexpr int rim_samples = 1000;  ///< samples of all rims of a surface, at equal steps along them
 
 /// From the rims of one surface to those of another: places at equal steps.
 std::vector<double> directed_rim_distances(const std::vector<Rim>& from, const Points& points,
@@ -58,7 +58,7 @@ class WayAround {
     for (const double edge_mm : rim_edges_mm(rim, points)) at_.push_back(at_.back() + edge_mm);
   }
   double length_mm() const { return at_.back(); }
-  /// Where along it the place nearest to `p` is.
+  /// The place along it that is nearest to `p`.
   double nearest_mm(const Vec3& p) const {
     const RimPlace place = nearest_on_rims({rim_}, points_, p);
     const auto k = static_cast<std::size_t>(std::ranges::find(rim_, place.between[0]) - rim_.begin());
@@ -76,7 +76,7 @@ class WayAround {
  private:
   const Rim& rim_;
   const Points& points_;
-  std::vector<double> at_;  ///< of each vertex, and once more of the first
+  std::vector<double> at_;  ///< one for each vertex, and once more for the first
 };
 
 double length_of_all_mm(const std::vector<Rim>& rims, const Points& points) {

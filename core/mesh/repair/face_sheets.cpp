@@ -13,7 +13,7 @@
 namespace homolog {
 namespace {
 
-constexpr double drawn_apart = 0.01;      ///< of the way to its neighbours, for a vertex that was parted
+constexpr double drawn_apart = 0.01;      ///< share of the way to its neighbours, for a vertex that was parted
 constexpr std::size_t most_at_edge = 32;  ///< faces: where more meet, none are joined
 
 /// One side of an edge: of `face`, from its `corner` to the next.
@@ -111,7 +111,7 @@ class Sheets {
     };
     const auto up = std::count_if(sides.begin(), sides.end(), [](const Side& side) { return side.ascending; });
     if (2 * up == std::ssize(sides)) join_wedges(sides, angles, take, taken);
-    // What is left: first faces that go on into each other most nearly flat, at last whichever there are.
+    // The rest: first faces that go on into each other most nearly flat, at last whichever there are.
     for (const bool opposite : {true, false})
       while (true) {
         std::pair<std::size_t, std::size_t> best{0, 0};
@@ -240,7 +240,7 @@ class Sheets {
     }
   }
 
-  /// Where sheets met at an edge and still share both its ends, each but the first gets a vertex of its own in the
+  /// Splits edges at which sheets met and still share both ends: each but the first gets a vertex of its own in the
   /// edge's middle. Turns faces at last.
   void split_doubled_edges(Soup& result) {
     std::vector<Corners3> middle(result.faces.size(), {-1, -1, -1});
@@ -301,7 +301,7 @@ class Sheets {
 
   Soup soup_;
   MendedFaults& mended_;
-  std::vector<Corners3> across_;  ///< of each side the side that it is joined to (3·face + corner), or −1
+  std::vector<Corners3> across_;  ///< the side that each side is joined to (3·face + corner), or −1
   std::vector<char> turned_;
   std::vector<std::int32_t> crowded_;  ///< ends of edges with more than two faces
   std::vector<std::int32_t> apart_;    ///< vertices of the result that lay at one place with others

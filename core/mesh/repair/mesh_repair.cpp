@@ -19,8 +19,8 @@
 namespace homolog {
 namespace {
 
-constexpr double one_place_share = 1e-6;  ///< of the size: vertices nearer to each other are one
-constexpr double crumb_share = 0.01;      ///< of the largest part's area
+constexpr double one_place_share = 1e-6;  ///< share of the size: vertices nearer to each other are one
+constexpr double crumb_share = 0.01;      ///< share of the largest part's area
 constexpr double flat_share = 1e-6;       ///< height of a face against its longest edge: below, it has no area
 constexpr int flip_rounds = 5;
 
@@ -34,7 +34,7 @@ void leave_out_unfinite(Soup& soup, MendedFaults& mended) {
     return std::any_of(face.begin(), face.end(), [&](std::int32_t v) { return finite[index(v)] == 0; });
   });
   for (Eigen::Index v = 0; v < soup.points.rows(); ++v)
-    if (finite[index(v)] == 0) soup.points.row(v).setZero();  // of no face now
+    if (finite[index(v)] == 0) soup.points.row(v).setZero();  // it belongs to no face now
 }
 
 /// Calls `meet(v, w)` for these vertices of a surface of `size_mm` that lie at one place: for so many pairs that they

@@ -79,7 +79,7 @@ class Marcher {
   const std::vector<std::int32_t>& corners() const { return corners_; }
 
  private:
-  /// Where the vertex of an edge is kept; `edge` as in CubeCases.
+  /// The slot of an edge's vertex; `edge` as in CubeCases.
   std::int32_t& vertex_on(unsigned edge, std::array<int, 3> at) {
     const std::size_t axis = edge / 4;
     at[(axis + 1) % 3] += static_cast<int>(edge & 1u);
@@ -105,7 +105,7 @@ class Marcher {
   int width_, height_;
   Crossing crossing_;
   const CubeCases& cases_ = cube_cases();
-  std::array<std::vector<std::int32_t>, 2> along_i_, along_j_;  ///< of even and odd slices
+  std::array<std::vector<std::int32_t>, 2> along_i_, along_j_;  ///< vertices of even and odd slices
   std::vector<std::int32_t> along_k_;
   std::vector<Vec3> vertices_;
   std::vector<std::int32_t> corners_;

@@ -13,8 +13,8 @@ namespace homolog {
 namespace {
 
 constexpr double independent = 200;     ///< so many vertices' worth a boundary says: neighbours say the same
-constexpr double across_factor = 5;     ///< of the noise: where along the surface a vertex belongs is hardly known
-constexpr Eigen::Index pose_modes = 7;  ///< that with_pose appends
+constexpr double across_factor = 5;     ///< times the noise: where along the surface a vertex belongs is hardly known
+constexpr Eigen::Index pose_modes = 7;  ///< the modes that with_pose appends
 
 /// The model moved by a similarity.
 ShapeModel moved(ShapeModel model, const Similarity& by) {

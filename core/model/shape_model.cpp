@@ -18,9 +18,9 @@ namespace homolog {
 
 namespace {
 
-/// Of the largest eigenvalue; below it lies the rounding of the Gram matrix.
+/// Share of the largest eigenvalue; below it lies the rounding of the Gram matrix.
 constexpr double rank_share = 1e-13;
-/// Of the mean's square; below it lies what alignment leaves of equal shapes.
+/// Share of the mean's square; below it lies what alignment leaves of equal shapes.
 constexpr double still_equal = 1e-18;
 
 /// Sides of a Gram matrix up to which all of its eigenvectors are found soon enough, and how many of them Lanczos'

@@ -11,14 +11,14 @@ namespace {
 
 constexpr Eigen::Index most_looked_at = 400;  ///< vertices, evenly over the numbers
 constexpr std::size_t few_neighbours = 6;
-constexpr double torn_share = 0.25;                    ///< of the vertices looked at
-constexpr double least_change = 1.7, most_change = 3;  ///< of a neighbourhood's width
-constexpr double least_spread = 2;  ///< of any two points ÷ of neighbours: below, all are neighbours
+constexpr double torn_share = 0.25;                    ///< share of the vertices looked at
+constexpr double least_change = 1.7, most_change = 3;  ///< times a neighbourhood's width
+constexpr double least_spread = 2;                     ///< any two points' ÷ neighbours': below, all are neighbours
 
 /// Vertices and who lies beside each, in one shape.
 struct Neighbourhoods {
   std::vector<Eigen::Index> vertices;
-  std::vector<std::vector<std::int32_t>> neighbours;  ///< of each of these
+  std::vector<std::vector<std::int32_t>> neighbours;  ///< neighbours of each of these
   std::vector<double> width;                          ///< mean distance to them ÷ size of the shape
   double change = most_change;  ///< a width differs by more in another order; 0: too few points to tell
 };
@@ -81,7 +81,7 @@ double torn_in(const Neighbourhoods& known, const Points& points) {
 }
 
 struct Alike {
-  Neighbourhoods known;  ///< of the first of them
+  Neighbourhoods known;  ///< the neighbourhoods of the first of them
   std::vector<Eigen::Index> shapes;
 };
 

@@ -94,12 +94,12 @@ class JsonPartsReader {
   }
 
  private:
-  /// What a link leads to.
+  /// The object that a link leads to.
   struct Target {
     std::string collection, id;
   };
 
-  /// What collection ("groups", "datasets") holds under an identifier; null where it does not.
+  /// The object of a collection ("groups", "datasets") under an identifier; null where it holds none.
   const nlohmann::json& object(const Target& target) const {
     static const nlohmann::json none;
     const auto found = file_.find(target.collection);
@@ -177,7 +177,7 @@ class JsonPartsReader {
 
   const nlohmann::json& file_;
   std::uintmax_t left_;
-  std::map<std::string, std::map<std::string, Target>> links_;  ///< of groups, by their identifiers
+  std::map<std::string, std::map<std::string, Target>> links_;  ///< links of groups, by their identifiers
   HdfTree tree_;
 };
 

@@ -14,7 +14,7 @@ namespace {
 /// One structure of all shapes: its shapes on their own, and where each lies.
 struct StructureAligned {
   ShapeMatrix shapes;              ///< 3n×M, centred on the origin
-  std::vector<Similarity> places;  ///< of each shape: from its own to where it lies
+  std::vector<Similarity> places;  ///< each shape's way from its own place to where it lies
   Similarity mean_place;
 };
 

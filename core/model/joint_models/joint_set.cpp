@@ -14,8 +14,8 @@ namespace {
 /// The shapes of one structure, by case.
 struct OneStructure {
   TrainingSetRead read;
-  std::map<std::string, Eigen::Index> column;  ///< of the shape that a file gave
-  std::map<std::string, std::string> doubt;    ///< of a file that was left out
+  std::map<std::string, Eigen::Index> column;  ///< the column of the shape that a file gave
+  std::map<std::string, std::string> doubt;    ///< the doubt of a file that was left out
   std::map<std::string, VertexScalars> vertex_doubts;
 };
 
@@ -62,9 +62,9 @@ struct OneCase {
   std::string name;
   IncompleteShape shape;
   std::vector<std::string> lacks;         ///< each with the reason
-  VertexScalars doubt_mm{};               ///< of all vertices; empty where a structure has none
-  std::string group{};                    ///< of a study's case
-  std::vector<std::string> study_keys{};  ///< of the cases of a study that its structures are
+  VertexScalars doubt_mm{};               ///< the doubt of all vertices; empty where a structure has none
+  std::string group{};                    ///< the group of a study's case
+  std::vector<std::string> study_keys{};  ///< keys of the study's cases that its structures are
 };
 
 std::vector<StructurePart> parts_of(const std::vector<std::string>& names, const std::vector<OneStructure>& of) {

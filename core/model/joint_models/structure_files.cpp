@@ -26,7 +26,7 @@ constexpr std::string_view ending_of(ShapeWorksFrame frame) {
   return frame == ShapeWorksFrame::local ? "_local" : "_world";
 }
 
-/// What lies in a folder, by name; hidden things aside.
+/// The entries of a folder, by name; hidden things aside.
 Result<std::vector<fs::path>> entries_of(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;
@@ -219,7 +219,7 @@ class Finder {
   std::map<std::string, std::vector<ShapeSource>> cases_;
   std::set<std::string> others_;  ///< names of all structures that are there
   fs::path read_file_;            ///< the case that was read last
-  ShapesOfFile read_;             ///< what it holds
+  ShapesOfFile read_;             ///< the content of that case
   std::set<fs::path> by_cases_;   ///< folders of meshes whose case file is taken in their place
 };
 

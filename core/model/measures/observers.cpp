@@ -32,7 +32,7 @@ Result<Mesh> surface_of(const MeshFile& file) {
   return Mesh{*faces, file.points};
 }
 
-/// What is read, under which name.
+/// The sources that are read, each under its name.
 Result<std::vector<std::pair<std::string, ShapeSource>>> sources_of(const fs::path& path) {
   std::vector<std::pair<std::string, ShapeSource>> sources;
   std::error_code ignored;

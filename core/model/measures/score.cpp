@@ -114,7 +114,7 @@ ScoreOfPart score_of_rows(const VertexScalars& z, const Points& beyond, Eigen::I
 /// Which training shape has these coefficients (mm). They are equal but for what an alignment to the mean alone is off
 /// the alignment of all. One coefficient may be equal by chance.
 std::optional<Eigen::Index> training_shape_at(const ShapeModel& model, const Eigen::VectorXd& b) {
-  constexpr double equal_share = 5e-4;  // of the largest mode's deviation
+  constexpr double equal_share = 5e-4;  // share of the largest mode's deviation
   if (model.scores.rows() != b.size() || b.size() < 2) return std::nullopt;
   const double equal_mm = equal_share * std::sqrt(model.variances[0]);
   for (Eigen::Index k = 0; k < model.scores.cols(); ++k)

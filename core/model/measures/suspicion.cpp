@@ -85,7 +85,7 @@ double stretch_between(const Eigen::Matrix2d& from, const Eigen::Matrix2d& to) {
   // The singular values: their product is |det|, their squares' sum the squared norm.
   const double product = std::abs(map.determinant()), squares = map.squaredNorm();
   const double larger = std::sqrt((squares + std::sqrt(std::max(squares * squares - 4 * product * product, 0.0))) / 2);
-  constexpr double most = 1e6;  // of a triangle that collapsed
+  constexpr double most = 1e6;  // the stretch of a triangle that collapsed
   const double smaller = std::max(larger > 0 ? product / larger : 0, 1 / most);
   return std::min(most, std::max(larger, 1 / smaller));
 }

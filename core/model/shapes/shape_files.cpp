@@ -36,7 +36,7 @@ struct OneFile {
   std::vector<const ShapeSource*> sources;
 };
 
-/// What one file gave, in the order of its sources: a shape, or why there is none.
+/// The shapes of one file, in the order of its sources, or why there is none.
 struct FileRead {
   std::vector<Result<ReadShape>> shapes;
   std::vector<std::string> warnings;

@@ -28,7 +28,7 @@ void take_local_particles(std::map<std::string, fs::path>& meshes) {
   });
 }
 
-/// What the lines of a case file say of it.
+/// The facts on a case that the lines of its file tell.
 struct WhatLinesSay {
   bool fitted = false;   ///< there is a note of a fit
   bool further = false;  ///< lines after the last such note

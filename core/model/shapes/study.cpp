@@ -114,7 +114,7 @@ class CaseReader {
     required(key, value);
   }
 
-  /// What is wrong with the first member that cannot be read.
+  /// The fault of the first member that cannot be read.
   const std::optional<Error>& fault() const { return fault_; }
 
  private:
@@ -251,7 +251,7 @@ Result<Study> parsed_study(Json json, const fs::path& folder) {
       return fail("", "has two cases named \"" + excerpt(one->name) + "\"; rename one of them");
     study.cases.push_back(std::move(*one));
   }
-  json.erase(std::string(record_key));  // of the file as it was made: a study goes on
+  json.erase(std::string(record_key));  // the record is of the file as it was made: a study goes on
   study.other = std::move(json);
   return study;
 }

@@ -70,7 +70,7 @@ const SolidTemplate& mean_kidney() {
   return kidney;
 }
 
-/// What differs between patients besides shape.
+/// The differences between patients besides shape.
 struct Contrast {
   double cortex, medulla, liver, vessels;
 };

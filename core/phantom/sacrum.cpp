@@ -25,7 +25,7 @@ double sacral_wing(const Vec3& p) {
   return smooth_min(smooth_min(smooth_min(ala, upper, 6), lower, 5), smooth_min(sheet, lower_sheet, 5), 6);
 }
 
-/// What lies behind the canal, of the side x > 0: laminae, crests, the upper joints.
+/// The parts behind the canal, of the side x > 0: laminae, crests, the upper joints.
 double sacral_back(const Vec3& p) {
   const double side = round_cone(p, {17, 22, -9}, {13, 13, -58}, 8.5, 6);
   const double lamina = round_cone(Vec3(p.x(), p.y(), 0.45 * p.z()), {15, 28, -4}, {1.5, 34, -5}, 4.2, 4.2);

@@ -18,7 +18,7 @@ Mesh spine_surface(const MeshFile& file) {
   return {Topology::make(file.points.rows(), file.triangles).value(), file.points};
 }
 
-/// Where a line down the body, given by places from the head down, crosses the height `z`.
+/// The place at which a line down the body, given by places from the head down, crosses the height `z`.
 Vec3 crossing(const std::vector<Vec3>& line, double z) {
   std::size_t k = 1;
   while (k + 1 < line.size() && line[k].z() > z) ++k;
@@ -27,7 +27,7 @@ Vec3 crossing(const std::vector<Vec3>& line, double z) {
   return line[k - 1] + share * step;
 }
 
-/// What is the same for all voxels of a slice.
+/// All that is the same for all voxels of a slice.
 struct Slice {
   Vec3 column, canal;
   double down;       ///< 0 at the first lumbar vertebra, 1 at the sacrum
@@ -114,7 +114,7 @@ class Back {
     voxel.paint(ilium + cortex_mm, spongy);
   }
 
-  /// What is left of the disc between the first two sacral bodies.
+  /// Paints the rest of the disc between the first two sacral bodies.
   void paint_sacral_disc(Voxel& voxel, const Vec3& p) const {
     const Vec3 body = spine_.bodies[spine_.bodies.size() - 2], down = spine_.bodies.back() - body;
     const Vec3 from = p - body - 0.25 * down;

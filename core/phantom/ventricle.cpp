@@ -37,7 +37,7 @@ Mat3 ventricle_axes() {
   return axes;
 }
 const Mat3 patient_from_ventricle = ventricle_axes();
-const Vec3 template_centre(0, 0, 46);  ///< of the patient's frame, in the ventricle's
+const Vec3 template_centre(0, 0, 46);  ///< the origin of the patient's frame, in the ventricle's
 
 Vec3 to_patient(const Vec3& q) {
   return patient_from_ventricle * (q - template_centre);

@@ -12,7 +12,7 @@ namespace homolog {
 namespace {
 
 constexpr double least_trust = 1e-6;
-constexpr double differing_reach = 0.3;  ///< of the diagonal: how far differences between organs reach
+constexpr double differing_reach = 0.3;  ///< share of the diagonal: how far differences between organs reach
 /// Noises are compared in steps of half an octave, up to 16 times the least: what is beyond is no landmark.
 constexpr int noises = 9;
 

@@ -13,8 +13,8 @@ namespace {
 constexpr Eigen::Index samples = 800;
 constexpr int rounds = 40;
 constexpr double same_way = 0.4;      ///< cosine between normals of places that may be counterparts
-constexpr double most_off = 0.015;    ///< of the root of the area, root mean square
-constexpr double fewest_pairs = 0.5;  ///< of the samples
+constexpr double most_off = 0.015;    ///< share of the root of the area, root mean square
+constexpr double fewest_pairs = 0.5;  ///< share of the samples
 
 }  // namespace
 

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// What is wrong with a line, and a remedy where the error names none.
+/// The fault of a line, and a remedy where the error names none.
 Error in_line(const fs::path& path, std::size_t number, const Error& error) {
   const std::string sentence = error.sentence();
   const bool has_remedy = sentence.find("; ") != std::string::npos || sentence.ends_with('.');
@@ -33,13 +33,13 @@ struct FileLines {
   struct Line {
     LinePlace place;
     LineKind kind;
-    std::uint32_t check = 0;  ///< of the lines before it
+    std::uint32_t check = 0;  ///< the checksum of the lines before it
   };
   std::string header;
   std::vector<Line> lines;  ///< behind the header
-  std::uint64_t begin = 0;  ///< of the first of them, in the file
+  std::uint64_t begin = 0;  ///< the begin of the first of them, in the file
   std::uint64_t whole_bytes = 0;
-  std::uint32_t check = 0;  ///< of all lines
+  std::uint32_t check = 0;  ///< the checksum of all lines
   bool torn = false;
   bool of_frames = false;  ///< a line may speak of a frame
 };
@@ -86,7 +86,7 @@ Result<FileLines> looked_through(const LineFile& file, Progress* progress) {
   return whole;
 }
 
-/// What the options force, whatever the file says.
+/// Sets what the options force, whatever the file says.
 void override_settings(const ReplayOptions& options, Document& document) {
   if (options.scheme) document.scheme = *options.scheme;
   if (options.paper_events) document.paper_events = *options.paper_events;

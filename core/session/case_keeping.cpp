@@ -26,7 +26,7 @@ std::string what_happened(const Journal& journal, Fate fate) {
   }
 }
 
-/// Where another program wrote the same file again: the case goes on in that one.
+/// The case goes on in the same file if another program wrote it again.
 bool go_on_in_same(EditSession& session, Fate fate) {
   Journal& journal = *session.journal();
   if ((fate != Fate::touched && fate != Fate::replaced) || !session.lines().are_all_of(journal.path())) return false;

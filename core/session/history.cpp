@@ -41,7 +41,7 @@ void visit_array(const std::shared_ptr<const Template>& the_template, const auto
   if (!the_template) return;
   visit(static_cast<const void*>(the_template.get()),
         static_cast<std::size_t>(the_template->points.size() + the_template->stiffness.size()) * sizeof(double));
-  constexpr std::size_t a_vertex = 200;  // of a topology's tables
+  constexpr std::size_t a_vertex = 200;  // bytes of a topology's tables
   visit(static_cast<const void*>(the_template->topology.get()),
         a_vertex * static_cast<std::size_t>(the_template->topology->vertices()));
 }
@@ -80,7 +80,7 @@ void visit_array(const Owner& owner, const auto& visit) {
   for_each_member(members_of(owner), [&](const auto& member) { visit_array(owner.*member.of, visit); });
 }
 
-/// What a document takes that another one does not hold already.
+/// The bytes of a document that another one does not hold already.
 std::size_t bytes_beside(const Document& document, const Document& other) {
   std::unordered_set<const void*> known;
   visit_array(other, [&](const void* array, std::size_t) { known.insert(array); });

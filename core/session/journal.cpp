@@ -174,7 +174,7 @@ void Journal::mend() {
     broken_ = changed_by_another;
     return;
   }
-  sync_failed_ = sync_failed_ || here->bytes < bytes_;  // what is missing is written again
+  sync_failed_ = sync_failed_ || here->bytes < bytes_;  // missing lines are written again
   take_back();
   remember();
 }

@@ -47,8 +47,8 @@ Result<std::string> LineFile::read(std::uint64_t at, std::uint64_t bytes) const 
 
 Result<void> LineFile::for_each_line(const Visit& visit) const {
   std::string buffer(first_piece, '\0');
-  std::size_t filled = 0, searched = 0;  // of the buffer, which begins at a line's begin
-  std::uint64_t at = 0;                  // where that is in the file
+  std::size_t filled = 0, searched = 0;  // bytes of the buffer, which begins at a line's begin
+  std::uint64_t at = 0;                  // its place in the file
   for (;;) {
     if (filled == buffer.size()) {
       if (buffer.size() >= longest_line)

@@ -107,7 +107,7 @@ LineKind kind_of(std::string_view line) {
   LineKind found;
   bool says_look = false, can_look = false;
   int steps = 0;
-  LineKind::Kind other = LineKind::unknown;  // of what is no step; the first in this order decides
+  LineKind::Kind other = LineKind::unknown;  // the kind of what is no step; the first in this order decides
   for (std::string_view key, value; members.next(key, value);) {
     if (key == "joined") found.joined = value == "true";
     if (key == "look") says_look = value == "true";

@@ -20,7 +20,7 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// What is played again in about half a second.
+/// The steps that are played again in about half a second.
 std::size_t steps_in_half_a_second(const Document& document) {
   Eigen::Index vertices = 1;
   for (const auto& structure : document.structures)

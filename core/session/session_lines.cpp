@@ -49,7 +49,7 @@ void EditSession::keep(const Note& note) {
   if (note.map_fit) kept_.map_fit = note.map_fit;
 }
 
-/// What may also be left undone: where memory is short a later edit does it.
+/// Work that may also be left undone: where memory is short a later edit does it.
 void EditSession::tidy() {
   try {
     history_.keep(history_.current(), document_);
@@ -63,7 +63,7 @@ void EditSession::write_checkpoint() {
     steps_to_checkpoint_ -= steps_to_checkpoint_ > 0 ? 1 : 0;
     return;
   }
-  steps_to_checkpoint_ = limits_.replayed_steps;  // where it fails, what it takes is not spent on every edit
+  steps_to_checkpoint_ = limits_.replayed_steps;  // if it fails, its cost is not spent on every edit
   const std::uint32_t check = lines_.check();
   const auto text = checkpoint_line(history_.start(), document(), check, templates_);
   if (!text) return;

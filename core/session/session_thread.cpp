@@ -20,7 +20,7 @@ namespace homolog {
 
 namespace {
 
-/// Of steps that a list of the history shows.
+/// The steps that a list of the history shows.
 constexpr std::size_t most_names = 15;
 
 }  // namespace
@@ -48,7 +48,7 @@ struct SessionThread::Shared {
     std::vector<Compute> then;
     std::string of;
   };
-  /// What a preview showed when an edit ended it, and of which structure.
+  /// A preview's document when an edit ended it, and of which structure.
   struct Previewed {
     std::shared_ptr<const Document> shown;
     std::string of;
@@ -315,7 +315,7 @@ struct SessionThread::Shared {
     }
   }
 
-  /// What was edited must not go with a file that another program took away.
+  /// Edits must not go with a file that another program took away.
   void end() {
     try {
       if (session.edited()) session.keep();

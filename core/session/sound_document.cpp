@@ -64,7 +64,7 @@ bool is_sound(const ContourSet& set) {
   return !set.id.empty() && set.off_mm >= 0 && is_in_reach(set.off_mm) && check_curves(set.curves).has_value();
 }
 
-/// What a structure shares: vertices that it has, and that the other one has where the case has that.
+/// A structure shares vertices that it has, and that the other one has where the case has that.
 bool is_sound(const SharedWith& shared, const Structure& own, const Document& document) {
   if (shared.with.empty() || shared.with == own.id) return false;
   const Structure* other = document.structure(shared.with);

@@ -11,7 +11,7 @@ namespace homolog {
 
 namespace {
 
-constexpr double determined = 1e-9;  ///< of a column's length, what is left of it after those before it
+constexpr double determined = 1e-9;  ///< share of a column's length that is left of it after those before it
 
 std::optional<double> finite_number(const std::string& cell) {
   const auto number = as_number<double>(cell);

@@ -11,7 +11,7 @@ namespace homolog {
 
 namespace {
 
-constexpr Eigen::Index vertices_at_once = 64;  ///< what a processor's cache holds with all cases
+constexpr Eigen::Index vertices_at_once = 64;  ///< as many as a processor's cache holds with all cases
 constexpr Eigen::Index orders_at_once = 256;
 
 /// The sum over x, y and z of each vertex.
@@ -23,7 +23,7 @@ Eigen::ArrayXd over_vertices(const Eigen::VectorXd& coordinates) {
   return sums;
 }
 
-/// Of each of several orders of the residuals, whose model columns stand side by side, the term's first.
+/// Vertices tested in several orders of the residuals, whose model columns stand side by side, the term's first.
 class VertexBlock {
  public:
   VertexBlock(const Eigen::MatrixXd& residuals, Eigen::Index first, Eigen::Index count, Eigen::Index df,
@@ -48,7 +48,7 @@ class VertexBlock {
   Eigen::MatrixXd residuals_;
   Eigen::ArrayXd total_;
   Eigen::Index df_, columns_;
-  double degrees_;  ///< of freedom, those left ÷ those of the term
+  double degrees_;  ///< degrees of freedom, those left ÷ those of the term
 };
 
 /// The model's columns, the term's first; without the first `constant` of the reduced model.

@@ -11,7 +11,7 @@ namespace homolog {
 
 namespace {
 
-/// What is left of the inner products after the columns are fitted.
+/// The rest of the inner products after the columns are fitted.
 Eigen::MatrixXd residual_products(const Eigen::MatrixXd& products, const Eigen::MatrixXd& q) {
   const Eigen::MatrixXd left = products - q * (q.transpose() * products);
   return left - (left * q) * q.transpose();
@@ -32,7 +32,7 @@ Eigen::VectorXd column_sums(const Eigen::MatrixXd& q, const Eigen::MatrixXd& pro
 /// F, and the squared distance of every pair of groups, once as a share of what the whole model leaves: as with F,
 /// that makes chance alike in every order.
 struct Found {
-  double f = 0, statistic = 0;  ///< what p counts by: F, or t where one side counts
+  double f = 0, statistic = 0;  ///< the figures that p counts by: F, or t where one side counts
   Eigen::VectorXd pairs, pair_shares;
 };
 
@@ -86,12 +86,12 @@ class TermTester {
     return total_ - column_sums(basis_.added, residual_).sum() - column_sums(basis_.rest, residual_).sum();
   }
   Sided sided() const { return sided_; }
-  /// Of one response [TermTest::change].
+  /// The change of one response [TermTest::change].
   double change() const {
     if (left_of_one_.size() == 0 || !has_direction(term_)) return std::numeric_limits<double>::quiet_NaN();
     return basis_.contrasts.row(0) * left_of_one_;
   }
-  /// Of each pair of groups: −1 where of one response the second has less of it, else 1.
+  /// The sign of each pair of groups: −1 where of one response the second has less of it, else 1.
   Eigen::VectorXd pair_signs() const {
     const Eigen::MatrixXd contrasts = pair_contrasts(basis_, term_);
     Eigen::VectorXd signs = Eigen::VectorXd::Ones(contrasts.cols());
@@ -131,7 +131,7 @@ class TermTester {
   const DesignTerm& term_;
   TermBasis basis_;
   Eigen::MatrixXd residual_;     ///< inner products of the reduced model's residuals
-  Eigen::VectorXd left_of_one_;  ///< of one response those residuals themselves; else empty
+  Eigen::VectorXd left_of_one_;  ///< those residuals themselves of one response; else empty
   Sided sided_ = Sided::two;
   Eigen::MatrixXd columns_;
   double total_ = 0;

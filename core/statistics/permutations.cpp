@@ -66,7 +66,7 @@ Permutations random_permutations(const std::vector<int>& blocks, Eigen::Index co
 }
 
 double different_orders(const std::vector<int>& blocks, const Eigen::MatrixXd& design) {
-  std::map<int, std::map<std::vector<double>, int>> kinds;  // of each block: rows and how many cases have them
+  std::map<int, std::map<std::vector<double>, int>> kinds;  // for each block: rows and how many cases have them
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const Eigen::RowVectorXd row = design.row(static_cast<Eigen::Index>(i));
     ++kinds[blocks[i]][std::vector<double>(row.begin(), row.end())];

@@ -156,7 +156,7 @@ Result<TemplateSet> parsed_set(Json json, const fs::path& folder) {
                           std::to_string(one->value) + "; give one of them another");
     set.structures.push_back(std::move(*one));
   }
-  json.erase(std::string(record_key));  // of the file as it was made
+  json.erase(std::string(record_key));  // the record is of the file as it was made
   set.other = std::move(json);
   return set;
 }

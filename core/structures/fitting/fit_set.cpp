@@ -20,7 +20,7 @@ namespace homolog {
 
 namespace {
 
-constexpr double much_off_place = 0.25;  ///< of the size: then its neighbours have a say in where it starts
+constexpr double much_off_place = 0.25;  ///< share of the size: then its neighbours have a say in where it starts
 
 /// What has a level lies in the middle of the body, and is about its own mirror image.
 bool has_side(const TemplateOfSet& structure) {

@@ -142,7 +142,7 @@ class UnfoldedSteps {
   double step(Mesh& mesh, const Points& by, double most_mm) {
     most_mm_ = std::max(most_mm_, most_mm);
     const Points before = mesh.points;
-    pace_.setOnes();  // what had to stay in the last step may go in this one
+    pace_.setOnes();  // those that had to stay in the last step may go in this one
     for (int rings = 0; rings <= most_rings; ++rings) {
       for (Eigen::Index v = 0; v < by.rows(); ++v) {
         const Vec3 whole = (before.row(v) + pace_[v] * by.row(v) - start_.row(v)).transpose();
@@ -183,7 +183,7 @@ class UnfoldedSteps {
   }
 
   Points start_;
-  VertexScalars pace_;  ///< of the step, the share that a vertex goes
+  VertexScalars pace_;  ///< the share of the step that a vertex goes
   double most_mm_ = 0;
   std::vector<std::array<std::int32_t, 2>> known_;  ///< faces that met at the start
 };
@@ -259,7 +259,7 @@ std::vector<double> keep_apart(std::vector<Mesh>& meshes, std::span<const MeshPa
   std::vector<double> edge_mm(meshes.size());
   for (std::size_t k = 0; k < meshes.size(); ++k)
     if (!samples[k].empty()) edge_mm[k] = mean_edge_mm(*meshes[k].topology, meshes[k].points);
-  double least_mm = std::numeric_limits<double>::infinity();  // of all pairs together, in any round
+  double least_mm = std::numeric_limits<double>::infinity();  // the least of all pairs together, in any round
   int since_gain = 0;
   for (int round = 0;; ++round) {
     std::vector<std::unique_ptr<Depths>> depths(meshes.size());

@@ -59,13 +59,13 @@ void put_back(const VertexScalars& shared, const Points& before, Mesh& mesh) {
     if (shared[v] > 0) mesh.points.row(v) = before.row(v);
 }
 
-/// What structures of a fit are to each other: their ids in the case, by their places in the set; empty: not fitted.
+/// The relations of a fit's structures: their ids in the case, by their places in the set; empty: not fitted.
 class FittedRelations {
  public:
   FittedRelations(const Document& document, const TemplateSet& set, std::vector<std::string> ids)
       : document_(document), set_(set), ids_(std::move(ids)) {}
 
-  /// What the case has to be told of a structure (its place in the set) beside what it knows; none: nothing.
+  /// The news of a structure (its place in the set) for the case, beside what it knows; none: nothing.
   std::optional<SetStructure> told_of(std::size_t k) const {
     const Structure* known = document_.structure(ids_[k]);
     SetStructure action{.id = ids_[k]};

@@ -17,7 +17,7 @@ namespace homolog {
 
 namespace {
 
-/// Of each of `points` the nearest of `others` within some mm; −1: none.
+/// The nearest of `others` within some mm of each of `points`; −1: none.
 std::vector<std::int32_t> nearest_vertices(const Points& points, const Points& others, double within_mm) {
   std::vector<std::int32_t> by_x(index(others.rows()));
   std::iota(by_x.begin(), by_x.end(), 0);
@@ -61,7 +61,7 @@ class Groups {
   std::vector<std::size_t> first_, parent_;
 };
 
-/// What meshes share: the groups of vertices that are one.
+/// The vertices that meshes share: the groups of vertices that are one.
 class SharedGroups {
  public:
   SharedGroups(const std::vector<SharedVertices>& shared, std::span<const std::string> names,
@@ -152,7 +152,7 @@ void follow_shared(const std::vector<SharedVertices>& shared, std::span<const st
   constexpr double rings_of_edge = 3, rounding_mm = 1e-4;
   constexpr int least_rings = 4, most_rings = 40;
   SharedGroups groups(shared, names, meshes);
-  std::map<std::size_t, Vec3> led;  // where a leader has the vertices of a group
+  std::map<std::size_t, Vec3> led;  // the place where a leader has the vertices of a group
   for (const std::size_t leader : leaders)
     groups.each_of(leader,
                    [&](std::size_t k, std::int32_t v) { led.try_emplace(groups.of(k, v), meshes[k].points.row(v)); });

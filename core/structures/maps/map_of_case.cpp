@@ -117,7 +117,7 @@ std::set<Label> labels_taken_back(const std::vector<OfCase>& all, const KeptMapF
   return back;
 }
 
-/// What the repair proposes. False where the map is another one.
+/// Makes the map that the repair proposes. False where the map is another one.
 bool propose(VolumeRead& map, const std::vector<std::uint32_t>& changes, const std::set<Label>& back) {
   if (changes.size() % per_run != 0) return false;
   for (std::size_t at = 0; at < changes.size(); at += per_run) {

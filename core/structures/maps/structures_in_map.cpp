@@ -45,7 +45,7 @@ int first_free_value(const std::set<int>& used) {
   return value;
 }
 
-/// Of the voxels of a structure, the share that another one has too.
+/// The share of a structure's voxels that another one has too.
 double share_held_by(const StructureInMap& one, const StructureInMap& other) {
   const Volume &mask = *one.mask, &theirs = *other.mask;
   const VoxelGrid held(theirs);
@@ -179,7 +179,7 @@ SetInMap find_in_map(const TemplateSet& set, const VolumeRead& map, int frame) {
       const NameLikeness likeness = name_likeness(s.name, one.name);
       return (likeness != NameLikeness::none && likeness >= enough) || is_by_level(s, one.name, segments, set);
     };
-    std::vector<const Segment*> named;  // that have voxels
+    std::vector<const Segment*> named;  // those that have voxels
     for (const Segment& s : segments)
       if (has_name(s) && boxes[s.layer].contains(s.value)) named.push_back(&s);
     auto it = std::ranges::find_if(

@@ -131,7 +131,7 @@ ChainShift likeliest_shift(const SetInMap& subject, const FittedSet& fitted, con
   return all_known || likeliest.evidence > unknown_odds ? likeliest : ChainShift();
 }
 
-/// What the one says that is nearest by its name.
+/// The shift by the one that is nearest by its name.
 int shift_of_nearest(const SetOfTemplates& set, const LevelChain& chain, int level) {
   int shift = 0, nearest = std::numeric_limits<int>::max();
   for (const auto& [k, apart] : chain.apart) {
@@ -141,7 +141,7 @@ int shift_of_nearest(const SetOfTemplates& set, const LevelChain& chain, int lev
   return shift;
 }
 
-/// What comes of it for one structure, whose chain has been moved or not.
+/// The finding for one structure, whose chain has been moved or not.
 LevelFound found_of(const SetOfTemplates& set, const LevelChain& chain, const ChainShift& shift, bool moved,
                     std::size_t k) {
   const double p_shift = 1 / (1 + std::exp(-shift.evidence));

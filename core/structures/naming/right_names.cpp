@@ -88,7 +88,7 @@ void find_shifted_levels(const SetOfTemplates& set, const SetInMap& subject, con
       names[k].defects.push_back({DefectKind::level_shifted, set.set.find(maybe) != nullptr ? maybe : std::string()});
     }
     if (levels[k].shift == 0) continue;
-    // Of the other side, where the sides are exchanged too.
+    // The proposed name is of the other side, where the sides are exchanged too.
     names[k].proposed = name_at_level(names[k].proposed, *level_of_name(names[k].proposed) + levels[k].shift);
     names[k].defects.push_back({DefectKind::level_shifted, names[k].proposed});
   }

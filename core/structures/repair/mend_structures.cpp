@@ -16,7 +16,7 @@ namespace homolog {
 
 namespace {
 
-// What the signs of a structure are compared with [StructureSigns]: shares of its voxels, unless something else is
+// Limits for the signs of a structure [StructureSigns]: shares of its voxels, unless something else is
 // said. Sound structures stay below those from which something counts [docs/measurements/repair.md].
 
 constexpr double some_islands = 0.0005;   ///< `islands`: from here on it has some
@@ -43,8 +43,8 @@ constexpr double far_smaller = 0.3;       ///< `volume`: from here on below 0, a
 constexpr double much_beyond = 0.05;      ///< `beyond`: above, the end of the map says why it lacks something
 constexpr double mostly_beyond = 0.5;     ///< `beyond`: above, it is not said to have lost something to a neighbour
 constexpr double some_at_border = 0.002;  ///< `at_border`: above, the scan cuts it
-constexpr double usual_dice = 0.98;       ///< of a fit with the map: what it is below, it is worse by
-constexpr double hardly_dice = 0.85;      ///< of a fit with the map: below, something is wrong
+constexpr double usual_dice = 0.98;       ///< Dice of a fit with the map: it is worse by what it is below
+constexpr double hardly_dice = 0.85;      ///< Dice of a fit with the map: below, something is wrong
 
 }  // namespace
 

@@ -16,7 +16,7 @@ namespace homolog {
 
 namespace {
 
-constexpr double near_share = 0.1;  ///< of a structure's size: so far from its shape voxels are given back
+constexpr double near_share = 0.1;  ///< share of a structure's size: so far from its shape voxels are given back
 
 }  // namespace
 
@@ -175,7 +175,7 @@ std::optional<Mending::Lack> Mending::lack_of(std::size_t k) {
 }
 
 std::vector<std::size_t> Mending::takers_of_bent(std::size_t k) {
-  constexpr double some = 0.02, mostly = 0.7;  // of its voxels, and of those that the other has: so much is clear
+  constexpr double some = 0.02, mostly = 0.7;  // shares of its voxels, and of the other's own: so much is clear
   constexpr std::size_t few = 12;              // voxels, which tell nothing
   std::vector<std::size_t> takers;
   const Mesh* mesh = shape(k);

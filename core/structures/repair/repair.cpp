@@ -38,7 +38,7 @@ Result<RepairedMap> look_at(const SetOfTemplates& set, const VolumeRead& map, in
   return result;
 }
 
-/// Where the set has the structure of a name; none: it has no such.
+/// The place of a name's structure in the set; none: it has no such.
 std::optional<std::size_t> place_of(const SetOfTemplates& set, const std::string& name) {
   const TemplateOfSet* one = set.set.find(name);
   if (one == nullptr) return std::nullopt;

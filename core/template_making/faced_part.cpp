@@ -25,7 +25,7 @@ struct Shares {
   double label = 0, nothing = 0, faced = 0, other = 0;
 };
 
-/// What lies around a label in its map, between voxels too.
+/// The surroundings of a label in its map, between voxels too.
 class Surroundings {
  public:
   Surroundings(const Volume& labels, int label, int frame, const FacedLabels& faced)
@@ -113,7 +113,7 @@ std::vector<std::pair<std::vector<std::int32_t>, double>> patches_with_areas(con
 
 /// Small patches that would be cut out stay: they are holes, as between two valves, and no openings.
 void keep_holes(const Mesh& surface, VertexScalars& values) {
-  // Of the largest opening, or of what stays if that is less. An outflow has a quarter of its ventricle's inflow.
+  // Share of the largest opening, or of what stays if that is less. An outflow has a quarter of its ventricle's inflow.
   constexpr double hole_share = 0.05;
   const VertexScalars area_mm2 = vertex_areas_mm2(surface);
   const auto largest = [](const auto& patches) {

@@ -17,7 +17,7 @@ namespace homolog {
 namespace {
 
 constexpr double most_voxels = 16e6;
-/// What a surface has of the area of its voxels' faces, on average over all directions.
+/// A surface's share of the area of its voxels' faces, on average over all directions.
 constexpr double face_share = 2.0 / 3.0;
 
 /// Calls `visit(i, j, k)` for every voxel that has the label.

@@ -24,7 +24,7 @@ Result<Mesh> label_surface(const Volume& labels, int label, int frame, Progress*
   const LabelExtent extent = label_extent(labels, label, frame);
   if (extent.area_mm2 <= 0) return fail("", label_name(label) + " does not occur in the label map; name one that does");
   if (!goes_on(0.2)) return cancelled();
-  constexpr double voxel_share = 1.0 / 120;  // of the organ's size: about 20,000 vertices
+  constexpr double voxel_share = 1.0 / 120;  // share of the organ's size: about 20,000 vertices
   const double smallest_mm = labels.geometry.spacing_mm.minCoeff();
   const double margin_mm = 2 * std::max(smallest_mm, voxel_share * organ_size_mm(extent));
   const double spacing_mm = worked_spacing_mm(labels, extent, 3 * voxel_share * organ_size_mm(extent), margin_mm);

@@ -19,9 +19,9 @@ namespace {
 
 // Shares of the organ's size.
 constexpr double auto_width_share = 0.035;
-constexpr double widest_share = 0.6;           ///< that is looked for where a number of tunnels is asked for
-constexpr double most_thin_share = 0.8;        ///< of the voxels: from here on an organ is thin as a whole
-constexpr double missed_worth_saying = 0.005;  ///< of the label
+constexpr double widest_share = 0.6;           ///< the widest that is looked for where a number of tunnels is asked for
+constexpr double most_thin_share = 0.8;        ///< share of the voxels: from here on an organ is thin as a whole
+constexpr double missed_worth_saying = 0.005;  ///< share of the label
 
 std::string number(double value, int digits = 1) {
   char text[32];
@@ -256,7 +256,7 @@ class Making {
     return std::move(made_);
   }
 
-  /// Where voxels are long, much may be lost although it lies less than two of them away.
+  /// Much may be lost where voxels are long, although it lies less than two of them away.
   void say_what_is_far() {
     constexpr double most_edges_off = 1.5;
     if (made_.missed_share >= missed_worth_saying || made_.from_mask.p95_mm <= most_edges_off * edge_mm_) return;
@@ -284,7 +284,7 @@ class Making {
     surface_ = united(surface_, closed_by(distance, ball_edges * edge_mm_));
   }
 
-  /// What lies in either.
+  /// All that lies in either.
   static LevelSet united(const LevelSet& a, const LevelSet& b) {
     std::vector<float> values = a.values();
     for (std::size_t v = 0; v < values.size(); ++v) values[v] = std::min(values[v], b.values()[v]);
@@ -295,7 +295,7 @@ class Making {
   double fill_below_mm() const { return std::max(auto_width_share * size_mm_, 2 * edge_mm_) + smoothing_ * edge_mm_; }
   double widest_mm() const { return widest_share * size_mm_; }
 
-  /// Where faces meet each other or have a small angle.
+  /// The places at which faces meet each other or have a small angle.
   static std::vector<Vec3> badly_meshed(const Mesh& mesh) {
     const Triangles& triangles = mesh.topology->triangles();
     std::vector<Vec3> places;

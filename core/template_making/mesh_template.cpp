@@ -17,9 +17,9 @@
 namespace homolog {
 namespace {
 
-constexpr int most_parts = 200;        ///< that are rebuilt together, since each is made voxels by itself
-constexpr double wreck_share = 0.005;  ///< of the faces: so many faults, and the mesh is of no use
-constexpr double far_share = 0.01;     ///< of the diagonal: so far from the surface on average, and it is said
+constexpr int most_parts = 200;        ///< parts that are rebuilt together, since each is made voxels by itself
+constexpr double wreck_share = 0.005;  ///< share of the faces: so many faults, and the mesh is of no use
+constexpr double far_share = 0.01;     ///< share of the diagonal: so far from the surface on average, and it is said
 
 bool is_wreck(const MeshFaults& faults, const Mesh& mesh) {
   const auto faces = static_cast<double>(mesh.topology->triangles().rows());
@@ -114,7 +114,7 @@ class Meshing {
 
   void say_what_is_far() {
     const double diagonal_mm = bounds_of(surface_.points).diagonal().norm();
-    constexpr double least_volume = 0.8, most_volume = 1.5;  ///< of the surface's, where walls are thin for the mesh
+    constexpr double least_volume = 0.8, most_volume = 1.5;  ///< times the surface's, where walls are thin for the mesh
     const double before_ml = enclosed_volume_ml(surface_), volume = enclosed_volume_ml(made_.mesh) / before_ml;
     if (surface_.topology->closed() && before_ml > 0 && !(volume >= least_volume && volume <= most_volume)) {
       char percent[32];

@@ -20,7 +20,7 @@ namespace homolog {
 
 namespace {
 
-constexpr double smallest_share = 0.01;  // of the label's voxels
+constexpr double smallest_share = 0.01;  // share of the label's voxels
 constexpr double fewest_vertices_a_part = 50;
 
 /// The label's parts in the map's own voxels.
@@ -28,7 +28,7 @@ struct Parts {
   VoxelComponents found;
   std::vector<std::size_t> kept, crumbs;  ///< the largest first
 
-  int label = 1;  ///< what they are called in the maps of one part
+  int label = 1;  ///< their label in the maps of one part
 
   Parts(const Volume& mask, const MaskTemplateOptions& options) {
     if (options.label > 0 && options.label <= std::numeric_limits<std::uint16_t>::max()) label = options.label;
@@ -95,7 +95,7 @@ Result<MaskTemplate> make_parts_template(const Volume& mask, const MaskTemplateO
   const double total_mm2 = std::accumulate(areas_mm2.begin(), areas_mm2.end(), 0.0);
   MaskTemplate whole;
   std::vector<Mesh> meshes;
-  std::int32_t vertices = 0;  // of these
+  std::int32_t vertices = 0;  // vertices of these
   double volume = 0, missed = 0;
   for (std::size_t k = 0; k < parts.kept.size(); ++k) {
     const double share = areas_mm2[k] / total_mm2;

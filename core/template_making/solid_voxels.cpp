@@ -18,9 +18,9 @@ namespace homolog {
 namespace {
 
 constexpr double most_solid_voxels = 16e6;
-/// Of half a wall: a thick part's edges and corners lie so far outside of the balls of half a wall that fit into it.
+/// Share of half a wall: a thick part's edges and corners lie so far outside of the balls of half a wall in it.
 constexpr double beyond_thick = 0.75;
-constexpr double thin_share = 1.25;  ///< of a wall: thinner ones grow by a wall, since a mesh shows those badly, too
+constexpr double thin_share = 1.25;  ///< times a wall: thinner ones grow by a wall, since a mesh shows those badly, too
 
 double thick_wall_mm(double wall_mm, double spacing_mm) {
   return std::max(wall_mm, 2 * spacing_mm);

@@ -26,7 +26,7 @@ BoundaryFaces faces_of(const Mesh& boundary) {
   return faces;
 }
 
-/// What of a boundary lies within `depth_mm` of the plane that touches it in this direction.
+/// The areas of a boundary within `depth_mm` of the plane that touches it in this direction.
 Eigen::VectorXd areas_at_end(const BoundaryFaces& faces, const Vec3& direction, double depth_mm) {
   const Eigen::VectorXd heights = faces.middles * direction;
   return (heights.array() > heights.maxCoeff() - depth_mm).select(faces.areas, 0);
@@ -34,7 +34,7 @@ Eigen::VectorXd areas_at_end(const BoundaryFaces& faces, const Vec3& direction, 
 
 /// The outward normal of the largest flat end; none where no end is flat.
 std::optional<Vec3> flat_end(const TubeBody& body, double depth_mm) {
-  constexpr double flat_share = 0.5;  ///< of the mean section across it
+  constexpr double flat_share = 0.5;  ///< share of the mean section across it
   const BoundaryFaces faces = faces_of(body.boundary);
   const Points directions = icosphere(3, 1).points;
   Vec3 best = Vec3::UnitZ();

@@ -14,7 +14,7 @@ namespace homolog {
 namespace {
 
 constexpr double along_grid = 0.9995;  ///< cosine of the angle to a grid's axis below which a tube runs along it
-constexpr double cap_power = 3;        ///< of the profile that closes the apex: 2 would be an ellipsoid
+constexpr double cap_power = 3;        ///< power of the profile that closes the apex: 2 would be an ellipsoid
 
 /// Calls `visit(i, j, k)` for every voxel of the body.
 template <class Visit>
@@ -97,7 +97,7 @@ LevelSet closed_at_apex(const LevelSet& wall, const Vec3& axis, double apex_mm, 
       for (int j = 0; j < grid.dims[1]; ++j)
         for (int i = 0; i < grid.dims[0]; ++i, ++v) one(v, grid.to_mm({1.0 * i, 1.0 * j, 1.0 * k}).dot(axis));
   };
-  double depth_mm = 0;  // of the last slice
+  double depth_mm = 0;  // depth of the last slice
   visit([&](std::size_t v, double height_mm) {
     if (std::abs(height_mm - apex_mm + half_mm) <= 0.5 * grid.spacing_mm[0] + 1e-9)
       depth_mm = std::max(depth_mm, -static_cast<double>(values[v]));

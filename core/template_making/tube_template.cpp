@@ -116,7 +116,7 @@ bool on_side_wall(const Ring& ring, const LevelSet& wall, const Vec3& axis) {
   });
 }
 
-/// What the rings of one sheet are cut from.
+/// The rings of one sheet are cut from this.
 class Sheet {
  public:
   Sheet(const TubeBody& body, TubeWall wall, const Frame& frame)
@@ -124,7 +124,7 @@ class Sheet {
     if (!wall_.flat_base) find_side(body.region);
   }
 
-  /// Where the tube begins by default: at the label's end. Where that is slanted, half of it lies on either side.
+  /// The begin of the tube by default: at the label's end. If that is slanted, half of it lies on either side.
   double base_mm() const { return base_mm_.value_or(wall_.base_mm); }
   double apex_mm() const { return wall_.apex_mm; }
   const Vec3& axis() const { return frame_.axis; }
@@ -147,7 +147,7 @@ class Sheet {
   }
 
  private:
-  /// Where the side wall begins behind the label's end, and where to begin so that as much lies before it.
+  /// Finds where the side wall begins behind the label's end, and where to begin so that as much lies before it.
   void find_side(const LabelBody& region) {
     const double step = 0.25 * wall_.wall.spacing_mm();
     const double farthest = wall_.base_mm + 0.4 * (wall_.apex_mm - wall_.base_mm);
@@ -252,7 +252,7 @@ Mesh united(const Mesh& a, const Mesh& b) {
 struct Tube {
   Frame frame;
   Mesh mesh, inner;  ///< all sheets; the inner one
-  Overlap overlap;   ///< of the inner one with its label
+  Overlap overlap;   ///< the inner one's overlap with its label
 };
 
 /// One sheet as a mesh, from `base_mm` on.

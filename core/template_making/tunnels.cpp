@@ -182,7 +182,7 @@ Vec3 middle_of(const std::vector<std::size_t>& voxels, const VolumeGeometry& gri
   return grid.to_mm(sum / static_cast<double>(voxels.size()));
 }
 
-/// What cuts are made of: those of one kind that lie within `limit`.
+/// The cuts of one kind that lie within `limit`.
 struct Cuts {
   CutTunnel::How how = CutTunnel::How::filled;
   LevelSet limit;

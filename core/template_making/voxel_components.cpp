@@ -47,7 +47,7 @@ VoxelComponents connected_components(const std::vector<std::uint8_t>& set, const
   const auto rows = static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
   const auto width = static_cast<std::size_t>(dims[0]), height = static_cast<std::size_t>(dims[1]);
   std::vector<Run> runs;
-  std::vector<std::int32_t> start(rows + 1);  // of each row's runs
+  std::vector<std::int32_t> start(rows + 1);  // the first of each row's runs
   const auto join_with = [&](std::size_t row, std::size_t other, int reach) {
     join_rows(runs, start[row], static_cast<std::int32_t>(runs.size()), start[other], start[other + 1], reach);
   };

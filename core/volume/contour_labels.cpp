@@ -32,7 +32,7 @@ struct SlicedRoi {
   std::map<int, std::vector<std::pair<Polygon, bool>>> slices;  ///< with whether it is combined by exclusive or
   std::size_t closed = 0, off_slices = 0;                       ///< how many there are, and lie on no slice
   std::size_t elsewhere = 0;            ///< how many refer to the image of another slice than the one that they lie on
-  std::pair<int, int> first_elsewhere;  ///< of the first of them both
+  std::pair<int, int> first_elsewhere;  ///< both numbers of the first of them
 };
 
 std::string about_roi(const ContourRoi& roi) {
@@ -133,7 +133,7 @@ SlicedRoi sliced(const ContourRoi& roi, const VolumeGeometry& grid, const Resamp
   return result;
 }
 
-/// That contours lie on no slices: a sentence without its file.
+/// Words that contours lie on no slices: a sentence without its file.
 std::string off_slices_words(const ContourRoi& roi, const SlicedRoi& sliced, const fs::path& image_path) {
   const std::string some = sliced.off_slices == sliced.closed ? "its "
                                                               : std::to_string(sliced.off_slices) + " of " +
@@ -172,8 +172,8 @@ std::string elsewhere_words(const ContourRoi& roi, const SlicedRoi& sliced) {
          (one ? "its place was taken" : "their places were taken");
 }
 
-/// Where a line of voxel centres crosses the edges of a polygon, ascending. An edge holds its lower end alone, so that
-/// a line through a corner crosses one of two edges.
+/// The places at which a line of voxel centres crosses the edges of a polygon, ascending. An edge holds its lower end
+/// alone, so that a line through a corner crosses one of two edges.
 std::vector<double> crossings(const Polygon& polygon, int along, int across, double line) {
   std::vector<double> places;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -221,7 +221,7 @@ void for_each_on_path(const Polygon& polygon, int along, int across, int columns
 struct DrawnMask {
   std::vector<std::uint8_t> inside;
   bool any = false, leaves_image = false;
-  std::size_t nested_slices = 0;  ///< where contours lie within one another without being said to be holes
+  std::size_t nested_slices = 0;  ///< slices in which contours lie within one another without being said to be holes
 };
 
 /// Adds the polygons of one slice.

@@ -77,7 +77,7 @@ void place_in_space(const Nrrd& nrrd, const NrrdAxisInfo& axis, Eigen::Index col
   }
 }
 
-/// What an axis without a space says of itself.
+/// The facts that an axis without a space tells of itself.
 struct AxisSays {
   bool size = false, centering = true;
 };

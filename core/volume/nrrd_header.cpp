@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t longest_header = std::size_t{16} << 20;
-// Of a line that NrrdIO gets, which writes what it dislikes into buffers of fixed size. Three directions in space, the
+// Longest line for NrrdIO, which writes what it dislikes into buffers of fixed size. Three directions in space, the
 // longest field, take 240 characters.
 constexpr std::size_t longest_field = 500;
 constexpr std::int64_t most_files = 1000000;

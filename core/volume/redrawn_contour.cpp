@@ -66,7 +66,7 @@ PlaceOnContour nearest_place(const Contour& curve, const Vec3& p) {
 
 std::optional<Contour> redrawn_contour(const Contour& curve, const std::vector<Vec3>& stroke, double near_mm) {
   if (stroke.size() < 2 || curve.points.size() < 2) return std::nullopt;
-  constexpr double reach = 2;  // of near_mm: the bend towards the curve is no sharper than that
+  constexpr double reach = 2;  // times near_mm: the bend towards the curve is no sharper than that
   const auto near = [&](const Vec3& a, const Vec3& b) { return (a - b).norm() <= near_mm; };
   PlaceOnContour begin = nearest_place(curve, stroke.front()), end = nearest_place(curve, stroke.back());
   if (!near(begin.at, stroke.front()) || !near(end.at, stroke.back())) return std::nullopt;

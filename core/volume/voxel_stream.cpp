@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t chunk_bytes = std::size_t{4} << 20;  ///< of output between two questions for cancellation
+constexpr std::size_t chunk_bytes = std::size_t{4} << 20;  ///< bytes of output between two questions for cancellation
 constexpr std::size_t input_bytes = std::size_t{256} << 10;
 
 tl::unexpected<Error> damaged(const fs::path& file) {
@@ -61,7 +61,7 @@ class Source {
   std::ifstream in_;
 };
 
-/// What zlib and bzip2 share: a decoder that is fed from a buffer and may find several streams behind one another.
+/// A decoder of zlib or bzip2, fed from a buffer; it may find several streams behind one another.
 class CompressedSource : public Source {
  public:
   using Source::Source;
@@ -211,7 +211,7 @@ Result<void> check_claim(const ByteBlock& block, double bytes) {
   if (!size) return fail(size.error());
   const double present = std::max(0.0, static_cast<double>(*size) - static_cast<double>(block.offset));
   const double skip = static_cast<double>(block.skip);
-  constexpr double longest_skip = 256 << 20;  // of what has to be unpacked to be passed over: a second's work
+  constexpr double longest_skip = 256 << 20;  // bytes that have to be unpacked to be passed over: a second's work
   if (block.compression != Compression::None && skip > longest_skip)
     return fail(block.file.string(), "says that its voxels begin far behind its header; export it again");
   // Deflate reaches 1032 : 1 at most (zlib's technical details); bzip2 packs 45,899,235 equal bytes into 46.
@@ -239,7 +239,7 @@ Result<void> read_block(const ByteBlock& block, std::size_t bytes, const Room& r
     done += *got;
     if (*got < step) return cut_short(block.file, static_cast<double>(done), static_cast<double>(bytes));
   }
-  constexpr std::size_t much = std::size_t{1} << 28;  // of what other programs write behind the voxels
+  constexpr std::size_t much = std::size_t{1} << 28;  // bytes that other programs write behind the voxels
   return (*source)->finish(bytes + much);
 }
 

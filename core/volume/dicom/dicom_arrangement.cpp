@@ -114,7 +114,7 @@ Result<DicomArrangement> arrange_unplaced(const fs::path& path, const std::vecto
   return result;
 }
 
-/// What an error says is wrong, without its verb and the remedy: "unevenly spaced slices: …".
+/// The fault that an error names, without its verb and the remedy: "unevenly spaced slices: …".
 std::string fault_alone(const std::string& what) {
   const std::string fault = what.substr(0, what.find(';'));
   for (const std::string& verb : {std::string("has "), std::string("lacks ")})

@@ -110,7 +110,7 @@ Result<std::vector<ContourRoi>> described_rois(const DicomSet& set, std::vector<
   return rois;
 }
 
-/// What of the contours of a structure is not taken as it stands.
+/// The contours of a structure that are not taken as they stand.
 struct OddContours {
   std::vector<std::size_t> keys;  ///< of those that were taken [key_of]
   int doubled = 0, short_ones = 0, moved = 0;

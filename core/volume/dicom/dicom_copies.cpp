@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Where a file's pixels lie, as runs of bytes; compressed ones up to the file's end.
+/// The runs of bytes of a file's pixels; compressed ones up to the file's end.
 std::vector<DicomPixels::Fragment> pixel_runs(const DicomHeader& header) {
   const DicomPixels& pixels = *header.pixels;
   if (!pixels.fragments.empty()) return pixels.fragments;

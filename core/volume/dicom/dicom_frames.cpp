@@ -34,7 +34,7 @@ void for_each_time(Places& places, std::size_t clock, const Change& change) {
     for (DicomPlaneSource& source : place) change(*source.times[clock]);
 }
 
-/// Where dates do not tell, times of the day that pass midnight go on behind it: the day is cut in its longest pause,
+/// Times of the day that pass midnight go on behind it if dates do not tell: the day is cut in its longest pause,
 /// of more than half a day. Whether they do.
 bool continue_past_midnight(Places& places, std::size_t clock) {
   std::vector<double> times;

@@ -89,7 +89,7 @@ DicomTag increment_of(const DicomItem& data, bool big_endian) {
                     : byte(1) << 24 | byte(0) << 16 | byte(3) << 8 | byte(2);
 }
 
-/// What the planes of a scan of nuclear medicine differ in besides their slice [DICOM PS3.3, C.8.4.8]; empty: nothing.
+/// The axis besides slices in which planes of nuclear medicine differ [DICOM PS3.3, C.8.4.8]; empty: none.
 std::string steps_through(const DicomItem& data) {
   constexpr std::array<std::pair<DicomTag, const char*>, 7> vectors{{{0x00540010, "energy windows"},
                                                                      {0x00540020, "detectors"},

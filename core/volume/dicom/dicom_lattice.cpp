@@ -93,7 +93,7 @@ double common_step(const std::vector<double>& heights, double rounded_mm) {
 /// The heights that lie no whole steps from most of them.
 struct OffMost {
   std::vector<double> heights;  ///< empty: none, or there are no such most
-  double farthest_mm = 0;       ///< of them from a step
+  double farthest_mm = 0;       ///< the farthest of them from a step
 };
 
 OffMost off_most(const std::vector<double>& heights, double step, double tolerance_mm) {

@@ -32,7 +32,7 @@ struct SegmentationFile {
   std::size_t pixels() const {
     return static_cast<std::size_t>(header.rows) * static_cast<std::size_t>(header.columns);
   }
-  /// Where the voxels of a frame begin in a layer.
+  /// The begin of a frame's voxels in a layer.
   std::size_t begin(std::size_t frame) const { return static_cast<std::size_t>(lattice.slices[frame]) * pixels(); }
   Result<void> room_for(double layers, double bytes) const {
     return check_memory(header.path, layers * bytes * static_cast<double>(lattice.geometry.voxels()));
@@ -49,7 +49,7 @@ struct SegmentationFile {
 /// The pixels of all frames: single bits behind one another, or whole values.
 struct FramePixels {
   std::vector<std::byte> bits;
-  bool frames_begin_bytes = false;  ///< of bits: each frame begins with a byte of its own
+  bool frames_begin_bytes = false;  ///< each frame of bits begins with a byte of its own
   StoredVoxels values;
 
   /// Calls `see(pixel)` for every pixel of a frame that is set.
@@ -91,7 +91,7 @@ Result<FramePixels> read_values(const SegmentationFile& file) {
   if (file.frames.kind != SegmentFrames::Kind::fractional)
     if (auto exact = check_exact(file.header); !exact) return fail(exact.error());
   DicomHeader header = file.header;
-  header.photometric = "MONOCHROME2";  // of a palette the indices are the labels
+  header.photometric = "MONOCHROME2";  // the indices of a palette are the labels
   const auto type = dicom_stored_type(header);
   if (!type) return fail(type.error());
   const std::size_t all = file.pixels() * header.planes.size();

@@ -68,7 +68,7 @@ Result<void> check_even(const fs::path& path, const std::vector<DicomHeader>& he
   return {};
 }
 
-/// Where the planes lie within their own plane, along one of its axes, from the one in the middle.
+/// The planes' places within their own plane, along one of its axes, from the one in the middle.
 std::vector<double> to_the_side(Planes planes, const Vec3& axis) {
   std::vector<double> places;
   for (const DicomPlaneSource& source : planes) places.push_back(source.plane->position_mm->dot(axis));

@@ -34,10 +34,10 @@ constexpr std::array<Alphabet, 18> alphabets{{{"6", "(B", "ASCII", false, true},
                                               {"148", "-M", "ISO-8859-9"},
                                               {"166", "-T", "TIS-620"},
                                               {"203", "-b", "ISO-8859-15"},
-                                              // Of EUC-JP: a letter of half width lies behind the byte 8e.
+                                              // EUC-JP: a letter of half width lies behind the byte 8e.
                                               {"13", ")I", "EUC-JP"},
                                               {"87", "$B", "EUC-JP", true, true},
-                                              // Of EUC-JP too, behind the byte 8f.
+                                              // EUC-JP too, behind the byte 8f.
                                               {"159", "$(D", "EUC-JP", true, true},
                                               {"149", "$)C", "EUC-KR", true},
                                               {"58", "$)A", "GB2312", true}}};

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What decimals leave of whole steps, in voxels.
+/// The rest that decimals leave of whole steps, in voxels.
 constexpr double rounded_voxels = 1e-3;
 
 /// The old slices of a frame, and the new grid.
@@ -119,7 +119,7 @@ SliceNeighbours neighbours_of(std::span<const OldSlice> slices, int k) {
 
 TakenSlice taken_by(std::span<const OldSlice> slices, int k) {
   const SliceNeighbours at = neighbours_of(slices, k);
-  constexpr double half = 0.5 + 1e-6;  // what lies in the middle goes to the lower one
+  constexpr double half = 0.5 + 1e-6;  // a slice in the middle goes to the lower one
   const std::size_t old = at.share > half ? at.above : at.below;
   return {old, at.column, at.row, std::abs(k - slices[old].height)};
 }

@@ -156,7 +156,7 @@ void put_image(const VolumeGeometry& grid, const WrittenFrames& frames, DicomEle
       .put_shorts(0x00280103, {0});
 }
 
-/// That images were compressed with loss holds for what is made of them [DICOM PS3.3, C.7.6.1.1.5].
+/// Images that were compressed with loss hand that on to what is made of them [DICOM PS3.3, C.7.6.1.1.5].
 void put_loss(const DicomSeries& series, DicomElements& data) {
   const auto lossy = std::ranges::find_if(series.headers, [](const DicomHeader& one) { return one.lossy == "01"; });
   data.put(0x00282110, "CS", lossy != series.headers.end() ? "01" : "00");

@@ -42,7 +42,7 @@ Result<void> check_image(const DicomHeader& header) {
                                         "; open the image series instead");
 }
 
-/// Where each plane of each file lies in the volume.
+/// The place of each plane of each file in the volume.
 std::vector<std::vector<std::size_t>> places_by_file(const std::vector<DicomHeader>& headers,
                                                      const DicomArrangement& arrangement) {
   std::vector<std::vector<std::size_t>> place_of(headers.size());
@@ -182,7 +182,7 @@ Result<void> check_others(const std::vector<fs::path>& dicom, const std::vector<
   return {};
 }
 
-/// What lies in a folder: image headers by series, and segmentations, each of which is a file.
+/// The content of a folder: image headers by series, and segmentations, each of which is a file.
 struct FolderContents {
   SeriesByUid series;
   std::vector<DicomSet> segmentations;
@@ -226,7 +226,7 @@ Result<VolumeRead> read_dicom_file(const fs::path& path, const VolumeReadOptions
   return read_headers(path, {std::move(header)}, options.resample, options.progress);
 }
 
-/// Of a folder without images: the segmentation that lies in it alone.
+/// Reads the lone segmentation of a folder without images.
 Result<VolumeRead> read_lone_segmentation(const fs::path& folder, const std::vector<DicomSet>& segmentations,
                                           const VolumeReadOptions& options) {
   if (segmentations.empty()) return fail(folder.string(), "holds no DICOM images; choose the folder that does");

@@ -81,7 +81,7 @@ Result<bool> put_into(Volume& layer, const Volume& mask, int value, const fs::pa
   if (!offset) return false;
   const auto grid = grid_of_both(layer.geometry, *offset, mask.geometry);
   if (!grid) return false;
-  VoxelAt old{}, first{};  // where the layer and the mask begin in the new grid
+  VoxelAt old{}, first{};  // the places at which the layer and the mask begin in the new grid
   for (std::size_t a = 0; a < 3; ++a) {
     old[a] = std::max(0, -(*offset)[a]);
     first[a] = old[a] + (*offset)[a];

@@ -24,7 +24,7 @@ constexpr std::size_t longest_text = std::size_t{1} << 16;
 
 struct Header {
   std::map<std::string, std::string, std::less<>> fields;
-  std::uintmax_t local_offset = 0;  ///< of voxels that follow in the same file
+  std::uintmax_t local_offset = 0;  ///< the place of voxels that follow in the same file
 
   /// The value under the first of several names that is there; empty without any.
   std::string text(std::initializer_list<std::string_view> names) const {

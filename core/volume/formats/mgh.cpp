@@ -215,7 +215,7 @@ class BigEndianBytes {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// What a header says of a grid; single precision.
+/// The header of a grid; single precision.
 MghHeader mgh_header_of(const VolumeGeometry& grid) {
   MghHeader header;
   header.frames = 1;

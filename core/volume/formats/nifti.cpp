@@ -34,13 +34,13 @@ struct NiftiHeader {
   NiftiImage image;
   bool other_byte_order = false;
   bool analyze = false;     ///< the older format, which says nothing of the patient
-  std::size_t bytes = 0;    ///< of the header itself
+  std::size_t bytes = 0;    ///< the header's own bytes
   double voxels_begin = 0;  ///< as the header says: vox_offset
   bool sized = true;        ///< it says how large a voxel is
   bool scale_is_finite = true;
-  double analyze_scale = 1;    ///< of the older format, as SPM keeps it there
-  double analyze_unit_mm = 1;  ///< of the older format, whose units are a word
-  int bits = 0;                ///< of a voxel, as it says; 0 where it does not
+  double analyze_scale = 1;    ///< the older format's scale, as SPM keeps it there
+  double analyze_unit_mm = 1;  ///< the unit of the older format, which is a word
+  int bits = 0;                ///< bits of a voxel, as it says; 0 where it does not
 };
 
 /// The two files of a pair by the name of either; for a single file both are that file.
@@ -100,7 +100,7 @@ bool mend_pixdim(Header& header) {
   return sized;
 }
 
-/// What is read of a header here and not by libnifti.
+/// Takes what is read of a header here and not by libnifti.
 template <class Header>
 void take_header_over(Header& header, NiftiHeader& result) {
   result.sized = mend_pixdim(header);
@@ -148,7 +148,7 @@ std::optional<NiftiHeader> parse_nifti_header(const std::string& head, const fs:
   return result;
 }
 
-/// Where the voxels begin in their file [nifti1.h, "vox_offset"]. In a single file that is behind the header and the
+/// The begin of the voxels in their file [nifti1.h, "vox_offset"]. In a single file that is behind the header and the
 /// four bytes that tell of extensions. libnifti (and with it ITK) reads from byte 348 where a header says less, so that
 /// all voxels are shifted; nibabel refuses. A header that is wrong here gives no other hint, so that it is refused.
 Result<std::uintmax_t> voxels_begin(const NiftiHeader& header, const Pair& pair) {

@@ -126,7 +126,7 @@ Result<std::vector<fs::path>> voxel_files(const NrrdHeader& header, const Nrrd& 
                                  " files for its voxels, but its sizes need another number of files; export it again");
 }
 
-/// Where the lines to be passed over end.
+/// The end of the lines to be passed over.
 Result<std::uintmax_t> skip_lines(const fs::path& file, std::uintmax_t begin, unsigned lines) {
   if (lines == 0) return begin;
   if (const auto size = size_of_file(file); !size) return fail(size.error());
@@ -169,7 +169,7 @@ Result<VoxelRun> find_nrrd_run(const NrrdHeader& header, const Nrrd& nrrd, const
   return run;
 }
 
-/// What a list of values is besides frames.
+/// Tells what a list of values is besides frames.
 void name_list(const fs::path& path, const NrrdHeader& header, VolumeRead& read) {
   const auto layers = header.is_segmentation ? static_cast<std::size_t>(read.volume.frames) : 1;
   read.segmentation = slicer_segments(path, header.segment_pairs, layers, read.warnings);

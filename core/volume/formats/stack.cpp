@@ -109,7 +109,7 @@ Result<void> check_names(const fs::path& folder, const std::vector<fs::path>& fi
 
 struct PictureStack {
   std::vector<fs::path> files;
-  PicturePages pages;  ///< of every file
+  PicturePages pages;  ///< the pages of every file
 };
 
 Result<PictureStack> find_stack(const fs::path& path, const PictureModule& module) {

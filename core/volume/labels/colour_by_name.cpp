@@ -205,7 +205,7 @@ std::size_t place_of(const Words& words) {
 }
 
 Colour shaded(Colour colour, Side side) {
-  constexpr int share = 5;  // of the way to white or black
+  constexpr int share = 5;  // a part of the way to white or black
   for (std::uint8_t& channel : colour)
     if (side == Side::left)
       channel = static_cast<std::uint8_t>(channel + (255 - channel) / share);

@@ -10,7 +10,7 @@ namespace homolog {
 
 namespace {
 
-/// Of the pairs of neighbouring voxels that both have a value other than 0, the share whose values are equal; nullopt
+/// The share of pairs of neighbouring voxels with a value other than 0 whose values are equal; nullopt
 /// where there is no such pair.
 std::optional<double> share_of_equal_neighbours(const Volume& volume) {
   const auto& dims = volume.geometry.dims;

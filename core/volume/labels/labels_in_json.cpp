@@ -48,8 +48,8 @@ Result<Segmentation> labels_of_list(const Json& list) {
   return labels;
 }
 
-/// Of members all of which are value and name; `lists`: values may be lists of values (nnU-Net's regions), which name
-/// no label.
+/// Labels of members all of which are value and name; `lists`: values may be lists of values (nnU-Net's regions), which
+/// name no label.
 Result<Segmentation> labels_of_members(const Json& object, bool lists) {
   Segmentation labels;
   for (const auto& [key, value] : object.items()) {

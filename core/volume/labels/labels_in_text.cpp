@@ -60,7 +60,7 @@ std::optional<LabelLine> label_line(std::string_view line) {
   return label;
 }
 
-/// Where the columns of a table are; the first of these names that it has.
+/// The columns of a table; the first of these names that it has.
 struct TableColumns {
   std::optional<std::size_t> value, name, colour;
   std::array<std::optional<std::size_t>, 3> channels;

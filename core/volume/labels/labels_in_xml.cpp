@@ -12,7 +12,7 @@ namespace homolog {
 
 namespace {
 
-/// What an attribute of an XML element says, without entities.
+/// The text of an attribute of an XML element, without entities.
 std::optional<std::string_view> attribute(std::string_view element, std::string_view name) {
   for (std::size_t at = 0; (at = element.find(name, at)) != element.npos; at += name.size()) {
     const std::string_view rest = element.substr(at + name.size());

@@ -50,7 +50,7 @@ std::optional<VoxelMapping> mapping_of(const VolumeGeometry& grid, const VolumeG
   constexpr double nearly_one_step = 0.1;
   const Vec3 first = map.to_voxel(grid.to_mm(Vec3::Zero()));
   VoxelMapping mapping;
-  Mat3 steps;  // of the axes of the grid in voxels of the map, whole
+  Mat3 steps;  // steps of the axes of the grid in voxels of the map, whole
   for (int a = 0; a < 3; ++a) {
     const auto at = static_cast<std::size_t>(a);
     const Vec3 step = map.to_voxel(grid.to_mm(Vec3::Unit(a))) - first;

@@ -40,7 +40,7 @@ std::optional<std::array<std::uint8_t, 3>> colour_of(std::string_view text) {
   return colour;
 }
 
-/// Of the tags "KEY:VALUE|KEY:VALUE|" the one of the terminology.
+/// The terminology's one of the tags "KEY:VALUE|KEY:VALUE|".
 std::string terminology_of(std::string_view tags) {
   constexpr std::string_view key = "TerminologyEntry:";
   while (!tags.empty()) {

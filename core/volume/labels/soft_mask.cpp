@@ -9,7 +9,7 @@
 namespace homolog {
 namespace {
 
-constexpr double exactly = 1e-3;  ///< what rescaling by 32-bit floats leaves
+constexpr double exactly = 1e-3;  ///< the rest that rescaling by 32-bit floats leaves
 
 /// Calls `see(value)` for the finite values of a frame until it gives false.
 template <class See>

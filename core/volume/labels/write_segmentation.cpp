@@ -37,7 +37,7 @@ Segmentation complete_segments(const VolumeRead& map) {
   const auto layers = layers_in(map);
   Segmentation all;
   for (Segment segment : map.segmentation.segments) {
-    if (layers.size() == 1) segment.layer = 0;  // that were united
+    if (layers.size() == 1) segment.layer = 0;  // those that were united
     all.add(std::move(segment));
   }
   for (std::size_t layer = 0; layer < layers.size(); ++layer)

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"

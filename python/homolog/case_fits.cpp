@@ -1,7 +1,7 @@
 #include "app/verbs/fit/fit_case.h"
 #include "app/verbs/fit/fit_contours.h"
 #include "app/verbs/fit/snap_arguments.h"
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 #include "core/assist/assist.h"
 #include "core/assist/cine.h"
 #include "core/structures/fitting/set_in_case.h"

@@ -14,7 +14,7 @@
 #include "core/adapt/annealing.h"
 #include "core/adapt/boundary/boundary.h"
 #include "core/adapt/fit.h"
-#include "core/adapt/label_fit.h"
+#include "core/adapt/labels/label_fit.h"
 #include "core/case/actions/points.h"
 #include "core/catalogue/catalogue.h"
 #include "core/deform/deformer.h"

@@ -102,9 +102,8 @@ TEST_CASE("a cylinder has its axis and its girth and the way over its wall is a 
   CHECK(one_number(axis, R"({"name":"x","kind":"distance","from":"q","to":"p","along":"l"})", tube, ends) ==
         doctest::Approx(-40));
   const auto undirected = recipe_gives(
-      axis,
-      R"({"name":"x","kind":"distance","from":"p","to":"q","along":{"kind":"cylinder","of":{"kind":"whole"}}})", tube,
-      ends);
+      axis, R"({"name":"x","kind":"distance","from":"p","to":"q","along":{"kind":"cylinder","of":{"kind":"whole"}}})",
+      tube, ends);
   CHECK(tells(undirected.front().missing, "goes along an axis without a direction"));
   const double unrolled = std::hypot(40, 16 * 2 * 10 * std::sin(pi / 64));
   CHECK(one_number(axis, R"({"name":"x","kind":"length","through":["p","q"]})", tube, ends) ==

@@ -168,7 +168,7 @@ class TrainingSetBuilder::Majority {
       Kind& kind = kinds_[k];
       if (kind.vertices != file.points.rows()) continue;
       const bool is_turned = kind.triangles.rows() > 0 && turned_faces(kind.triangles, file.triangles);
-      if (!is_turned && (kind.triangles.rows() != file.triangles.rows() || kind.triangles != file.triangles)) continue;
+      if (!is_turned && !same_faces(kind.triangles, file.triangles)) continue;
       ++(is_turned ? kind.turned_files : kind.files);
       of_file_.push_back({k, is_turned});
       return;

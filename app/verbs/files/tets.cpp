@@ -55,7 +55,7 @@ Result<void> check_outputs(const TetsJob& job, const std::vector<ShapeSource>& s
 /// Whether a shape's faces are not the template's, which may be turned.
 bool is_numbered_otherwise(const MeshFile& shape, const Template& the_template) {
   const Triangles &faces = *shape.triangles, &known = the_template.topology->triangles();
-  return shape.points.rows() == the_template.points.rows() && faces.rows() > 0 && faces != known &&
+  return shape.points.rows() == the_template.points.rows() && faces.rows() > 0 && !same_faces(faces, known) &&
          !turned_faces(faces, known);
 }
 

@@ -16,7 +16,7 @@ Result<bool> mirrors_template(const MeshFile& mesh, const fs::path& file, const 
     return fail(file.string(), "has " + std::to_string(mesh.points.rows()) + " vertices where " + the_template.source +
                                    " has " + std::to_string(the_template.points.rows()) + remedy);
   const Triangles& wanted = the_template.topology->triangles();
-  if (mesh.triangles.rows() == 0 || mesh.triangles == wanted) return false;
+  if (mesh.triangles.rows() == 0 || same_faces(mesh.triangles, wanted)) return false;
   if (turned_faces(mesh.triangles, wanted)) return true;
   return fail(file.string(), "has other faces than " + the_template.source + remedy);
 }

@@ -14,9 +14,28 @@ MeshFile mirrored(const MeshFile& mesh, AnatomicalPlane plane) {
   return other;
 }
 
+namespace {
+
+/// Whether each triangle has the corners of the other's, in the order `a`, `b`, `c` of them or turned on from there.
+bool same_corners(const Triangles& faces, const Triangles& other, int a, int b, int c) {
+  if (faces.rows() != other.rows()) return false;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const auto is = [&](int i, int j, int k) {
+      return faces(f, 0) == other(f, i) && faces(f, 1) == other(f, j) && faces(f, 2) == other(f, k);
+    };
+    if (!is(a, b, c) && !is(b, c, a) && !is(c, a, b)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool same_faces(const Triangles& faces, const Triangles& other) {
+  return same_corners(faces, other, 0, 1, 2);
+}
+
 bool turned_faces(const Triangles& faces, const Triangles& other) {
-  return faces.rows() > 0 && faces.rows() == other.rows() && faces.col(0) == other.col(0) &&
-         faces.col(1) == other.col(2) && faces.col(2) == other.col(1);
+  return faces.rows() > 0 && same_corners(faces, other, 0, 2, 1);
 }
 
 }  // namespace homolog

@@ -171,7 +171,7 @@ Result<void> check_faces(const ShapeModel& model, const MeshFile& mesh) {
   const Triangles& own = mesh.triangles;
   if (!model.topology || own.rows() == 0 || 3 * mesh.points.rows() != model.mean.size()) return {};
   const Triangles& faces = model.topology->triangles();
-  if ((own.rows() == faces.rows() && own == faces) || turned_faces(faces, own)) return {};
+  if (same_faces(faces, own) || turned_faces(faces, own)) return {};
   return fail("",
               "has other faces (or another numbering) than the model; make it from the model's template, or give the "
               "label map that it was made of");

@@ -38,7 +38,7 @@ bool Lenders::lend_to(MeasuredShape& shape) const {
       if (lender->points.rows() != one.mesh.points.rows()) continue;
       const Triangles& faces = lender->topology->triangles();
       // Points alone are taken to be in the lender's order.
-      if (one.mesh.topology != nullptr && one.mesh.topology->triangles() != faces &&
+      if (one.mesh.topology != nullptr && !same_faces(one.mesh.topology->triangles(), faces) &&
           !turned_faces(one.mesh.topology->triangles(), faces))
         continue;
       suits_one = true;

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <numeric>
 #include <random>
@@ -143,6 +144,27 @@ Mesh in_order(const Mesh& mesh, const std::vector<Eigen::Index>& order) {
 }
 
 }  // namespace
+
+TEST_CASE("faces that begin at another corner are the same, and turned ones are turned ones") {
+  Folder folder;
+  const std::array<std::array<int, 3>, 5> orders{{{0, 1, 2}, {1, 2, 0}, {2, 1, 0}, {1, 0, 2}, {2, 0, 1}}};
+  for (int k = 0; k < 5; ++k) {
+    MeshFile file = mesh_file_of(organ(k));
+    const Triangles faces = file.triangles;
+    Triangles moved(faces.rows(), 3);
+    for (int c = 0; c < 3; ++c)
+      moved.col(c) = faces.col(orders[static_cast<std::size_t>(k)][static_cast<std::size_t>(c)]);
+    CHECK(same_faces(faces, moved) == (k != 2 && k != 3));
+    CHECK(turned_faces(faces, moved) == (k == 2 || k == 3));
+    file.triangles = moved;
+    folder.files.push_back(folder.path / ("organ" + std::to_string(k) + ".ply"));
+    REQUIRE(write_mesh_file(file, folder.files.back()));
+  }
+  const auto read = read_training_set(folder.files);
+  REQUIRE_MESSAGE(read, read.error().sentence());
+  CHECK(read->set.shapes.cols() == 5);
+  CHECK(read->set.topology->triangles() == organ(0).topology->triangles());
+}
 
 TEST_CASE("a shape whose vertices are in another order is refused by name wherever it stands") {
   for (const char* ending : {".ply", ".particles"})

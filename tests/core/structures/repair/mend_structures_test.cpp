@@ -266,6 +266,28 @@ TEST_CASE("a structure in two bodies has doubled what a small part of it fills")
   }
 }
 
+TEST_CASE("a large one on which its template lies well has no second body") {
+  // Two fifths of where the third one is missing have the fourth one's label.
+  VolumeRead map = stone_map(1);
+  const std::vector<std::size_t> voxels = voxels_of_label(map, 3);
+  std::visit(
+      [&](auto& all) {
+        using Voxel = typename std::decay_t<decltype(all)>::value_type;
+        for (std::size_t v = 0; v < voxels.size(); ++v) all[voxels[v]] = Voxel(5 * v < 2 * voxels.size() ? 4 : 0);
+      },
+      map.volume.data);
+  const Signed begun(map);
+  for (const double dice : {0.97, 0.8}) {
+    CAPTURE(dice);
+    Signed made = begun;
+    made.found.signs[3].volume = 0.5;
+    made.found.fitted.structures[3].judgement.doubtful = false;
+    made.found.fitted.structures[3].judgement.inside_scan.dice = dice;
+    made.mend();
+    CHECK(made.has(3, DefectKind::doubled) == (dice < 0.9));
+  }
+}
+
 TEST_CASE("an island at the border of the scan does not say that its structure is cut off") {
   const auto at_border = [](int height) {
     VolumeRead map = stone_map(1);

@@ -181,28 +181,28 @@ TEST_CASE("in coarse voxels a groove a voxel wide is no tunnel, and a few voxels
   CHECK(signs_of(4, 4, [&](const Vec3&) { return left-- > 0; }).lost_to.at(3) > 0.04);
 }
 
-TEST_CASE("where nothing is expected a bay that the fit bridges is no hole, and a cavity is one") {
+TEST_CASE("a bay that the fit bridges is no hole, a cavity is one, and a way through is one beside neighbours") {
   const Mesh whole = test::must(mask_surface(stone_map().volume, 3, 0));
   const Vec3 middle = whole.points.colwise().mean().transpose();
   const double size_mm = std::cbrt(1000 * std::abs(enclosed_volume_ml(whole)));
-  // The stone with a ball taken out of its middle, and with a way from there to the outside too.
-  const auto hollow = [&](bool open) {
+  // The stone with a ball taken out of its middle, and with ways from there to the outside too.
+  const auto hollow = [&](int ways) {
     VolumeRead map = stone_map();
     const VolumeGeometry& grid = map.volume.geometry;
     std::visit(
         [&](auto& voxels) {
           for (std::size_t v = 0; v < voxels.size(); ++v) {
             const Vec3 off = place_of_voxel(grid, v) - middle;
-            const bool on_the_way = open && off.z() > 0 && off.head<2>().norm() < 0.1 * size_mm;
+            const bool on_the_way = ways > (off.z() > 0 ? 0 : 1) && off.head<2>().norm() < 0.1 * size_mm;
             if (rounded_label(voxels[v]) == 3 && (off.norm() < 0.2 * size_mm || on_the_way)) voxels[v] = 0;
           }
         },
         map.volume.data);
     return map;
   };
-  for (const bool open : {false, true}) {
-    CAPTURE(open);
-    const VolumeRead map = hollow(open);
+  for (const int ways : {0, 1, 2}) {
+    CAPTURE(ways);
+    const VolumeRead map = hollow(ways);
     const SetInMap subject = find_in_map(the_set().set, map, 0);
     FittedSet fitted = test::must(fit_set(the_set(), subject, {}));
     fitted.structures[2].fit->mesh = whole;
@@ -210,8 +210,36 @@ TEST_CASE("where nothing is expected a bay that the fit bridges is no hole, and 
     const double alone = structure_signs(the_set(), map, 0, subject, fitted, expected)[2].holes;
     expected[2] = whole;
     const double beside_others = structure_signs(the_set(), map, 0, subject, fitted, expected)[2].holes;
-    CHECK(beside_others > 0.01);
-    CHECK(alone == doctest::Approx(open ? 0 : beside_others));
+    CHECK((beside_others > 0.01) == (ways != 1));
+    CHECK(alone == doctest::Approx(ways == 0 ? beside_others : 0));
+  }
+}
+
+TEST_CASE("a line of single voxels is a bridge by how far it juts out, and goes alone") {
+  const Mesh whole = test::must(mask_surface(stone_map().volume, 3, 0));
+  const Vec3 middle = whole.points.colwise().mean().transpose();
+  const VolumeRead truth = stone_map();
+  for (const double long_mm : {0.0, 30.0}) {
+    CAPTURE(long_mm);
+    VolumeRead map = truth;
+    const VolumeGeometry& grid = map.volume.geometry;
+    std::visit(
+        [&](auto& voxels) {
+          using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
+          for (std::size_t v = 0; v < voxels.size(); ++v) {
+            const Vec3 off = place_of_voxel(grid, v) - middle;
+            const bool on_line = off.y() > 0 && off.y() < long_mm && std::abs(off.x()) < 0.8 && std::abs(off.z()) < 0.8;
+            if (on_line && rounded_label(voxels[v]) == 0) voxels[v] = Voxel(3);
+          }
+        },
+        map.volume.data);
+    const double before = dice_of(map, truth, 3);
+    const RepairedMap found = test::must(repair_map(the_set(), map, 0));
+    CHECK(has_kind(found.structures[2], DefectKind::bridge) == (long_mm > 0));
+    CHECK((found.signs[2].bar_reach > 0.22) == (long_mm > 0));
+    CHECK(dice_of(map, truth, 3) >= before);
+    CHECK((found.structures[2].changed_voxels > 5) == (long_mm > 0));
+    CHECK(found.structures[2].changed_voxels < 40);
   }
 }
 
@@ -427,7 +455,9 @@ TEST_CASE("a level that is split in two labels becomes one, and those below get 
   CHECK(has_kind(found.structures[3], DefectKind::level_shifted));
   CHECK(found.structures[3].proposed_name == name_of_stone(2));
   CHECK(found.structures[4].proposed_name == name_of_stone(3));
-  for (const int label : {1, 2, 3, 4}) {
+  // The one that the set lacks goes along.
+  CHECK(found.renamed_without == std::vector<std::pair<std::string, std::string>>{{"vertebrae_L6", name_of_stone(4)}});
+  for (const int label : {1, 2, 3, 4, 5}) {
     CAPTURE(label);
     CHECK(dice_of(map, truth, label) == 1);
   }

@@ -102,7 +102,7 @@ std::optional<History::Way> History::undo(std::size_t from) const {
   if (k == 0) return std::nullopt;
   const std::size_t last = --k;
   while (k > 0 && steps_[k].joined) --k;
-  return Way{k, last};
+  return Way{k, k, last};
 }
 
 std::optional<History::Way> History::redo(std::size_t from) const {
@@ -111,7 +111,7 @@ std::optional<History::Way> History::redo(std::size_t from) const {
   if (k == size()) return std::nullopt;
   const std::size_t first = k++;
   while (k < size() && steps_[k].joined) ++k;
-  return Way{k, first};
+  return Way{k, first, k - 1};
 }
 
 void History::reserve(std::size_t more) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/case/document.h"
+#include "core/case/step_name.h"
 #include "core/session/line_place.h"
 
 namespace homolog {
@@ -23,7 +24,7 @@ class History {
   };
   struct Step {
     LinePlace line;
-    std::string name;     ///< the name in menus; empty where the line was not read yet
+    EditName name;        ///< the name in menus; empty where the line was not read yet
     bool joined = false;  ///< undone and done again together with the step before
     bool look = false;    ///< a frame was shown: no step of its own, but what later ones start from
     bool stroke = false;
@@ -41,9 +42,10 @@ class History {
   const Step& step(std::size_t k) const { return steps_[k]; }
   Step& step(std::size_t k) { return steps_[k]; }
 
-  /// The state that undo (redo) leads to, and the step whose name it bears; none where there is nothing to undo (redo).
+  /// The state that undo (redo) leads to, and the first and the last of the steps between; none where there is nothing
+  /// to undo (redo).
   struct Way {
-    std::size_t to, step;
+    std::size_t to, first, last;
   };
   std::optional<Way> undo() const { return undo(current_); }
   std::optional<Way> redo() const { return redo(current_); }

@@ -6,7 +6,6 @@
 
 #include "core/base/files/paths.h"
 #include "core/case/action_line.h"
-#include "core/case/edit_words.h"
 #include "core/case/moved_points.h"
 #include "core/case/placing.h"
 #include "core/deform/stroke_kinds.h"
@@ -147,10 +146,10 @@ Result<EditReport> EditSession::travel(const Action& action, const std::optional
   if (!way) return fail("", back ? "There is nothing to undo." : "There is nothing to redo.");
   auto there = state(way->to);
   if (!there) return fail(there.error());
-  if (!line)
-    if (auto written = lines_.append(action_line({action}) + '\n'); !written) return fail(written.error());
   EditReport report;
   report.message = (back ? "Undone: " : "Redone: ") + name(way) + ".";
+  if (!line)
+    if (auto written = lines_.append(action_line({action}) + '\n'); !written) return fail(written.error());
   history_.go_to(way->to);
   document_ = std::move(*there);
   looks_.clear();
@@ -195,7 +194,7 @@ Result<EditReport> EditSession::edit(EditStep done, const std::optional<LinePlac
   const auto* note = std::get_if<Note>(&done.action);
   const bool is_note = note != nullptr;
   History::Step step;
-  step.name = edit_words(done.action, shown);
+  step.name = edit_name(done, document());
   step.joined = done.joined;
   step.stroke = std::holds_alternative<Stroke>(done.action);
   step.after = std::make_shared<const Document>(std::move(updated->document));

@@ -73,7 +73,7 @@ class EditSession {
 
   bool can_undo() const { return history_.undo().has_value(); }
   bool can_redo() const { return history_.redo().has_value(); }
-  /// Name of what undo (redo) would take back (do again); empty where there is nothing.
+  /// Name of what undo (redo) would take back (do again) [step_name.h]; empty where there is nothing.
   std::string undo_name() { return name(history_.undo()); }
   std::string redo_name() { return name(history_.redo()); }
   /// The same of at most `most` steps back (on), the nearest first.
@@ -137,9 +137,11 @@ class EditSession {
   Result<EditReport> perform(EditStep step, const std::optional<LinePlace>& line);
   Result<void> begin_structures(const EditStep& step);
   Result<LinePlace> write(const std::string& line, bool is_note, bool sync);
+  Result<EditStep> read_line(std::size_t step) const;
   Result<EditStep> read_step(std::size_t step);
   std::shared_ptr<const Document> nearest_state(std::size_t& state);
   Result<std::shared_ptr<const Document>> state(std::size_t state);
+  EditName read_name(std::size_t step, const Document* before);
   std::string name(const std::optional<History::Way>& way);
   void add_steps(History::Step step);
   void keep(const Note& note);

@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "core/case/action_line.h"
-#include "core/case/edit_words.h"
 #include "core/session/checkpoint.h"
 #include "core/session/session.h"
 
@@ -79,10 +78,14 @@ std::size_t EditSession::steps_since_checkpoint() const {
   return steps;
 }
 
-Result<EditStep> EditSession::read_step(std::size_t k) {
+Result<EditStep> EditSession::read_line(std::size_t k) const {
   const auto line = lines_.read(history_.step(k).line);
   if (!line) return fail(line.error());
-  auto step = parse_action(*line);
+  return parse_action(*line);
+}
+
+Result<EditStep> EditSession::read_step(std::size_t k) {
+  auto step = read_line(k);
   if (!step) return step;
   *step = templates_.from_line(std::move(*step));
   if (adjust_) adjust_(step->action);
@@ -106,12 +109,33 @@ std::shared_ptr<const Document> EditSession::nearest_state(std::size_t& state) {
   }
 }
 
+/// Without the state `before` it the name of a renaming is not kept: only that it is an aside is sure.
+EditName EditSession::read_name(std::size_t k, const Document* before) {
+  EditName& known = history_.step(k).name;
+  if (!known.words.empty()) return known;
+  EditName name{"edit", false, false, {}};  // a long line is not read again
+  if (const auto step = read_line(k)) {
+    name = edit_name(*step, before != nullptr ? *before : document());
+    if (before == nullptr && is_renaming(step->action)) return name;
+  }
+  return known = std::move(name);
+}
+
 std::string EditSession::name(const std::optional<History::Way>& way) {
   if (!way) return "";
-  std::string& known = history_.step(way->step).name;
-  if (!known.empty()) return known;
-  const auto step = read_step(way->step);
-  return known = step ? edit_words(step->action, document().view(step->of)) : "edit";  // a long line is not read again
+  bool all_kept = true;
+  const auto read = [&](const Document* before) {
+    std::vector<EditName> edits;
+    for (std::size_t k = way->first; k <= way->last && (edits.empty() || edits.back().aside); ++k) {
+      edits.push_back(read_name(k, before));
+      all_kept = all_kept && !history_.step(k).name.words.empty();
+    }
+    return edits;
+  };
+  auto edits = read(nullptr);
+  if (edits.back().aside && !all_kept)
+    if (const auto before = state(way->first)) edits = read(before->get());
+  return step_name(edits);
 }
 
 std::vector<std::string> EditSession::undo_names(std::size_t most) {

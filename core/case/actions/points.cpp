@@ -17,7 +17,7 @@ namespace {
 
 constexpr double doubt_steps_per_mm = 256;
 
-constexpr Names<FoundBy, 11> finder_names{{{"fit", FoundBy::fit},
+constexpr Names<FoundBy, 12> finder_names{{{"fit", FoundBy::fit},
                                            {"fit of the set", FoundBy::set_fit},
                                            {"model help", FoundBy::model},
                                            {"refine", FoundBy::refinement},
@@ -27,7 +27,8 @@ constexpr Names<FoundBy, 11> finder_names{{{"fit", FoundBy::fit},
                                            {"propagate", FoundBy::propagation},
                                            {"start of the cine", FoundBy::start_of_cine},
                                            {"projection", FoundBy::projection},
-                                           {"shared vertices", FoundBy::shared}}};
+                                           {"shared vertices", FoundBy::shared},
+                                           {"taken back", FoundBy::taken_back}}};
 static_assert(finder_names.size() + 1 == enumerators<FoundBy>(), "each value but `other` needs its word");
 
 void spell_finder(Fields& line, PointsFinder& by) {

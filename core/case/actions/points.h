@@ -25,7 +25,8 @@ enum class FoundBy {
   propagation,    ///< the mesh came from other frames of a cine: it does not make the frame a known one
   start_of_cine,  ///< the mesh that went to the other frames
   projection,     ///< vertices went to the closest places of a surface
-  shared          ///< vertices went to where another structure that shares them has them
+  shared,         ///< vertices went to where another structure that shares them has them
+  taken_back      ///< the mesh of before a repair
 };
 
 /// FoundBy and its word in a case. A word that is not known is kept: a script or an older version wrote it.

@@ -182,6 +182,7 @@ TEST_CASE("what finds points has a word in a case and a word that is not known s
                                                            {FoundBy::start_of_cine, "start of the cine"},
                                                            {FoundBy::projection, "projection"},
                                                            {FoundBy::shared, "shared vertices"},
+                                                           {FoundBy::taken_back, "taken back"},
                                                            {FoundBy::other, ""}};
   for (const auto& [by, word] : words) {
     CAPTURE(word);

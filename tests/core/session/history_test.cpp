@@ -92,22 +92,22 @@ TEST_CASE("undo and redo go over what is joined and over what was only looked at
   push(true, false);
   push(false, true);
   push(false, false);  // step 4
-  const auto leads = [](const std::optional<History::Way>& way, std::size_t to, std::size_t step) {
-    return way && way->to == to && way->step == step;
+  const auto leads = [](const std::optional<History::Way>& way, std::size_t to, std::size_t first, std::size_t last) {
+    return way && way->to == to && way->first == first && way->last == last;
   };
   CHECK(history.current() == 5);
-  CHECK(leads(history.undo(), 4, 4));
-  CHECK(leads(history.undo(4), 0, 2));
+  CHECK(leads(history.undo(), 4, 4, 4));
+  CHECK(leads(history.undo(4), 0, 0, 2));
   CHECK_FALSE(history.undo(0));
-  CHECK(leads(history.redo(0), 3, 0));
-  CHECK(leads(history.redo(3), 5, 4));
+  CHECK(leads(history.redo(0), 3, 0, 2));
+  CHECK(leads(history.redo(3), 5, 4, 4));
   CHECK_FALSE(history.redo(5));
   history.go_to(3);
   push(false, false);  // what could be done again is forgotten
   CHECK(history.size() == 4);
   CHECK(history.current() == 4);
   CHECK_FALSE(history.redo());
-  CHECK(leads(history.undo(), 3, 3));
+  CHECK(leads(history.undo(), 3, 3, 3));
 }
 
 TEST_CASE("states near the present one are kept and those far away are thinned out evenly") {

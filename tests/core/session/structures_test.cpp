@@ -333,4 +333,85 @@ TEST_CASE("the thread of a session edits and previews the structure that is name
   CHECK(session.document().view("s2")->shape.strokes == 1);
 }
 
+namespace {
+
+/// What undo calls the last step, as it is done and as it is read again, and redo the same.
+std::vector<std::string> names_of_last_step(EditSession& session, const CaseFolder& folder) {
+  std::vector<std::string> names{session.undo_name(), read_case(folder.case_path)->session.undo_name()};
+  REQUIRE(session.apply(Undo{}));
+  names.push_back(session.redo_name());
+  names.push_back(read_case(folder.case_path)->session.redo_name());
+  REQUIRE(session.apply(Redo{}));
+  return names;
+}
+
+std::vector<std::string> four_times(const std::string& name) {
+  return {4, name};
+}
+
+}  // namespace
+
+TEST_CASE("a step of several edits is called by its deed, by undo and by redo") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(second(folder)));
+  CHECK(names_of_last_step(session, folder) == four_times("new structure small ball"));
+
+  // As a fit of a set makes it: the structure, its mesh, its relations.
+  SetStructure third = second(folder);
+  third.id = "s3";
+  third.name = "other ball";
+  REQUIRE(session.apply(third));
+  Points points = points_of(session, "s3");
+  points.array() += 0.5;
+  const auto points_edit_of = [&](const char* id, FoundBy by) {
+    return EditStep{points_edit(*session.document().view(id), points, by), id, true};
+  };
+  REQUIRE(session.apply(points_edit_of("s3", FoundBy::set_fit)));
+  REQUIRE(session.apply(EditStep{SetStructure{.id = "s3", .partner = "s2"}, {}, true}));
+  CHECK(names_of_last_step(session, folder) == four_times("fit of the set"));
+
+  // A pull that its neighbour pushes back.
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  const std::string pulled = session.undo_name();
+  CHECK(pulled.starts_with("pull"));
+  points = points_of(session, "s1");
+  points.array() += 0.25;
+  REQUIRE(session.apply(points_edit_of("s1", FoundBy::keep_apart)));
+  CHECK(session.undo_name() == pulled);
+  REQUIRE(session.apply(Undo{}));
+  CHECK(session.redo_name() == pulled);
+  REQUIRE(session.apply(Redo{}));
+
+  points = points_of(session, "s3");
+  points.array() -= 0.5;
+  EditStep back = points_edit_of("s3", FoundBy::taken_back);
+  back.joined = false;
+  REQUIRE(session.apply(back));
+  CHECK(names_of_last_step(session, folder) == four_times("other ball taken back"));
+
+  REQUIRE(session.apply(SetStructure{.id = "s2", .confidence = 1, .doubt = ""}));
+  CHECK(names_of_last_step(session, folder) == four_times("small ball is right"));
+}
+
+TEST_CASE("a step that renames structures level by level says so") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(second(folder)));
+  REQUIRE(session.apply(SetStructure{.id = "s1", .name = "L1"}));
+  const auto changed = session.apply(Undo{});
+  REQUIRE(changed);
+  CHECK(changed->message.ends_with(" is named L1."));
+  REQUIRE(session.apply(Redo{}));
+  REQUIRE(session.apply(SetStructure{.id = "s2", .name = "disc_L4_L5"}));
+  const auto rename = [&](const char* first, const char* other) {
+    REQUIRE(session.apply(SetStructure{.id = "s1", .name = first, .label = first}));
+    REQUIRE(session.apply(EditStep{SetStructure{.id = "s2", .name = other, .label = other}, {}, true}));
+  };
+  rename("T12", "disc_L3_L4");
+  CHECK(names_of_last_step(session, folder) == four_times("names one level up"));
+  rename("L2", "disc_L5_L6");
+  CHECK(names_of_last_step(session, folder) == four_times("names 2 levels down"));
+}
+
 }  // namespace homolog

@@ -116,7 +116,7 @@ void TakeBackRepair::run(Editing& editing) const {
   if (document.frame != looks.as_read_frame) return;
   if (const Points* before = shape_as_read(looks, *active)) {
     const Shape shape = shape_of_frame(*active, document.frame, document.frame);
-    editing.apply(points_edit({*active, shape, document.frame}, *before, FoundBy::set_fit,
+    editing.apply(points_edit({*active, shape, document.frame}, *before, FoundBy::taken_back,
                               nearest_similarity(active->the_template->points, *before, {})));
   } else if (document.structures.size() > 1) {
     editing.apply(RemoveStructure{active->id});

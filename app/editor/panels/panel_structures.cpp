@@ -13,6 +13,7 @@ namespace homolog {
 
 namespace {
 
+constexpr const char* taken_back_words = "taken back";
 constexpr float structure_units = 26, eye_units = 22, most_listed = 9, percent_units = 46;
 
 ImU32 structure_swatch(const Structure& structure) {
@@ -47,6 +48,7 @@ std::string structure_tip(const UiContext& ui, const Structure& structure) {
                   whole_percent(structure.confidence));
   if (const double named = named_of(ui, structure); named >= 0 && named < 1)
     tip += format(".\nNamed: %.0f %%, the probability that the name of its label is right", whole_percent(named));
+  if (is_taken_back(ui.state.look.structures, structure)) tip += ".\nTaken back: it is as the label map has it";
   if (!structure.doubt.empty()) tip += ".\n" + structure.doubt;
   return tip + "\nClick: work on it. Ctrl or Shift: choose several";
 }
@@ -106,9 +108,17 @@ void draw_structure(const UiContext& ui, const Structure& structure, float width
     text_at(draw, {ends_at - ImGui::CalcTextSize(sure.c_str()).x, text_y}, doubtful ? palette::amber : palette::dim,
             sure);
   };
-  if (structure.confidence >= 0) percent_at(right, structure.confidence, is_doubtful(structure));
   float room = right - left - theme.px(percent_units);
-  if (named_known) {
+  // What the repair thought of it counts no more.
+  const bool taken_back = is_doubtful(structure) && is_taken_back(looks, structure);
+  if (taken_back) {
+    const float words_px = ImGui::CalcTextSize(taken_back_words).x;
+    text_at(draw, {right - words_px, text_y}, palette::dim, taken_back_words);
+    room = right - left - words_px - theme.px(8);
+  } else if (structure.confidence >= 0) {
+    percent_at(right, structure.confidence, is_doubtful(structure));
+  }
+  if (named_known && !taken_back) {
     constexpr double sure = 0.5;
     const double named = named_of(ui, structure);
     if (named >= 0) percent_at(right - theme.px(percent_units), named, named < sure);
@@ -118,6 +128,20 @@ void draw_structure(const UiContext& ui, const Structure& structure, float width
   draw_eye_and_lock(ui, structure, at, width, out);
   ImGui::SetCursorScreenPos({at.x, at.y + size.y});
   ImGui::PopID();
+}
+
+/// Scrolls the list to the row of the structure that is worked on, when it has become another one.
+void follow_active(const UiContext& ui, const std::vector<const Structure*>& listed) {
+  const auto row = std::ranges::find(listed, ui.structure());
+  if (row == listed.end()) return;
+  ImGuiStorage& storage = *ImGui::GetStateStorage();
+  const ImGuiID key = ImGui::GetID("worked on");
+  const auto now = static_cast<int>(ImGui::GetID((*row)->id.c_str()));
+  if (storage.GetInt(key) == now) return;
+  storage.SetInt(key, now);
+  const float height = ui.theme.px(structure_units), top = static_cast<float>(row - listed.begin()) * height;
+  const float least = top + height - ImGui::GetWindowHeight();
+  ImGui::SetScrollY(std::clamp(ImGui::GetScrollY(), std::min(least, top), top));
 }
 
 void draw_structure_filter(const UiContext& ui, Outbox& out) {
@@ -203,8 +227,8 @@ void draw_judging(const UiContext& ui, Outbox& out) {
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
   const Structure* active = ui.structure();
   const auto& all = ui.document().structures;
-  const bool other =
-      std::ranges::any_of(all, [&](const auto& one) { return one.get() != active && is_doubtful(*one); });
+  const bool other = std::ranges::any_of(
+      all, [&](const auto& one) { return one.get() != active && is_to_be_seen(ui.state.look.structures, *one); });
   if (button(theme, "Next doubtful", "Works on the next structure that has to be looked at (K)",
              other ? "" : "No other structure is doubtful.", half))
     out.send(NextStructure{false, true});
@@ -225,7 +249,11 @@ void draw_repair(const UiContext& ui, Outbox& out) {
   const StructureLooks& looks = ui.state.look.structures;
   const Structure* active = ui.structure();
   if (active == nullptr || looks.as_read.empty()) return;
-  if (!active->doubt.empty()) explanation(theme, active->doubt.c_str());
+  const bool taken_back = is_taken_back(looks, *active);
+  if (taken_back)
+    explanation(theme, "Taken back: it is as the label map has it.");
+  else if (!active->doubt.empty())
+    explanation(theme, active->doubt.c_str());
   const bool changed = looks.as_read.contains(active->id), missing = changed && !looks.as_read.at(active->id);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
   const bool shown = looks.as_read_shown;
@@ -236,7 +264,8 @@ void draw_repair(const UiContext& ui, Outbox& out) {
   if (button(theme, "Take back",
              missing ? "The label map has no such structure, and it goes again. One step to undo"
                      : "Takes the proposal back: the structure is as the label map has it. One step to undo",
-             !changed ? "The repair did not change this structure."
+             !changed     ? "The repair did not change this structure."
+             : taken_back ? "It was taken back."
              : ui.document().frame != looks.as_read_frame
                  ? format("Another frame was repaired: %d.", looks.as_read_frame)
                  : std::string(),
@@ -284,6 +313,7 @@ void draw_structures_section(const UiContext& ui, Outbox& out) {
   if (judged) draw_list_head(ui, ImGui::GetContentRegionAvail().x, named_known);
   ImGui::BeginChild("structures", {0, std::floor(rows * theme.px(structure_units))});
   const float width = ImGui::GetContentRegionAvail().x;
+  follow_active(ui, listed);
   for (const Structure* one : listed) draw_structure(ui, *one, width, named_known, out);
   if (listed.empty()) explanation(theme, "No name holds what you typed.");
   ImGui::EndChild();

@@ -174,12 +174,14 @@ std::string landmark_in_hand(const EditorState& state, const Document& document)
 }
 
 Situation situation_of(const EditorState& state, const Document& shown) {
+  const Structure* structure = active_structure(state, shown);
   return {state.hand.tool,
           state.hand.brush.paints,
           state.hand.brush.region,
           landmark_in_hand(state, shown),
           state.hand.template_landmark,
-          shown_frame(state, shown)};
+          shown_frame(state, shown),
+          structure != nullptr ? structure->id : std::string()};
 }
 
 void add_notice(EditorState& state, std::string text, bool error) {

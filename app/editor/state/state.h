@@ -136,6 +136,7 @@ struct Situation {
   BrushPaints paints = BrushPaints::factor;
   std::string region, landmark, template_landmark;
   int frame = 0;
+  std::string structure;  ///< that is worked on, by its id
   bool operator==(const Situation&) const = default;
 };
 

@@ -56,6 +56,13 @@ const Points* shape_as_read(const StructureLooks& looks, const Structure& struct
   return kept->second->rows() == structure.the_template->points.rows() ? kept->second.get() : nullptr;
 }
 
+bool is_taken_back(const StructureLooks& looks, const Structure& structure) {
+  constexpr double rounding_mm = 1e-4;
+  const Points* read = shape_as_read(looks, structure);
+  const Shape* shape = structure.shape(looks.as_read_frame);
+  return read != nullptr && shape != nullptr && (*shape->points - *read).cwiseAbs().maxCoeff() <= rounding_mm;
+}
+
 Rgb structure_colour(const Structure& structure) {
   const auto [r, g, b] = structure.colour.value_or(colour_by_name(structure_name(structure)));
   return {static_cast<float>(r) / 255, static_cast<float>(g) / 255, static_cast<float>(b) / 255};
@@ -64,6 +71,10 @@ Rgb structure_colour(const Structure& structure) {
 bool is_doubtful(const Structure& structure) {
   constexpr double least_confidence = 0.5;
   return !structure.doubt.empty() || (structure.confidence >= 0 && structure.confidence < least_confidence);
+}
+
+bool is_to_be_seen(const StructureLooks& looks, const Structure& structure) {
+  return is_doubtful(structure) && !is_taken_back(looks, structure);
 }
 
 std::string locked_sentence(const Structure& structure) {
@@ -86,11 +97,13 @@ std::vector<const Structure*> listed_structures(const StructureLooks& looks, con
   for (const auto& one : document.structures)
     if (wanted.empty() || lower_case(structure_name(*one)).find(wanted) != std::string::npos)
       listed.push_back(one.get());
-  const auto worth = [](const Structure& one) {
-    return std::tuple(one.doubt.empty(), one.confidence < 0, one.confidence);
-  };
-  if (looks.worst_first)
-    std::ranges::stable_sort(listed, [&](const Structure* a, const Structure* b) { return worth(*a) < worth(*b); });
+  if (!looks.worst_first) return listed;
+  std::map<const Structure*, std::tuple<bool, bool, double>> worth;
+  for (const Structure* one : listed) {
+    const bool seen = is_doubtful(*one) && is_taken_back(looks, *one);
+    worth[one] = {seen || one->doubt.empty(), seen || one->confidence < 0, one->confidence};
+  }
+  std::ranges::stable_sort(listed, {}, [&](const Structure* one) { return worth[one]; });
   return listed;
 }
 

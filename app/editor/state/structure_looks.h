@@ -48,10 +48,14 @@ double name_confidence(const KeptMapFit* fit, const Structure& structure);
 
 /// The shape of a structure before a repair; null where none is kept.
 const Points* shape_as_read(const StructureLooks& looks, const Structure& structure);
+/// Whether the structure has the shape again that it had before a repair, in the frame that was repaired.
+bool is_taken_back(const StructureLooks& looks, const Structure& structure);
 /// Its own colour, else the one of its name [colour_by_name].
 Rgb structure_colour(const Structure& structure);
 /// Whether somebody has to look at it: it is in doubt, or more likely wrong than right.
 bool is_doubtful(const Structure& structure);
+/// The same, but a person who took its repair back has looked at it.
+bool is_to_be_seen(const StructureLooks& looks, const Structure& structure);
 /// The first sentence for a person who wants to edit it although it is locked.
 std::string locked_sentence(const Structure& structure);
 
@@ -61,7 +65,7 @@ std::vector<std::string> carried_structures(const StructureLooks& looks, const D
                                             const std::string& active);
 
 /// The structures that the list shows, in its order. Worst first: those in doubt, then by their confidence; those that
-/// nobody judged come last.
+/// nobody judged, or whose repair was taken back, come last.
 std::vector<const Structure*> listed_structures(const StructureLooks& looks, const Document& document);
 /// Chooses rows by a click on one: it alone, with Ctrl it too (or no more), with Shift all from `range_from` on.
 void choose_rows(StructureLooks& looks, const Document& document, const std::string& id, bool ctrl, bool shift);

@@ -137,8 +137,9 @@ bool ShownCase::update_snapshot(EditorState& state) {
   let_go_of_regions(state, *snapshot_->document, *latest->document);
   const bool travelled = latest->document != snapshot_->document && latest->steps_made == snapshot_->steps_made &&
                          (latest->can_redo || snapshot_->can_redo);
-  if (latest->jobs_done != snapshot_->jobs_done || latest->message != snapshot_->message)
-    state.said_in = situation_of(state, *latest->shown);
+  // A note says nothing.
+  const bool said = latest->committed != snapshot_->committed || latest->message != snapshot_->message;
+  if (said) state.said_in = situation_of(state, *latest->shown);
   snapshot_ = latest;
   if (renamed) remember_case(state, *snapshot_);
   keep_on_disk(state);
@@ -160,6 +161,7 @@ bool ShownCase::update_snapshot(EditorState& state) {
     // A structure that was taken away is worked on no more; the first ones that come are.
     state.look.structure.clear();
     begin_on_structure(state, *displayed_);
+    if (said) state.said_in = situation_of(state, *displayed_);  // of the edit that took it away
   } else if (worked_on != nullptr && active_structure(state, *displayed_)->id != worked_on->id) {
     state.look.structure = worked_on->id;  // another one is the first now
   }

@@ -44,7 +44,9 @@ std::string hint(const EditorState& state, const Document& shown, bool making_sh
   if (!has_shape) return why_no_mesh(state, shown);
   if (const std::string other = choose_hint(state, shown); !other.empty()) return other;
   if (const std::string hold = hold_hint(state, shown); !hold.empty() && !state.pointer.drag) return hold;
-  return kind_of(state.hand.tool).hint(state, shown);
+  const bool several = shown.structures.size() > 1;  // which one is worked on
+  return (several ? structure_name(*active_structure(state, shown)) + ": " : std::string()) +
+         kind_of(state.hand.tool).hint(state, shown);
 }
 
 /// Why the frame that is shown has to be looked at; empty where it need not, or while something is in hand.

@@ -258,4 +258,44 @@ TEST_CASE("a level whose name may be wrong is called doubtful with the name that
   CHECK_FALSE(is_doubtful(*driver.document().structure(id)));
 }
 
+TEST_CASE("a repair that was taken back is said in its row, is not taken back twice and needs no more looking at") {
+  RepairedStones repaired;
+  Driver& driver = repaired.driver;
+  const std::string hollow = repaired.id_of(3);
+  const auto to_be_seen = [&](const std::string& id) {
+    return is_to_be_seen(driver.state().look.structures, *driver.document().structure(id));
+  };
+  REQUIRE(to_be_seen(hollow));
+  const std::string name = driver.document().structure(hollow)->name;
+  for (const auto& one : driver.document().structures)
+    if (one->id != hollow) driver.app().send(ApplyEdit{SetStructure{.id = one->id, .confidence = 1, .doubt = ""}});
+  driver.settle();
+  CHECK_FALSE(driver.shows("taken back"));
+  repaired.work_on(3);
+  driver.click("Take back");
+  driver.settle();
+  const std::vector<std::string> steps = driver.app().snapshot().undo_names;
+  CHECK(steps.front() == name + " taken back");
+  CHECK(driver.shows("taken back"));
+  CHECK(driver.shows("Taken back: it is as the label map has it."));
+  CHECK_FALSE(driver.control("Take back").enabled);
+  CHECK(driver.control("Take back").tip.find("It was taken back.") != std::string::npos);
+  CHECK_FALSE(to_be_seen(hollow));
+  CHECK(listed_structures(driver.state().look.structures, driver.document()).back()->id == hollow);
+  driver.app().send(TakeBackRepair{});
+  driver.settle();
+  CHECK(driver.app().snapshot().undo_names == steps);
+  repaired.work_on(0);
+  driver.press('K');
+  driver.settle();
+  CHECK(driver.shows("No other structure is doubtful."));
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK(driver.shows("Undone: " + name + " taken back."));
+  CHECK(to_be_seen(hollow));
+  driver.press('K');
+  driver.settle();
+  CHECK(driver.state().look.structure == hollow);
+}
+
 }  // namespace homolog

@@ -478,4 +478,46 @@ TEST_CASE("a level and all below get other names in one step and none is given t
   CHECK(driver.document().structure("s2")->name == "vertebrae_L2");
 }
 
+TEST_CASE("the keys that go through the structures bring the row into sight and the name into the status line") {
+  Driver driver(demo(), {1280, 1600, 1});
+  const SetStructure one = small_kidney(driver.document());
+  constexpr int structures = 20;
+  for (int k = 2; k <= structures; ++k) {
+    SetStructure next = one;
+    next.id = "s" + std::to_string(k);
+    next.name = "kidney " + std::to_string(k);
+    driver.app().send(ApplyEdit{std::move(next)});
+  }
+  driver.wait_until("all are there", [&] { return driver.document().structures.size() == structures; });
+  driver.settle();
+  const auto in_sight = [&](const std::string& name) {
+    const RectPx seen = driver.control(name + "/" + name).seen;
+    return seen.width > 0 && seen.height > 0;
+  };
+  driver.point_at("kidney 2/kidney 2");
+  CHECK_FALSE(in_sight("kidney 20"));
+  driver.press('W');  // from the first one back to the last
+  driver.settle();
+  REQUIRE(driver.state().look.structure == "s20");
+  CHECK(in_sight("kidney 20"));
+  CHECK(driver.shows("kidney 20: "));
+  driver.press('E');
+  driver.press('E');
+  driver.settle();
+  REQUIRE(driver.state().look.structure == "s2");
+  CHECK(in_sight("kidney 2"));
+  CHECK(driver.shows("kidney 2: "));
+
+  // What the last edit said is no news of another structure.
+  driver.app().send(ApplyEdit{SetStiffnessBase{7}});
+  driver.settle();
+  driver.press('Z', {.ctrl = true});
+  driver.settle();
+  CHECK(driver.shows("Undone: stiffness."));
+  driver.press('E');
+  driver.settle();
+  CHECK_FALSE(driver.shows("Undone: stiffness."));
+  CHECK(driver.shows("kidney 3: "));
+}
+
 }  // namespace homolog

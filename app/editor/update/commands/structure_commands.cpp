@@ -53,7 +53,8 @@ void NextStructure::run(Editing& editing) const {
   auto listed = listed_structures(state.look.structures, document);
   const Structure* active = editing.structure();
   std::erase_if(listed, [&](const Structure* one) {
-    return one != active && (doubtful ? !is_doubtful(*one) : !state.look.structures.shows(one->id));
+    return one != active &&
+           (doubtful ? !is_to_be_seen(state.look.structures, *one) : !state.look.structures.shows(one->id));
   });
   const std::size_t count = listed.size();
   const auto at = static_cast<std::size_t>(std::ranges::find(listed, active) - listed.begin());
@@ -70,8 +71,9 @@ void AcceptStructure::run(Editing& editing) const {
   const Structure* active = editing.structure();
   if (active == nullptr) return;
   editing.apply(SetStructure{.id = active->id, .confidence = 1, .doubt = ""});
-  const bool more = std::ranges::any_of(editing.shown.document().structures,
-                                        [&](const auto& one) { return one.get() != active && is_doubtful(*one); });
+  const bool more = std::ranges::any_of(editing.shown.document().structures, [&](const auto& one) {
+    return one.get() != active && is_to_be_seen(editing.state.look.structures, *one);
+  });
   if (more) editing.out.send(NextStructure{false, true});
 }
 
@@ -113,7 +115,7 @@ void TakeBackRepair::run(Editing& editing) const {
   const StructureLooks& looks = editing.state.look.structures;
   if (active == nullptr || !looks.as_read.contains(active->id) || editing.refuses_edits()) return;
   const auto& document = editing.shown.document();
-  if (document.frame != looks.as_read_frame) return;
+  if (document.frame != looks.as_read_frame || is_taken_back(looks, *active)) return;
   if (const Points* before = shape_as_read(looks, *active)) {
     const Shape shape = shape_of_frame(*active, document.frame, document.frame);
     editing.apply(points_edit({*active, shape, document.frame}, *before, FoundBy::taken_back,

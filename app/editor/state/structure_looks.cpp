@@ -15,6 +15,7 @@ KeptLooks kept_looks(const StructureLooks& looks, const std::string& active) {
   kept.hidden.assign(looks.hidden.begin(), looks.hidden.end());
   kept.locked.assign(looks.locked.begin(), looks.locked.end());
   kept.opacity = looks.opacity;
+  kept.as_read_hidden = !looks.as_read_shown;
   return kept;
 }
 
@@ -28,6 +29,7 @@ StructureLooks looks_of_case(const KeptLooks* kept, const KeptMapFit* fit, const
       if (is_there(id)) looks.opacity.emplace(id, std::clamp(opacity, 0.0, 1.0));
   }
   if (fit != nullptr) take_as_read(looks, *fit);
+  if (kept != nullptr) looks.as_read_shown = !kept->as_read_hidden;
   return looks;
 }
 

@@ -36,7 +36,7 @@ struct StructureLooks {
   }
 };
 
-/// The looks that a case keeps. `active`: the structure that is worked on.
+/// The looks of structures that a case keeps. `active`: the structure that is worked on.
 KeptLooks kept_looks(const StructureLooks& looks, const std::string& active);
 /// The looks that a case was left with, of the structures that there are.
 StructureLooks looks_of_case(const KeptLooks* kept, const KeptMapFit* fit, const Document& document);

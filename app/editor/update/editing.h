@@ -74,6 +74,7 @@ struct Work {
   bool scored_flipped = false;                        ///< it takes the shape left for right
   bool fit_seen = false;                              ///< a step of the fit that goes on was shown
   std::optional<StartFit> started_fit;                ///< the fit that goes on; none while it is a refinement
+  std::optional<double> looks_due;                    ///< when they are written, by the window's clock
   bool set_enters = false;                            ///< the structures of a set that was fitted come into the case
   std::optional<BlendModel> blend_wanted;             ///< the blend to do as soon as the model's part is computed
   std::shared_ptr<const TemplateMaking> seen_making;  ///< the template maker's making when it was looked at last

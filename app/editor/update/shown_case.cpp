@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/editor/state/looks_to_keep.h"
 #include "app/editor/work/opening/recovery.h"
 #include "core/base/text/text.h"
 #include "core/mesh/construction/mirror.h"
@@ -61,6 +62,8 @@ Refusals ShownCase::start(EditSession session) {
   loaded_template_ = first != nullptr ? first->the_template : nullptr;
   session_ = std::make_unique<SessionThread>(std::move(session), wake_);
   ++number_;
+  begun_looks_.reset();
+  written_looks_.reset();
   mesh_.forget();
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
@@ -112,13 +115,28 @@ void ShownCase::keep_window(const EditorState& state) {
 }
 
 void ShownCase::keep_looks(const EditorState& state) {
-  if (!session_ || snapshot_->document->structures.size() < 2) return;
-  KeptLooks now = kept_looks(state.look.structures, state.look.structure);
-  KeptLooks before = snapshot_->kept.looks ? *snapshot_->kept.looks : KeptLooks();
-  // A case that was only looked at stays as it is.
-  if (snapshot_->committed == 0) before.active = now.active;
-  if (now == before) return;
-  session_->apply(Note{"looks", {}, {}, {}, std::make_shared<const KeptLooks>(std::move(now))}, true);
+  auto now = looks_to_write(state);
+  if (!now) return;
+  written_looks_ = *now;
+  session_->apply(Note{"looks", {}, {}, {}, std::make_shared<const KeptLooks>(std::move(*now))}, true);
+}
+
+std::optional<KeptLooks> ShownCase::looks_to_write(const EditorState& state) {
+  if (!session_ || snapshot_->file.empty()) return std::nullopt;
+  KeptLooks now = looks_to_keep(state, snapshot_->file);
+  const KeptLooks before = snapshot_->kept.looks ? *snapshot_->kept.looks : KeptLooks();
+  if (!begun_looks_) begun_looks_ = now;
+  // What was chosen in another case goes on in this one. It becomes this case's once there is an edit.
+  if (snapshot_->committed == 0) {
+    if (now.set == begun_looks_->set) now.set = before.set;
+    if (now.model == begun_looks_->model) now.model = before.model;
+    if (now.recipe == begun_looks_->recipe && now.measured == begun_looks_->measured) {
+      now.recipe = before.recipe;
+      now.measured = before.measured;
+    }
+  }
+  if (now == before || now == written_looks_) return std::nullopt;
+  return now;
 }
 
 Refusals ShownCase::close() {

@@ -76,8 +76,10 @@ class ShownCase {
   bool template_is_mirrored() const;
   /// Writes down which grey values are shown, where they are other than the case says.
   void keep_window(const EditorState& state);
-  /// Writes down how the structures are shown, where that is other than the case says. Before the case is left.
+  /// Writes down how the case is looked at, where that is other than the case says.
   void keep_looks(const EditorState& state);
+  /// What keep_looks would write; nothing where it is as the case says, or could not be written.
+  std::optional<KeptLooks> looks_to_write(const EditorState& state);
 
   /// Takes in what the session did. Removes from the state what refers to things that are gone. True if the shown mesh
   /// moved, or what is in doubt of it changed.
@@ -114,7 +116,9 @@ class ShownCase {
   std::shared_ptr<const Document> displayed_;
   std::shared_ptr<const Document> tried_to_keep_;  ///< the last for which a journal was asked
   std::shared_ptr<const Template> loaded_template_;
-  std::optional<std::array<double, 2>> kept_window_;  ///< the case's window, or an image's at first
+  std::optional<std::array<double, 2>> kept_window_;  ///< as the case says, or as an image is shown at first
+  std::optional<KeptLooks> begun_looks_;              ///< as the case began on the screen
+  std::optional<KeptLooks> written_looks_;            ///< the last that were written, whether the disk took them or not
   ShownLabels labels_;
   mutable ShownMesh mesh_;  ///< the mesh of `displayed_`, with what is remembered of it
 };

@@ -67,7 +67,9 @@ const ActionKind<Note>& action_kind(const Note&) {
           "`\"window\":[-160,240]` are the image's values that are black and white, `\"template_file\"` is where the "
           "template was saved as it is painted, `\"fit\":{…}` are the figures of the last fit to a label map, with a "
           "hash of the mesh that they are of. `\"looks\":{…}` is how the window shows the structures: which are "
-          "`hidden` and `locked`, the `opacity` of each in 3D, the `active` one. `\"map_fit\":{…}` is what a fit of a "
+          "`hidden` and `locked`, the `opacity` of each in 3D, the `active` one, and whether shapes as read are hidden "
+          "(`as_read_hidden`); and by which files, named relative to the case: the template `set`, the `recipe` and "
+          "what of it is drawn (`measured`), the `model` of the score. `\"map_fit\":{…}` is what a fit of a "
           "set found in the label map: for each structure its label there and its mesh as the map was read, and how "
           "the repair changes voxels. The last of each counts",
       .role = LineRole::note,

@@ -58,6 +58,11 @@ void spell_looks(Fields line, KeptLooks& looks) {
   Fields::Json opacity = looks.opacity;
   line.optional("opacity", opacity, !looks.opacity.empty());
   if (line.reads() && line.has("opacity")) looks.opacity = opacity.get<std::map<std::string, double>>();
+  line.optional("as_read_hidden", looks.as_read_hidden, looks.as_read_hidden);
+  line.optional("set", looks.set, !looks.set.empty());
+  line.optional("recipe", looks.recipe, !looks.recipe.empty());
+  line.optional("measured", looks.measured, !looks.measured.empty());
+  line.optional("model", looks.model, !looks.model.empty());
 }
 
 void spell_map_fit(Fields line, KeptMapFit& fit) {

@@ -13,11 +13,16 @@ namespace homolog {
 
 // Things that a case keeps of its structures beside its steps, so that no undo takes them back. All by structures' ids.
 
-/// How the window shows them.
+/// How the window shows them, and what it goes by. Files are named relative to the case's folder.
 struct KeptLooks {
   std::string active;  ///< the one that is worked on; empty: the first
   std::vector<std::string> hidden, locked;
   std::map<std::string, double> opacity;  ///< 0…1, in 3D; 1 of those that are not named
+  bool as_read_hidden = false;            ///< repaired structures are not shown as the label map has them
+  std::string set;                        ///< the template set that was chosen, a file or built in; empty: none was
+  std::string recipe;                     ///< of measurements, a file or one that ships; empty: the template's, or none
+  std::vector<std::string> measured;      ///< the measurements that are drawn on the mesh, by their names
+  std::string model;                      ///< the file that the mesh is scored against; empty: none
   bool operator==(const KeptLooks&) const = default;
 };
 

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/voxels/voxelise.h"
 #include "core/structures/repair/defects.h"
 #include "core/volume/labels/read_labels.h"
@@ -296,6 +297,58 @@ TEST_CASE("a repair that was taken back is said in its row, is not taken back tw
   driver.press('K');
   driver.settle();
   CHECK(driver.state().look.structure == hollow);
+}
+
+TEST_CASE("a case has its structure, its set and its recipe again where the program was ended and its folder moved") {
+  const TemporaryFolder moved;
+  const std::string recipe = shipped_recipes().front();
+  std::string hollow;
+  {
+    RepairedStones repaired;
+    Driver& driver = repaired.driver;
+    const fs::path file = repaired.stones.folder.path / "stones.homolog";
+    hollow = repaired.id_of(3);
+    driver.app().send(SaveCaseAs{{file}});
+    driver.wait_until("it is saved", [&] { return driver.case_file() == file; });
+    repaired.work_on(3);
+    driver.app().send(ShowAsRead{false});
+    driver.app().send(ChooseRecipe{recipe});
+    driver.wait_until("the recipe is read", [&] { return driver.state().measurements.source == recipe; });
+    driver.app().send(DrawMeasurement{"a measurement", true});
+    driver.settle();
+    constexpr int more_than_a_second = 100;
+    driver.frames(more_than_a_second);
+    driver.settle();
+    CHECK(driver.lines_with(R"("set":"stones.set.json")") > 0);
+    // The program has no time to do more.
+    fs::copy(repaired.stones.folder.path, moved.path, fs::copy_options::recursive);
+  }
+  Driver driver(new_document({}, nullptr, nullptr), {1280, 1600, 1});
+  const fs::path file = moved.path / "stones.homolog";
+  SUBCASE("all is there") {
+    driver.app().send(OpenFiles{{file}});
+    driver.wait_until("the case is open", [&] { return driver.case_file() == file; });
+    driver.wait_until("the set is read", [&] { return driver.state().automatic.set != nullptr; });
+    driver.wait_until("the recipe is read", [&] { return driver.state().measurements.source == recipe; });
+    driver.settle();
+    CHECK(driver.state().automatic.set_source == (moved.path / "stones.set.json").string());
+    CHECK(driver.state().measurements.drawn == std::set<std::string>{"a measurement"});
+  }
+  SUBCASE("the set is gone") {
+    fs::remove(moved.path / "stones.set.json");
+    driver.app().send(OpenFiles{{file}});
+    driver.wait_until("the case is open", [&] { return driver.case_file() == file; });
+    driver.settle();
+    CHECK(driver.state().automatic.set == nullptr);
+    for (const Notice& notice : driver.state().notices) CHECK(notice.text.find(".set.json") == std::string::npos);
+  }
+  CHECK(driver.state().look.structure == hollow);
+  CHECK_FALSE(driver.state().look.structures.as_read_shown);
+  // Nothing was done, so nothing is written.
+  const int lines = driver.lines_with("\"looks\"");
+  driver.frames(200);
+  driver.settle();
+  CHECK(driver.lines_with("\"looks\"") == lines);
 }
 
 }  // namespace homolog

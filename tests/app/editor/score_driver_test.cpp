@@ -312,4 +312,24 @@ TEST_CASE("a case that the open study flips is scored flipped and as it lies aga
   driver.wait_until("it is scored as it lies", [&] { return shows(lying); });
 }
 
+TEST_CASE("a case that is opened again is scored against the model that it was left with") {
+  const ScoredBalls balls;
+  const fs::path kept = balls.folder.path / "kept.homolog";
+  {
+    Driver driver(balls.document, {1280, 2400, 1});
+    driver.app().send(SaveCaseAs{{kept}});
+    driver.wait_until("it is saved", [&] { return driver.case_file() == kept; });
+    score_by_file(driver, balls.folder.path / "m.h5");
+    driver.press('Q', {.ctrl = true});
+    driver.settle();
+    CHECK(driver.app().wants_to_quit());
+  }
+  Driver driver(new_document({}, nullptr, nullptr), {1280, 2400, 1});
+  driver.app().send(OpenFiles{{kept}});
+  driver.wait_until("the model is read", [&] { return driver.state().scoring.of_file != nullptr; });
+  driver.settle();
+  CHECK(driver.state().scoring.by_file);
+  CHECK(driver.state().scoring.file == balls.folder.path / "m.h5");
+}
+
 }  // namespace homolog

@@ -101,6 +101,16 @@ std::shared_ptr<const KeptLooks> kept_looks() {
   return std::make_shared<const KeptLooks>(std::move(looks));
 }
 
+KeptLooks kept_choices() {
+  KeptLooks looks;
+  looks.as_read_hidden = true;
+  looks.set = "sets/spine.set.json";
+  looks.recipe = "femur";
+  looks.measured = {"neck"};
+  looks.model = "../femur.json";
+  return looks;
+}
+
 std::shared_ptr<const KeptMapFit> kept_map_fit() {
   KeptMapFit fit;
   InFittedMap in;
@@ -148,6 +158,9 @@ std::vector<KnownLine> settings_and_marks() {
       {Note{"a \"b\""}, R"({"note":"a \"b\""})", "note"},
       {Note{"looks", {}, {}, {}, kept_looks()},
        R"({"note":"looks","looks":{"active":"s2","hidden":["s1"],"opacity":{"s1":0.5}}})", "note"},
+      {Note{"looks", {}, {}, {}, std::make_shared<const KeptLooks>(kept_choices())},
+       R"({"note":"looks","looks":{"as_read_hidden":true,"set":"sets/spine.set.json","recipe":"femur","measured":["neck"],"model":"../femur.json"}})",
+       "note"},
       {Note{"fit of the set", {}, {}, {}, {}, kept_map_fit()},
        R"({"note":"fit of the set","map_fit":{"frame":0,"structures":[{"id":"s1","name":"L3","layer":0,"value":22,"mesh":"0a","p_named":0.75,"as_read":{"count":3,"packed":")" +
            packed_coordinates() + R"("}}],"changes":{"count":5,"packed":")" + packed_changes() + R"("}}})",

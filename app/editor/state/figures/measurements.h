@@ -18,6 +18,7 @@ inline constexpr const char* measurements_section = "Measurements";
 struct Measurements {
   std::string source;                    ///< the name of a recipe that ships, or a file; empty: none
   std::shared_ptr<const Recipe> recipe;  ///< null: none, or it is not read yet
+  bool chosen = false;                   ///< by a person, or the case was left with it; else it is the template's
   std::string of_template;               ///< the source of the template that a recipe was looked for beside
   std::set<std::string> drawn;           ///< the measurements that are drawn on the mesh, by their names
 };

@@ -9,7 +9,8 @@ namespace homolog {
 
 namespace {
 
-void take_recipe(EditorState& state, const std::string& source, std::shared_ptr<const Recipe> recipe) {
+void take_recipe(EditorState& state, const std::string& source, std::shared_ptr<const Recipe> recipe, bool chosen) {
+  state.measurements.chosen = chosen;
   state.measurements.source = source;
   state.measurements.recipe = std::move(recipe);
   state.measurements.drawn.clear();
@@ -27,7 +28,7 @@ void follow_template(Editing& editing) {
     auto read = load_recipe(source);
     if (!read) return fail(read.error());
     return Work::Then([of_template, source, recipe = std::make_shared<const Recipe>(std::move(*read))](Editing& then) {
-      if (then.state.measurements.of_template == of_template) take_recipe(then.state, source, recipe);
+      if (then.state.measurements.of_template == of_template) take_recipe(then.state, source, recipe, false);
     });
   });
 }
@@ -46,7 +47,7 @@ void choose_recipe(Editing& editing, const std::string& source) {
     auto read = load_recipe(source);
     if (!read) return fail(read.error());
     return Work::Then([source, recipe = std::make_shared<const Recipe>(std::move(*read))](Editing& then) {
-      take_recipe(then.state, source, recipe);
+      take_recipe(then.state, source, recipe, true);
       then.log.is_done(ChooseRecipe{source});
     });
   });

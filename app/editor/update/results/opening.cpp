@@ -9,6 +9,7 @@
 
 #include "app/editor/state/views.h"
 #include "app/editor/update/results/imports.h"
+#include "app/editor/update/results/kept_choices.h"
 #include "core/base/files/paths.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/meeting.h"
@@ -212,6 +213,7 @@ void start_session(Editing& editing, EditSession session) {
     show_structure(state, document, kept.looks->active);
     bring_into_view(state, document);
   }
+  if (kept.looks) bring_back_choices(editing, *kept.looks);
   const Layout& layout = editing.layout;
   state.look.show_all_wanted = layout.scale <= 0 || layout.status_line.width <= 0 || layout.models.width > 0;
   if (!state.look.show_all_wanted) show_repair(editing);

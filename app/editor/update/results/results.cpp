@@ -197,6 +197,18 @@ bool update_quality(Editing& editing) {
   return true;
 }
 
+/// How a case is looked at is written a while after it changed: a program that is ended from without leaves it so.
+void keep_looks_at_rest(Editing& editing, double seconds) {
+  constexpr double a_while = 1;
+  std::optional<double>& due = editing.work.looks_due;
+  const bool in_hand = editing.state.pointer.drag || editing.state.hand.panel_edit;
+  if (in_hand || !editing.shown.looks_to_write(editing.state)) return due.reset();
+  if (!due) due = seconds + a_while;
+  if (seconds < *due) return;
+  due.reset();
+  editing.shown.keep_looks(editing.state);
+}
+
 }  // namespace
 
 bool take_results(Editing& editing, double seconds) {
@@ -222,6 +234,7 @@ bool take_results(Editing& editing, double seconds) {
   if (const Structure* structure = editing.structure(); structure != nullptr && shown.scan.frames() > 1)
     state.found.volume_curve = volume_curve(shown, *structure, state.found.volume_curve);
   editing.shown.keep_window(state);
+  keep_looks_at_rest(editing, seconds);
   count_work(editing, steps_before, seconds);
   bool changed = take_written(editing);
   update_fit(editing);
@@ -279,6 +292,7 @@ std::optional<double> next_move_seconds(const EditorState& state, const Work& wo
   if (held) next = std::min(next.value_or(*held - now), std::max(*held - now, 0.0));
   for (const auto rest : {work.quality.rest_seconds(), work.measurements.rest_seconds(), work.scores.rest_seconds()})
     if (rest) next = std::min(next.value_or(*rest), *rest);
+  if (work.looks_due) next = std::min(next.value_or(*work.looks_due - now), std::max(*work.looks_due - now, 0.0));
   if (state.hints_until && !state.hints_over)
     next = std::min(next.value_or(*state.hints_until - now), std::max(*state.hints_until - now, 0.0));
   for (const Notice& notice : state.notices)

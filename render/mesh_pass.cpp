@@ -131,6 +131,7 @@ void MeshPass::update(Surface& surface, const MeshLayer& mesh) {
   assert(mesh.points->rows() == mesh.topology->vertices());
   surface.faces = mesh.surface;
   surface.edges = mesh.wireframe;
+  surface.yields = mesh.yields;
   surface.opacity = std::min(mesh.surface_opacity, 1.0f);
   const bool new_topology = surface.topology.update(mesh.topology);
   if (new_topology) set_triangles(surface, mesh.topology);
@@ -165,7 +166,12 @@ void MeshPass::draw_triangles(const gl::Program& program, const Surface& surface
   const float edge_px = static_cast<float>(surface.edge_mm) * px_per_mm(surface.box, projection);
   program.set("edge_opacity", surface.opacity * std::clamp(edge_px / 30, 0.05f, 0.5f));
   glBindVertexArray(surface.attributes.name());
+  if (surface.yields) {
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(1, 8);  // more than what rounding makes of one place
+  }
   glDrawElements(GL_TRIANGLES, surface.indices, GL_UNSIGNED_INT, nullptr);
+  glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
 void MeshPass::draw_edges(const Surface& surface, const Projection& projection) const {

@@ -52,7 +52,7 @@ class MeshPass {
     GLsizei indices = 0;
     Box box;
     double edge_mm = 0;  ///< mean length
-    bool faces = false, edges = false;
+    bool faces = false, edges = false, yields = false;
     float opacity = 1;
     std::uint64_t bytes = 0;  ///< bytes on the GPU
     std::uint64_t scene = 0;  ///< the last one that it was in

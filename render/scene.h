@@ -53,6 +53,7 @@ struct MeshLayer {
   float outline_opacity = 1;
   bool surface = true;  ///< shaded in the 3D view; below opacity 1 drawn after all else
   float surface_opacity = 1;
+  bool yields = false;            ///< where it lies on another surface, that one is seen
   bool wireframe = false;         ///< its edges over the surface
   bool saturated_outline = true;  ///< outline colours at full saturation, for contrast on grey
   bool operator==(const MeshLayer&) const = default;

@@ -304,6 +304,39 @@ TEST_CASE("a surface behind a plane shines through it faintly and before it hide
   CHECK(through < 230);
 }
 
+TEST_CASE("a surface that yields is not seen where it lies on another one, and is where it lies before it") {
+  const Mesh ball = icosphere(3, 20);
+  Mesh read = ball;
+  for (Eigen::Index v = 0; v < read.points.rows(); ++v) read.points.row(v) *= v % 2 == 0 ? 1 + 1e-6 : 1 - 1e-6;
+  Scene alone;
+  alone.meshes.push_back(test::layer_of(ball));
+  alone.meshes.back().colours =
+      std::make_shared<const std::vector<Rgb>>(static_cast<std::size_t>(ball.points.rows()), Rgb{0.2f, 0.3f, 0.8f});
+  const auto differing = [&](const Mesh& other, float opacity) {
+    Scene both = alone;
+    MeshLayer white = test::layer_of(other);
+    white.yields = true;
+    white.surface_opacity = opacity;
+    both.meshes.insert(both.meshes.begin(), white);
+    Camera3D camera;
+    camera.to_eye = Vec3(1, -2, 0.7).normalized();
+    camera.distance_mm = 150;
+    const Picture one = picture_of(alone, camera, 120, 120), two = picture_of(both, camera, 120, 120);
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < one.rgba.size(); k += 4)
+      if (std::abs(static_cast<int>(one.rgba[k]) - static_cast<int>(two.rgba[k])) > 8) ++count;
+    return count;
+  };
+  for (const float opacity : {0.45f, 1.0f}) {
+    CAPTURE(opacity);
+    constexpr std::size_t of_the_rim = 100;
+    CHECK(differing(read, opacity) < of_the_rim);
+    Mesh grown = ball;
+    grown.points *= 1.05;
+    CHECK(differing(grown, opacity) > 2000);
+  }
+}
+
 TEST_CASE("meshes that are seen through look the same laid in as a layer, but where a mesh lies between two of them") {
   VolumeGeometry grid;
   grid.dims = {10, 2, 10};

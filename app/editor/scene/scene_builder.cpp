@@ -106,7 +106,8 @@ void SceneBuilder::update_others(const Input& input) {
   const StructureLooks& looks = input.state.look.structures;
   const Structure* active = active_structure(input.state, *input.document);
   std::map<std::string, Other> before = std::exchange(others_, {});
-  const auto keep = [&](const std::string& id, const auto& topology, const auto& points, const Rgb& colour) {
+  const auto keep = [&](const std::string& id, const auto& topology, const auto& points, const Rgb& colour,
+                        bool as_read) {
     Other other = std::move(before[id]);
     if (other.topology != topology || other.colour != colour) {
       other.colours = std::make_shared<const std::vector<Rgb>>(index(topology->vertices()), colour);
@@ -116,16 +117,17 @@ void SceneBuilder::update_others(const Input& input) {
     other.topology = topology;
     other.points = points;
     other.colour = colour;
+    other.as_read = as_read;
     others_[id] = std::move(other);
   };
   for (const auto& structure : input.document->structures) {
     const Shape* shape = structure->shape(input.document->frame);
     if (shape == nullptr || !looks.shows(structure->id)) continue;
     const auto& topology = structure->the_template->topology;
-    if (structure.get() != active) keep(structure->id, topology, shape->points, structure_colour(*structure));
+    if (structure.get() != active) keep(structure->id, topology, shape->points, structure_colour(*structure), false);
     const bool was_read = looks.as_read_shown && looks.as_read_frame == input.document->frame;
     if (was_read && shape_as_read(looks, *structure) != nullptr)
-      keep(structure->id + " as read", topology, looks.as_read.at(structure->id), as_read_colour);
+      keep(structure->id + " as read", topology, looks.as_read.at(structure->id), as_read_colour, true);
   }
 }
 
@@ -177,6 +179,7 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.saturated_outline = false;
     const StructureLooks& looks = state.look.structures;
     mesh.surface = show.surface;
+    mesh.yields = other.as_read;
     mesh.surface_opacity = static_cast<float>(looks.others_opacity * looks.opacity_of(id));
     scene.meshes.push_back(std::move(mesh));
   }

@@ -73,6 +73,7 @@ class SceneBuilder {
     Rgb colour{};
     std::shared_ptr<const std::vector<Rgb>> colours;
     std::uint64_t revision = 0;  ///< counts changes of the points and the colours
+    bool as_read = false;        ///< a shape before a repair: most of it lies on the one after
   };
   std::map<std::string, Other> others_;  ///< by id
   std::vector<std::int32_t> glyphs_;

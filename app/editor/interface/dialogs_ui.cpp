@@ -59,22 +59,31 @@ void close_dialog(Outbox& out) {
   out.send(CloseDialog{});
 }
 
+/// A key or a movement of the mouse, and what it does.
+struct KeysRow {
+  std::string keys, does;
+};
+
+std::vector<KeysRow> mouse_rows(bool in_models) {
+  if (in_models)
+    return {{"Left-drag", "turns all shapes"},  {"Middle- or right-drag", "moves all shapes"},
+            {"Wheel", "pages, or zoom of one"}, {"Ctrl+wheel", "zoom"},
+            {"Click", "marks a vertex"},        {"Double-click", "looks at a vertex"}};
+  return {{"Left-drag on the outline", "the tool"},
+          {"Ctrl+left-drag", "draws a contour"},
+          {"Wheel", "slices; while dragging: \xcf\x83"},
+          {"Ctrl+wheel", "zoom"},
+          {"Middle-drag", "pan"},
+          {"Right-drag", "window and level"},
+          {"Shift+mouse", "cross-hair"},
+          {"Double-click", "one view, or all four"},
+          {"Left-drag beside the mesh", "turns the 3D view"},
+          {"Alt while painting", "erases"}};
+}
+
 void draw_keys(const UiContext& ui, Outbox& out) {
-  struct Row {
-    std::string keys, does;
-  };
-  static const std::array<Row, 10> mouse_rows{{{"Left-drag on the outline", "the tool"},
-                                               {"Ctrl+left-drag", "draws a contour"},
-                                               {"Wheel", "slices; while dragging: \xcf\x83"},
-                                               {"Ctrl+wheel", "zoom"},
-                                               {"Middle-drag", "pan"},
-                                               {"Right-drag", "window and level"},
-                                               {"Shift+mouse", "cross-hair"},
-                                               {"Double-click", "one view, or all four"},
-                                               {"Left-drag beside the mesh", "turns the 3D view"},
-                                               {"Alt while painting", "erases"}}};
   const Theme& theme = ui.theme;
-  std::vector<Row> rows(mouse_rows.begin(), mouse_rows.end());
+  std::vector<KeysRow> rows = mouse_rows(ui.state.models.shown);
   for (const KeyRow& row : key_rows(ui.state.models.shown)) rows.push_back({row.keys, row.does});
   const std::size_t in_column = (rows.size() + 1) / 2;
   // As wide as the widest texts: keys and what they do, in two columns.
@@ -94,6 +103,7 @@ void draw_keys(const UiContext& ui, Outbox& out) {
   text_line("Homolog is a tool for research. It is not a medical device.", palette::dim);
   ImGui::SetCursorPos({0, top});
   ImGui::BeginChild("keys");
+  key_focus().mark_text(theme.px(row_units));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::size_t first = i < in_column ? 0 : 2;
     const float left = side + (first == 0 ? 0 : widths[0] + widths[1]);

@@ -177,6 +177,7 @@ void KeyFocus::leave() {
 
 void KeyFocus::begin_frame() {
   dialog_ = std::exchange(drawn_dialog_, 0U);
+  text_ = std::exchange(drawn_text_, {});
   last_ = std::exchange(drawn_, {});
   if (std::exchange(leaves_field_, false)) {
     ImGui::ClearActiveID();
@@ -278,6 +279,20 @@ int KeyFocus::take_steps() {
 
 void KeyFocus::mark_dialog() {
   drawn_dialog_ = ImGui::GetCurrentContext()->CurrentWindow->RootWindow->ID;
+}
+
+void KeyFocus::mark_text(float line_px) {
+  drawn_text_ = {ImGui::GetCurrentContext()->CurrentWindow->ID, line_px};
+}
+
+bool KeyFocus::scroll_text(float lines, float pages) {
+  ImGuiWindow* window = text_.window != 0 ? ImGui::FindWindowByID(text_.window) : nullptr;
+  if (window == nullptr) return false;
+  // Two keys may come before the next frame.
+  const float from = window->ScrollTarget.y < FLT_MAX ? window->ScrollTarget.y : window->Scroll.y;
+  const float by = lines * text_.line_px + pages * (window->InnerRect.GetHeight() - text_.line_px);
+  ImGui::SetScrollY(window, std::clamp(from + by, 0.0f, window->ScrollMax.y));
+  return true;
 }
 
 }  // namespace homolog

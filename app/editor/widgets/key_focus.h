@@ -36,6 +36,9 @@ class KeyFocus {
   void leave_field(Way way);
   /// In a menu or a dialog the keys reach again what they reach at first.
   void start_again() { at_.erase(layer()); }
+  /// Scrolls the text that is in front: `pages` of its height, or so many lines; far more than it has: to its end.
+  /// False where no text is.
+  bool scroll_text(float lines, float pages);
   /// The keys are the program's own again.
   void leave();
   /// Who was used last: the reached control is marked and explained while that is the keyboard.
@@ -63,6 +66,8 @@ class KeyFocus {
   int take_steps();
   /// The window that is drawn now is a dialog, over all others.
   void mark_dialog();
+  /// The window that is drawn now is a text without controls: keys scroll it, a line is so many px.
+  void mark_text(float line_px);
   /// How far down the control nearest to a height of the window that is drawn now has moved on the screen since the
   /// frame before; of those that were seen and are still there. 0 where there is none.
   float moved_px(float at_px) const;
@@ -92,6 +97,12 @@ class KeyFocus {
   RectPx place_;                            ///< the reached control's last place
   unsigned group_ = 0;                      ///< the group that has the keys, apart from menus and dialogs
   unsigned dialog_ = 0, drawn_dialog_ = 0;  ///< the window of the dialog
+  /// The window of a text that keys scroll.
+  struct Text {
+    unsigned window = 0;
+    float line_px = 0;
+  };
+  Text text_, drawn_text_;
   unsigned drawn_group_ = 0;
   bool out_of_reach_ = false;
   bool speaks_ = false;    ///< the keys were used last, so the reached control is marked

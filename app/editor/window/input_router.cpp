@@ -6,6 +6,32 @@
 
 namespace homolog {
 
+namespace {
+
+/// A text in front, as the list of keys, is scrolled by keys.
+bool scrolls_text(int code) {
+  constexpr float all = 1000;
+  KeyFocus& keys = key_focus();
+  switch (code) {
+    case key::up:
+      return keys.scroll_text(-1, 0);
+    case key::down:
+      return keys.scroll_text(1, 0);
+    case key::page_up:
+      return keys.scroll_text(0, -1);
+    case key::page_down:
+      return keys.scroll_text(0, 1);
+    case key::home:
+      return keys.scroll_text(0, -all);
+    case key::end:
+      return keys.scroll_text(0, all);
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
 void InputRouter::send(decltype(InputEvent::what) what, const Held& held, double seconds) {
   InputEvent event;
   event.what = what;
@@ -88,6 +114,7 @@ bool InputRouter::give_to_controls(const KeyStroke& stroke, bool in_field) {
     keys.go_to_group(!stroke.shift);
     return true;
   }
+  if (scrolls_text(stroke.key)) return true;
   // The list of files has these keys, wherever the others are.
   const bool lists_files = app_.state().dialog && std::holds_alternative<FileDialog>(*app_.state().dialog);
   if (!keys.takes_keys() || (lists_files && (stroke.key == key::up || stroke.key == key::down))) return false;

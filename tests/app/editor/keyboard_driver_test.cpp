@@ -1,6 +1,8 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <set>
+#include <string_view>
 
 #include "app/editor/window/key_pointer.h"
 #include "core/catalogue/catalogue.h"
@@ -290,6 +292,50 @@ TEST_CASE("the keys' pointer stays in the window when its view is hidden") {
     CHECK(to.x_px >= 0);
     CHECK(to.y_px >= 0);
   }
+}
+
+TEST_CASE("the list of keys is of the mode that is shown, and keys scroll it in a small window") {
+  Driver driver(new_document("", nullptr, nullptr), {800, 600, 1});
+  const auto seen = [&](std::string_view text) {
+    return std::ranges::any_of(driver.items(), [&](const DrawnItem& item) {
+      return item.kind == DrawnItem::Kind::text && item.name == text && item.seen.height >= item.rect.height - 1;
+    });
+  };
+  const std::string_view first = "the tool", last = "there: moves, presses";
+  driver.press(key::f1);
+  driver.settle();
+  CHECK(seen(first));
+  CHECK_FALSE(seen(last));
+  driver.press(key::end);
+  driver.settle();
+  CHECK(seen(last));
+  CHECK_FALSE(seen(first));
+  driver.press(key::home);
+  driver.settle();
+  CHECK(seen(first));
+  driver.press(key::page_down);
+  driver.settle();
+  CHECK_FALSE(seen(first));
+  driver.press(key::page_up);
+  driver.settle();
+  CHECK(seen(first));
+  for (int k = 0; k < 3; ++k) driver.press(key::down);
+  driver.settle();
+  CHECK_FALSE(seen(first));
+  for (int k = 0; k < 3; ++k) driver.press(key::up);
+  driver.settle();
+  CHECK(seen(first));
+  driver.press(key::escape);
+  driver.settle();
+
+  driver.press(key::tab);
+  driver.settle();
+  REQUIRE(driver.state().models.shown);
+  driver.press(key::f1);
+  driver.settle();
+  CHECK(seen("turns all shapes"));
+  CHECK_FALSE(driver.shows("window and level"));
+  CHECK_FALSE(driver.shows("draws a contour"));
 }
 
 }  // namespace homolog

@@ -15,7 +15,7 @@
 namespace homolog::test {
 
 inline Result<double> read_a_volume(const std::filesystem::path& path) {
-  const auto read = read_volume(path, {{}, Vec3(1, 1, 1), nullptr});
+  const auto read = read_volume(path, {.stack_spacing_mm = Vec3(1, 1, 1)});
   if (!read) return fail(read.error());
   return std::visit([](const auto& voxels) { return static_cast<double>(voxels.size() * sizeof voxels[0]); },
                     read->volume.data);

@@ -80,7 +80,7 @@ TEST_CASE("an image that is cut short is refused or whole") {
 
 TEST_CASE("images of formats that are only read are refused or whole when they are cut short") {
   const TemporaryFolder folder;
-  const VolumeReadOptions options{{}, Vec3(1, 1, 1), nullptr};
+  const VolumeReadOptions options{.stack_spacing_mm = Vec3(1, 1, 1)};
   for (const char* seed :
        {"dcm/plain.dcm", "dcm/rle.dcm", "png/grey.png", "png/deep.png", "tif/plain.tif", "tif/zip.tif",
         "tif/packbits.tif", "nrrd/text.nrrd", "nrrd/raw.nrrd", "mha/plain.mha", "mha/packed.mha"}) {

@@ -14,7 +14,7 @@ using namespace homolog;
 
 namespace {
 
-const VolumeReadOptions even_spacing{{}, Vec3(1, 1, 1), nullptr};
+const VolumeReadOptions even_spacing{.stack_spacing_mm = Vec3(1, 1, 1)};
 constexpr std::uint32_t by_lzw = 5, by_deflate = 8, by_packbits = 32773;
 
 Result<VolumeRead> read_tiff(const std::string& bytes) {

@@ -44,7 +44,7 @@ std::string tiff(std::uint32_t width, std::uint32_t height, const std::vector<st
   return bytes;
 }
 
-const VolumeReadOptions with_spacing{{}, Vec3(0.5, 0.5, 3), nullptr};
+const VolumeReadOptions with_spacing{.stack_spacing_mm = Vec3(0.5, 0.5, 3)};
 
 /// Writes a slice of one voxel for each number, and reads the folder.
 Result<VolumeRead> stack(const TemporaryFolder& folder, const std::vector<std::int64_t>& numbers) {

@@ -284,7 +284,8 @@ TEST_CASE("of a label map whose segments overlap each layer can be shown and wor
     ball.points.col(0).array() += x_mm;
     return ball;
   };
-  VolumeRead map{label_map(ball_at(4, 14), Globe::grid(), 1), {}, {}, {label_map(ball_at(-6, 10), Globe::grid(), 1)}};
+  VolumeRead map{.volume = label_map(ball_at(4, 14), Globe::grid(), 1),
+                 .other_layers = {label_map(ball_at(-6, 10), Globe::grid(), 1)}};
   map.segmentation.add({.name = "lung", .value = 1, .layer = 0});
   map.segmentation.add({.name = "tumour", .value = 1, .layer = 1});
   const fs::path file = driver.folder() / "two.seg.nrrd";

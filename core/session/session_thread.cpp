@@ -92,12 +92,17 @@ struct SessionThread::Shared {
   void publish(Snapshot snapshot, std::optional<std::string> error = {}) {
     ++snapshot.revision;
     if (error) snapshot.error = *error;
+    const std::string file = session.journal() != nullptr ? session.journal()->path().string() : std::string();
+    const bool of_file = error && !file.empty() && error->starts_with(printable(file));
     auto next = std::make_shared<const Snapshot>(std::move(snapshot));
     pass_on_news();
     {
       const std::lock_guard lock(mutex);  // nothing fails from here on, so that no refusal is counted twice
       latest = std::move(next);
-      if (error && !error->empty()) (refusals.count++ == 0 ? refusals.first : refusals.last) = std::move(*error);
+      if (error && !error->empty()) {
+        refusals.unwritten = refusals.unwritten || of_file;
+        (refusals.count++ == 0 ? refusals.first : refusals.last) = std::move(*error);
+      }
     }
     if (wake) wake();
   }

@@ -37,6 +37,7 @@ struct Refusals {
   std::string saved;              ///< the sentence that a saving was done
   std::size_t count = 0;          ///< the number of edits that were refused
   std::string first, last;        ///< sentences; `last` is empty where only one was refused
+  bool unwritten = false;         ///< one of them was, since the case's file could not be written
 };
 
 /// Runs an EditSession on a thread of its own; with it the factorisation for drags is that thread's alone. The

@@ -31,6 +31,8 @@ struct SnapFound {
   double mean_confidence = 0, moved_mm = 0, seconds = 0;
   bool doubtful = false;
   std::string held;     ///< "4 landmarks and 2 pulls": what the snap left where a person put it; empty: nothing
+  bool told = false;    ///< `held` was said, or the edit was refused
+  int strokes = 0;      ///< Shape::strokes with it: fewer where its edit was refused
   std::string warning;  ///< a sentence; empty where there is none
 
   bool is_of(const Points& shape) const { return shape.rows() == points.rows() && shape == points; }

@@ -190,8 +190,12 @@ void add_notice(EditorState& state, std::string text, bool error) {
 
 void add_notice(EditorState& state, Notice notice) {
   constexpr std::size_t most = 4;
-  const auto same = [&](const Notice& n) { return n.text == notice.text && n.kept == notice.kept; };
-  if (std::any_of(state.notices.begin(), state.notices.end(), same)) return;
+  const auto same = std::ranges::find_if(
+      state.notices, [&](const Notice& n) { return n.text == notice.text && n.kept == notice.kept; });
+  if (same != state.notices.end()) {
+    if (notice.unwritten) *same = std::move(notice);  // it is so again
+    return;
+  }
   state.notices.push_back(std::move(notice));
   if (state.notices.size() <= most) return;
   // An error stays longer than news.

@@ -151,6 +151,8 @@ struct Notice {
   std::string text;  ///< one sentence
   bool error = true;
   std::optional<double> until;  ///< when it goes by itself, in seconds of the window's clock
+  bool unwritten = false;       ///< something could not be written to the case's file
+  bool over = false;            ///< what it says holds no more: it goes soon
   std::filesystem::path kept;   ///< a case or study that is offered to be opened again; empty: none
 };
 

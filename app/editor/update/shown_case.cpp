@@ -1,6 +1,7 @@
 #include "app/editor/update/shown_case.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "app/editor/state/looks_to_keep.h"
 #include "app/editor/work/opening/recovery.h"
@@ -155,6 +156,7 @@ bool ShownCase::update_snapshot(EditorState& state) {
   let_go_of_regions(state, *snapshot_->document, *latest->document);
   const bool travelled = latest->document != snapshot_->document && latest->steps_made == snapshot_->steps_made &&
                          (latest->can_redo || snapshot_->can_redo);
+  const bool steps_more = latest->steps_made != snapshot_->steps_made;
   // A note says nothing.
   const bool said = latest->committed != snapshot_->committed || latest->message != snapshot_->message;
   if (said) state.said_in = situation_of(state, *latest->shown);
@@ -162,8 +164,12 @@ bool ShownCase::update_snapshot(EditorState& state) {
   if (renamed) remember_case(state, *snapshot_);
   keep_on_disk(state);
   const Refusals refused = session_->take_refusals();
-  for (const std::string& sentence : told(refused)) add_notice(state, sentence);
+  for (const std::string& sentence : told(refused))
+    add_notice(state, Notice{.text = sentence, .unwritten = refused.unwritten});
   if (!refused.saved.empty()) add_notice(state, refused.saved, false);
+  const bool written = !refused.saved.empty() || renamed || travelled || steps_more;
+  if (written && !refused.unwritten)
+    for (Notice& notice : state.notices) notice.over = notice.over || std::exchange(notice.unwritten, false);
   const int frame = shown_frame(state, *snapshot_->shown);
   if (!changed && displayed_->frame == frame) return false;
   const auto before = displayed_;

@@ -75,9 +75,11 @@ void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const 
       [box = box_, ends, region, options, holds = joined ? SnapHolds::landmarks : SnapHolds::all](
           const Document& document, const std::string& structure) -> Result<std::optional<Action>> {
         const auto begin = Clock::now();
+        int strokes_before = 0;
         auto edit = guarded("The snap", [&]() -> Result<SnapEdit> {
           const auto shown = shape_to("snap", document, structure);
           if (!shown) return fail(shown.error());
+          strokes_before = shown->shape.strokes;
           return snap_shape(document.scan, *shown, region, options, holds);
         });
         if (!edit) {
@@ -92,6 +94,7 @@ void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const 
         found.moved_mm = edit->result.moved_mm;
         found.doubtful = edit->result.doubtful;
         found.held = held_in_words(*edit);
+        found.strokes = strokes_before + 1;
         found.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
         for (const std::string& warning : edit->result.warnings)
           found.warning += (found.warning.empty() ? "Snap: " : "; ") + warning;

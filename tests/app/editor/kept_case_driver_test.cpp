@@ -13,6 +13,7 @@
 #include "tests/driver.h"
 #include "tests/must.h"
 #include "tests/organ_scan.h"
+#include "tests/small_files.h"
 
 // What a person is told when another program deletes, moves or changes the case that is open; and what a case brings
 // back when it is opened again.
@@ -234,6 +235,28 @@ TEST_CASE("the save dialog starts beside an image that was named without its fol
   driver.settle();
   REQUIRE(driver.state().dialog);
   CHECK(std::get<FileDialog>(*driver.state().dialog).browser.folder == organ.scan.folder.path);
+}
+
+TEST_CASE("on a full disk a snap that was not made holds nothing, and the error goes when edits are written again") {
+  OpenOrgan organ;
+  Driver& driver = organ.driver;
+  organ.pull();
+  bool refused = false, held = false;
+  {
+    const SmallFilesOnly full(fs::file_size(organ.file));
+    driver.app().send(SnapMesh{});
+    driver.settle();
+    refused = driver.shows("could not be written");
+    held = driver.shows("Snap: held");
+  }
+  CHECK(refused);
+  CHECK_FALSE(held);
+  driver.app().send(SnapMesh{});
+  driver.settle();
+  CHECK(driver.shows("1 pull where you put them."));
+  constexpr int some_seconds = 5 * 60;
+  driver.frames(some_seconds);
+  CHECK_FALSE(driver.shows("could not be written"));
 }
 
 }  // namespace homolog

@@ -46,6 +46,17 @@ void ask_model(Editing& editing) {
                               one != nullptr && one->flipped);
 }
 
+/// Once the edit of a snap is made; of one that was refused nothing is said.
+void say_what_is_held(Editing& editing) {
+  auto& snapped = editing.state.found.snapped;
+  if (!snapped || snapped->held.empty() || snapped->told) return;
+  const auto done = active_shape(editing.state, *editing.shown.snapshot().document);
+  const bool made = done && done->shape.strokes >= snapped->strokes;
+  if (!made && !editing.shown.at_rest()) return;
+  snapped->told = true;
+  if (made) add_notice(editing.state, "Snap: held " + snapped->held + " where you put them.", false);
+}
+
 }  // namespace
 
 SnapArea snap_region(const ShapeView& shown, const Stroke& stroke) {
@@ -192,10 +203,10 @@ bool show_snap(Editing& editing) {
   EditorState& state = editing.state;
   if (auto found = editing.work.snaps.take()) {
     if (!found->warning.empty()) add_notice(state, found->warning, false);
-    if (!found->held.empty()) add_notice(state, "Snap: held " + found->held + " where you put them.", false);
     state.found.snapped = std::move(found);
     state.look.shows_confidence = state.automatic.snap.show_confidence;
   }
+  say_what_is_held(editing);
   const auto view = editing.shape();
   const bool shown = state.found.snapped && view && state.found.snapped->is_of(*view->shape.points);
   auto confidence = shown ? state.found.snapped->confidence : nullptr;

@@ -138,10 +138,12 @@ bool take_recovery(Editing& editing) {
 
 /// News go by themselves, errors after a longer while; none while a dialog covers it.
 void forget_old_news(EditorState& state, double seconds) {
-  constexpr double news_seconds = 8, error_seconds = 60;
+  constexpr double news_seconds = 8, error_seconds = 60, over_seconds = 4;
   if (state.dialog) return;
-  for (Notice& notice : state.notices)
+  for (Notice& notice : state.notices) {
     if (!notice.until) notice.until = seconds + (notice.error ? error_seconds : news_seconds);
+    if (std::exchange(notice.over, false)) notice.until = std::min(*notice.until, seconds + over_seconds);
+  }
   std::erase_if(state.notices, [&](const Notice& notice) { return notice.until && *notice.until <= seconds; });
 }
 

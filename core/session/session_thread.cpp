@@ -180,7 +180,8 @@ struct SessionThread::Shared {
     describe(snapshot);
     ++snapshot.committed;
     ++snapshot.jobs_done;
-    if (saved) snapshot.message = "Saved as " + path.string();
+    const bool kept_only = path.parent_path() == unsaved_folder();  // nobody asked for it
+    if (saved) snapshot.message = kept_only ? "Kept until you save it." : "Saved as " + path.string();
     publish(std::move(snapshot), saved ? "" : saved.error().sentence());
   }
 

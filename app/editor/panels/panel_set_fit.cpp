@@ -103,8 +103,9 @@ void draw_set_fit(const UiContext& ui, Outbox& out) {
           refusal, half))
     out.send(FitSet{true});
   if (!ui.work.set_fitter.busy()) return;
-  if (work_area(theme, "",
-                WorkShown{"Fitting the set", ui.work.set_fitter.fraction(), "The case stays as it is (Escape)"}))
+  if (work_area(
+          theme, "",
+          WorkShown{ui.work.set_fitter.pass(), ui.work.set_fitter.fraction(), "The case stays as it is (Escape)"}))
     out.send(CancelSetFit{});
   draw_set_progress(ui);
 }

@@ -36,8 +36,9 @@ std::string choose_hint(const EditorState& state, const Document& shown) {
 
 std::string hint(const EditorState& state, const Document& shown, bool making_shown) {
   if (state.unsaved_found > 0 && !state.pointer.drag)
-    return std::to_string(state.unsaved_found) + (state.unsaved_found == 1 ? " case was" : " cases were") +
-           " not saved. Unsaved cases (Case) recovers them.";
+    return state.unsaved_found == 1
+               ? "1 case was not saved. Unsaved cases (Case) recovers it."
+               : std::to_string(state.unsaved_found) + " cases were not saved. Unsaved cases (Case) recovers them.";
   const bool has_shape = active_shape(state, shown).has_value();
   if (!shown.scan.image && !has_shape) return "Open an image, or drop one on the window.";
   if (making_shown) return "You see the template that is being made. Close it (Template) to see the case's mesh again.";

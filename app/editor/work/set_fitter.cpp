@@ -46,6 +46,29 @@ Result<SetFitted> with_remarks(Result<SetFitted> done) {
 
 }  // namespace
 
+void SetFitRows::tell(std::size_t row, SetFitStep step) {
+  if (row >= rows_.size()) return;
+  const SetFitStep before = rows_[row].step;
+  const bool anew = step == SetFitStep::runs && (before == SetFitStep::fitted || before == SetFitStep::failed);
+  if (anew) {
+    again_ = true;
+    for (StructureFitShown& one : rows_) one.step = SetFitStep::waits;
+  }
+  rows_[row].step = step;
+}
+
+bool SetFitRows::all_done() const {
+  return !rows_.empty() && std::ranges::all_of(rows_, [](const StructureFitShown& one) {
+    return one.step == SetFitStep::fitted || one.step == SetFitStep::failed;
+  });
+}
+
+std::string SetFitRows::pass() const {
+  if (!repair_) return "Fitting the set";
+  if (again_) return "Fitting to what is proposed";
+  return all_done() ? "Looking for what is wrong" : "Fitting to the map as it is";
+}
+
 /// Reads the map and fits the set to it.
 Result<SetFitted> SetFitter::fit(std::shared_ptr<const SetOfTemplates> set, const MapToFit& map, bool repair,
                                  Shared& shared, const std::function<void()>& wake, Progress& progress) {
@@ -68,7 +91,7 @@ Result<SetFitted> SetFitter::fit(std::shared_ptr<const SetOfTemplates> set, cons
     for (std::size_t k = 0; k < done.subject.structures.size(); ++k) {
       if (!done.subject.structures[k].is_there() || set->templates[k] == nullptr) continue;
       shared.there.push_back(k);
-      shared.structures.push_back({set->set.structures[k].name});
+      shared.structures.add(set->set.structures[k].name);
     }
     if (shared.there.empty())
       return fail(map.file.filename().string(), "has no label of this set; choose another set, or rename its labels");
@@ -80,7 +103,7 @@ Result<SetFitted> SetFitter::fit(std::shared_ptr<const SetOfTemplates> set, cons
     {
       const std::lock_guard lock(shared.mutex);
       const auto at = std::ranges::find(shared.there, structure) - shared.there.begin();
-      if (at < std::ssize(shared.structures)) shared.structures[static_cast<std::size_t>(at)].step = step;
+      shared.structures.tell(static_cast<std::size_t>(at), step);
     }
     wake();
   };
@@ -96,6 +119,7 @@ void SetFitter::start(std::shared_ptr<const SetOfTemplates> set, MapToFit map, b
   case_number_ = case_number;
   frame_ = map.frame;
   shared_ = std::make_shared<Shared>();
+  shared_->structures = SetFitRows(repair);
   work_.start(map.file.string(), [set, map, repair, shared = shared_, wake = wake_](Progress& progress) {
     return fit(set, map, repair, *shared, wake, progress);
   });
@@ -103,7 +127,12 @@ void SetFitter::start(std::shared_ptr<const SetOfTemplates> set, MapToFit map, b
 
 std::vector<StructureFitShown> SetFitter::structures() const {
   const std::lock_guard lock(shared_->mutex);
-  return shared_->structures;
+  return shared_->structures.rows();
+}
+
+std::string SetFitter::pass() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->structures.pass();
 }
 
 }  // namespace homolog

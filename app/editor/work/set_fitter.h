@@ -30,6 +30,25 @@ struct StructureFitShown {
   SetFitStep step = SetFitStep::waits;
 };
 
+/// How far a fit of a set is, as a person sees it. A repair fits several times: to the map as it is, and to what it
+/// proposes.
+class SetFitRows {
+ public:
+  explicit SetFitRows(bool repair = false) : repair_(repair) {}
+  void add(std::string name) { rows_.push_back({std::move(name)}); }
+  /// A structure goes on, by its row. One that is done and is fitted anew begins another pass, in which all wait.
+  void tell(std::size_t row, SetFitStep step);
+  const std::vector<StructureFitShown>& rows() const { return rows_; }
+  /// What is done at present: "Fitting the set".
+  std::string pass() const;
+
+ private:
+  bool all_done() const;
+
+  bool repair_ = false, again_ = false;
+  std::vector<StructureFitShown> rows_;
+};
+
 /// The outcome of the fit of a set.
 struct SetFitted {
   std::shared_ptr<const SetOfTemplates> set;
@@ -58,6 +77,8 @@ class SetFitter {
   int frame() const { return frame_; }
   /// The structures of the map that the set has, in the set's order; empty until the map is read.
   std::vector<StructureFitShown> structures() const;
+  /// What is done at present [SetFitRows::pass].
+  std::string pass() const;
   /// The result, once.
   std::optional<Result<SetFitted>> take() { return work_.take(); }
   void finish() { work_.finish(); }
@@ -66,7 +87,7 @@ class SetFitter {
   struct Shared {
     std::mutex mutex;
     std::vector<std::size_t> there;  ///< places in the set of the structures that the map has
-    std::vector<StructureFitShown> structures;
+    SetFitRows structures;
   };
   static Result<SetFitted> fit(std::shared_ptr<const SetOfTemplates> set, const MapToFit& map, bool repair,
                                Shared& shared, const std::function<void()>& wake, Progress& progress);

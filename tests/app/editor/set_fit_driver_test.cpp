@@ -246,4 +246,31 @@ TEST_CASE("a fit of a set that is stopped leaves the case as it was") {
   CHECK_FALSE(driver.app().snapshot().can_undo);
 }
 
+TEST_CASE("a repair names its passes, and all structures wait again as the next one begins") {
+  SetFitRows rows(true);
+  CHECK(rows.pass() == "Fitting to the map as it is");
+  for (const char* name : {"L1", "L2"}) rows.add(name);
+  const auto steps = [&] { return std::pair(rows.rows()[0].step, rows.rows()[1].step); };
+  using enum SetFitStep;
+  rows.tell(0, runs);
+  rows.tell(1, runs);
+  rows.tell(0, fitted);
+  CHECK(rows.pass() == "Fitting to the map as it is");
+  rows.tell(1, failed);
+  rows.tell(1, runs_again);  // by its neighbours: no pass of its own
+  CHECK(rows.pass() == "Fitting to the map as it is");
+  rows.tell(1, fitted);
+  CHECK(rows.pass() == "Looking for what is wrong");
+  rows.tell(1, runs);
+  CHECK(steps() == std::pair(waits, runs));
+  CHECK(rows.pass() == "Fitting to what is proposed");
+  rows.tell(0, runs);
+  rows.tell(0, fitted);
+  rows.tell(1, fitted);
+  rows.tell(7, runs);  // one that the map lacked
+  CHECK(steps() == std::pair(fitted, fitted));
+  CHECK(rows.pass() == "Fitting to what is proposed");
+  CHECK(SetFitRows().pass() == "Fitting the set");
+}
+
 }  // namespace homolog

@@ -349,7 +349,7 @@ TEST_CASE("unsaved cases are offered once and what was undone is not and the vie
   CHECK(driver.state().unsaved_found == 1);
   CHECK_FALSE(driver.state().dialog);
   CHECK_FALSE(is_in_notices(driver, "saved"));  // no card over the views
-  CHECK(driver.shows("1 case was not saved. Unsaved cases (Case) recovers them."));
+  CHECK(driver.shows("1 case was not saved. Unsaved cases (Case) recovers it."));
   CHECK(driver.has("Unsaved cases (1)…"));
   start_again();
   CHECK(driver.state().unsaved_found == 0);

@@ -7,6 +7,7 @@
 #include "tests/case_folder.h"
 #include "tests/environment_variable.h"
 #include "tests/refusal.h"
+#include "tests/wait.h"
 
 // What becomes of a case whose file another program deletes, moves or changes while it is open.
 
@@ -234,6 +235,20 @@ TEST_CASE("a case that was only looked at is not written again when its file is 
   (void)thread.finish();
   CHECK(thread.take_refusals().news.empty());
   CHECK_FALSE(fs::exists(one.path));
+}
+
+TEST_CASE("a case that nobody saved is called kept and one that was saved by hand is called saved") {
+  const OpenCase one;
+  SessionThread session(EditSession(one.place.document()), [] {});
+  const auto message_of = [&](const fs::path& path) {
+    const auto before = session.snapshot()->committed;
+    session.save_as(path);
+    REQUIRE(test::wait_until([&] { return session.snapshot()->committed > before; }));
+    return session.snapshot()->message;
+  };
+  CHECK(message_of(new_unsaved_path().value()) == "Kept until you save it.");
+  const fs::path saved = one.folder / "saved.homolog";
+  CHECK(message_of(saved) == "Saved as " + saved.string());
 }
 
 }  // namespace homolog

@@ -44,6 +44,20 @@ struct FileLines {
   bool of_frames = false;  ///< a line may speak of a frame
 };
 
+/// Leaves the first lines alone, as if the file ended there.
+void keep_lines(FileLines& whole, std::size_t count) {
+  if (count >= whole.lines.size()) return;
+  whole.whole_bytes = whole.begin + whole.lines[count].place.at;
+  whole.check = whole.lines[count].check;
+  whole.lines.resize(count);
+}
+
+/// A line that cannot be played.
+struct BadLine {
+  std::size_t at = 0;  ///< behind the header
+  Error error;
+};
+
 /// Whether a last line was being written when the machine died: it is no JSON and lacks its line feed, or holds zero
 /// bytes.
 bool is_torn(std::string_view line, bool ended) {
@@ -158,8 +172,13 @@ std::size_t go_to_checkpoint(EditSession& session, const FileLines& whole, const
   return k + 1;
 }
 
+/// `bad` says which line cannot be played, where that is why it fails.
 Result<void> play(EditSession& session, const FileLines& whole, std::size_t from, const LineFile& file,
-                  Progress* progress) {
+                  Progress* progress, std::optional<BadLine>& bad) {
+  const auto stop_at = [&](std::size_t k, const Error& error) {
+    bad = BadLine{k, in_line(file.path(), k + 2, error)};
+    return fail(bad->error);
+  };
   for (std::size_t k = from; k < whole.lines.size(); ++k) {
     if (progress != nullptr) {
       progress->report(static_cast<double>(k - from) / static_cast<double>(whole.lines.size() - from));
@@ -170,19 +189,18 @@ Result<void> play(EditSession& session, const FileLines& whole, std::size_t from
     const auto text = file.read(whole.begin + line.place.at, line.place.bytes);
     if (!text) return fail(text.error());
     auto step = parse_action(*text);
-    if (!step) return fail(in_line(file.path(), k + 2, step.error()));
-    if (auto done = session.replay(std::move(*step), line.place); !done)
-      return fail(in_line(file.path(), k + 2, done.error()));
+    if (!step) return stop_at(k, step.error());
+    if (auto done = session.replay(std::move(*step), line.place); !done) return stop_at(k, done.error());
   }
   return {};
 }
 
-/// Finds, before the image is read, which may take long, the lines that certainly cannot be played: those of no known
-/// kind, and short ones behind the last checkpoint whose values are wrong.
-Result<void> check_lines(const LineFile& file, const FileLines& whole) {
+/// Finds, before the image is read, which may take long, the first of the lines that certainly cannot be played: those
+/// of no known kind, and short ones behind the last checkpoint whose values are wrong.
+Result<std::optional<BadLine>> check_lines(const LineFile& file, const FileLines& whole) {
   constexpr std::size_t short_bytes = 1024;
   bool checkpoint_behind = false;
-  std::optional<Error> first;
+  std::optional<BadLine> first;
   for (std::size_t k = whole.lines.size(); k-- > 0;) {
     const FileLines::Line& line = whole.lines[k];
     checkpoint_behind = checkpoint_behind || line.kind.kind == LineKind::checkpoint;
@@ -190,26 +208,20 @@ Result<void> check_lines(const LineFile& file, const FileLines& whole) {
     if (line.kind.kind != LineKind::unknown && !(is_played && line.place.bytes <= short_bytes)) continue;
     const auto text = file.read(whole.begin + line.place.at, line.place.bytes);
     if (!text) return fail(text.error());
-    if (auto step = parse_action(*text); !step) first = in_line(file.path(), k + 2, step.error());
+    if (auto step = parse_action(*text); !step) first = BadLine{k, in_line(file.path(), k + 2, step.error())};
   }
-  return first ? Result<void>(fail(std::move(*first))) : Result<void>();
+  return first;
 }
 
-Result<CaseRead> read_lines(const std::shared_ptr<const LineFile>& file, const ReplayOptions& options) {
-  const auto whole = looked_through(*file, options.progress);
-  if (!whole) return fail(whole.error());
-  if (auto checked = check_lines(*file, *whole); !checked) return fail(checked.error());
-  std::vector<std::string> warnings;
-  if (whole->torn) {
-    warnings.push_back(
-        file->path().string() +
-        ": the last line was torn when the machine stopped; it is dropped and everything before it restored");
-  }
-  auto session = session_at_start(*file, *whole, options, warnings);
-  if (!session) return fail(session.error());
+/// Plays the lines. `bad` says which one cannot be played, where that is why it fails.
+Result<EditSession> played(const std::shared_ptr<const LineFile>& file, const FileLines& whole,
+                           const ReplayOptions& options, std::vector<std::string>& warnings,
+                           std::optional<BadLine>& bad) {
+  auto session = session_at_start(*file, whole, options, warnings);
+  if (!session) return session;
   std::size_t known = 0;
   if (options.from_checkpoint && !overrides(options)) {
-    known = go_to_checkpoint(*session, *whole, *file);
+    known = go_to_checkpoint(*session, whole, *file);
     if (known == 0) {
       EditSession again(session->initial_document(), options.limits);
       again.set_labels(session->kept().labels);
@@ -219,10 +231,38 @@ Result<CaseRead> read_lines(const std::shared_ptr<const LineFile>& file, const R
   }
   std::function<void(Action&)> adjust;
   if (overrides(options)) adjust = [options](Action& action) { override_settings(options, action); };
-  session->read_from(CaseLines(file, whole->begin, whole->whole_bytes, whole->check), std::move(adjust));
-  if (auto played = play(*session, *whole, known, *file, options.progress); !played) return fail(played.error());
-  std::ranges::move(session->templates().take_warnings(), std::back_inserter(warnings));
-  return CaseRead{std::move(*session), std::move(warnings), whole->whole_bytes};
+  session->read_from(CaseLines(file, whole.begin, whole.whole_bytes, whole.check), std::move(adjust));
+  if (auto done = play(*session, whole, known, *file, options.progress, bad); !done) return fail(done.error());
+  return session;
+}
+
+Result<CaseRead> read_lines(const std::shared_ptr<const LineFile>& file, const ReplayOptions& options) {
+  auto whole = looked_through(*file, options.progress);
+  if (!whole) return fail(whole.error());
+  std::vector<std::string> torn, warnings;
+  if (whole->torn) {
+    torn.push_back(
+        file->path().string() +
+        ": the last line was torn when the machine stopped; it is dropped and everything before it restored");
+  }
+  auto checked = check_lines(*file, *whole);
+  if (!checked) return fail(checked.error());
+  std::optional<BadLine> bad = std::move(*checked);
+  std::string fault;
+  for (;;) {
+    if (bad) {
+      if (!options.up_to_bad_line) return fail(std::move(bad->error));
+      fault = bad->error.sentence();
+      keep_lines(*whole, bad->at);
+    }
+    bad.reset();
+    warnings = torn;
+    auto session = played(file, *whole, options, warnings, bad);
+    if (!session && !bad) return fail(session.error());
+    if (!session) continue;
+    std::ranges::move(session->templates().take_warnings(), std::back_inserter(warnings));
+    return CaseRead{std::move(*session), std::move(warnings), whole->whole_bytes, std::move(fault)};
+  }
 }
 
 }  // namespace
@@ -243,7 +283,7 @@ Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
 }
 
 Result<CaseRead> open_case(const fs::path& path, Progress* progress, const std::string& volume_source,
-                           const HistoryLimits& limits) {
+                           const HistoryLimits& limits, bool up_to_bad_line) {
   // Locked before it is read: what another program writes until then is read, and nobody writes afterwards.
   auto journal = Journal::open(path);
   if (!journal) return fail(journal.error());
@@ -251,8 +291,9 @@ Result<CaseRead> open_case(const fs::path& path, Progress* progress, const std::
   options.progress = progress;
   options.volume_source = volume_source;
   options.limits = limits;
+  options.up_to_bad_line = up_to_bad_line;
   auto read = read_lines((*journal)->file(), options);
-  if (!read) return read;
+  if (!read || !read->fault.empty()) return read;
   if (auto cut = (*journal)->keep_first(read->whole_bytes); !cut) return fail(cut.error());
   auto first_line = read->session.lines().first_line();
   if (!first_line) return fail(first_line.error());

@@ -27,6 +27,8 @@ struct ReplayOptions {
   /// For who wants the shapes alone: the image is left out where they do not depend on it [shapes_need_image], and else
   /// read without its voxels where its format has them apart.
   bool shapes_alone = false;
+  /// Where a line cannot be played, the case is read as it was before that line, and CaseRead::fault says why.
+  bool up_to_bad_line = false;
   HistoryLimits limits;
   Progress* progress = nullptr;
 };
@@ -34,11 +36,12 @@ struct ReplayOptions {
 struct CaseRead {
   EditSession session;
   std::vector<std::string> warnings;  ///< a dropped torn last line
-  std::uint64_t whole_bytes = 0;      ///< up to and including the last whole line
+  std::uint64_t whole_bytes = 0;      ///< up to and including the last whole line that was read
+  std::string fault = {};             ///< why the next line cannot be played, as a sentence; empty: all were played
 };
 
 /// Reads a case file, loads its volume and template, and plays its lines. Errors: a line that is no action (its number
-/// is named), read_header's.
+/// is named) where the options do not ask for what stands before it, read_header's.
 Result<CaseRead> read_case(const std::filesystem::path& path, const ReplayOptions& options = {});
 
 /// Whether the shapes of a case depend on more of its image than its name: the case has several frames or structures,
@@ -46,10 +49,12 @@ Result<CaseRead> read_case(const std::filesystem::path& path, const ReplayOption
 bool shapes_need_image(const std::filesystem::path& path);
 
 /// read_case, then opens the file's journal so that every further action is appended to it. `volume_source`: where the
-/// image lies now, which the file's first line says from then on; as it says where empty.
-/// Errors: read_case's, unwritable, open in another program.
+/// image lies now, which the file's first line says from then on; as it says where empty. With `up_to_bad_line` a case
+/// with a line that cannot be played is read up to it [ReplayOptions]; it has no journal then, and the file stays as it
+/// is. Errors: read_case's, unwritable, open in another program.
 Result<CaseRead> open_case(const std::filesystem::path& path, Progress* progress = nullptr,
-                           const std::string& volume_source = {}, const HistoryLimits& limits = {});
+                           const std::string& volume_source = {}, const HistoryLimits& limits = {},
+                           bool up_to_bad_line = false);
 
 /// A new case whose journal is `path`; an existing file is replaced. Errors: a structure without a sound template, or
 /// none at all; a name that is no UTF-8; unwritable. `record`: how a verb makes it; empty: none does.

@@ -156,7 +156,9 @@ void text_at(ImDrawList& draw, ImVec2 at, ImU32 colour, const std::string& text)
 }
 
 void shadowed_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text) {
-  const ImU32 shadow = with_alpha(palette::mark_shadow, static_cast<float>(colour >> IM_COL32_A_SHIFT) / 255);
+  // A fading text keeps its shadow, else nothing tells it from a ground of its own grey.
+  const float alpha = static_cast<float>(colour >> IM_COL32_A_SHIFT) / 255;
+  const ImU32 shadow = with_alpha(palette::mark_shadow, std::min(1.0f, 1.4f * alpha));
   // All round: names of landmarks lie over white bone too.
   for (const ImVec2 aside : {ImVec2{1, 1}, ImVec2{-1, 1}, ImVec2{1, -1}, ImVec2{-1, -1}})
     draw.AddText(font, font->FontSize, {at.x + aside.x, at.y + aside.y}, shadow, text.c_str());

@@ -115,4 +115,30 @@ TEST_CASE("an outline without a region stands out on every grey of an image") {
   }
 }
 
+TEST_CASE("the name of a landmark off the slice is read on white bone") {
+  const auto gl = test::context_or_skip();
+  if (!gl) return;
+  const OrganScan scan;
+  Driver driver(scan.document(), {900, 700, 1});
+  driver.state().preferences.panel_open = false;
+  driver.state().look.maximised = ViewKind::axial;
+  driver.state().preferences.show.crosshair = false;
+  driver.state().preferences.show.outline = false;
+  driver.state().look.window_low = -900;
+  driver.state().look.window_high = 100;  // the organ is white
+  constexpr double off_mm = 6.5;          // of 8 at which it would be gone
+  driver.app().send(ApplyEdit{PlaceLandmark{"hilum", Vec3(0, 0, off_mm)}});
+  driver.app().send(LookAt{Vec3::Zero()});
+  driver.settle();
+  const Picture picture = driver.picture();
+  int names = 0;
+  for (const DrawnItem& text : driver.items())
+    if (text.kind == DrawnItem::Kind::text && text.name == "hilum" &&
+        driver.app().layout().image(ViewKind::axial).contains(text.rect.x, text.rect.y)) {
+      ++names;
+      CHECK(contrast_in(picture, text.seen) > 6);
+    }
+  CHECK(names == 1);
+}
+
 }  // namespace homolog

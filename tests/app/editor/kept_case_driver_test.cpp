@@ -259,4 +259,28 @@ TEST_CASE("on a full disk a snap that was not made holds nothing, and the error 
   CHECK_FALSE(driver.shows("could not be written"));
 }
 
+TEST_CASE("a case with a line that cannot be played opens as it was before it, and its file stays") {
+  OpenOrgan organ;
+  Driver& driver = organ.driver;
+  organ.pull();
+  const fs::path bad = organ.folder / "bad.homolog";
+  {
+    std::ofstream text(bad);
+    text << test::must(read_whole_file(organ.file)) << "{\"wobble\":1}\n{\"stiffness_base\":7}\n";
+  }
+  const std::string before = test::must(read_whole_file(bad));
+  const auto lines = std::count(before.begin(), before.end(), '\n');
+  driver.app().send(OpenFiles{{bad}});
+  driver.wait_until("it is opened", [&] { return driver.case_file().empty(); });
+  driver.settle();
+  CHECK(driver.shows("bad.homolog: line " + std::to_string(lines - 1) + ": "));
+  CHECK(driver.shows("You see the case as it was before that line. The file stays as it is"));
+  CHECK(driver.document().view()->shape.strokes == 1);
+  CHECK(driver.document().structure()->paint.base != 7);
+  organ.pull();
+  CHECK(driver.case_file().parent_path() == unsaved_folder());
+  CHECK(organ.strokes_in(driver.case_file()) == 2);
+  CHECK(test::must(read_whole_file(bad)) == before);
+}
+
 }  // namespace homolog

@@ -131,6 +131,48 @@ TEST_CASE("lines that are no action are errors that name the line") {
   }
 }
 
+TEST_CASE("what stands before a line that cannot be played is read where that is asked for, and the file stays") {
+  const CaseFolder folder;
+  Points before;
+  {
+    EditSession session = folder.create();
+    REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+    before = *session.document().view()->shape.points;
+    REQUIRE(session.apply(pull(-pole, -1.1 * pole)));
+  }
+  const std::vector<std::string> lines = lines_of(folder.case_path);
+  REQUIRE(lines.size() == 3);
+  ReplayOptions options;
+  options.up_to_bad_line = true;
+  CHECK(read_case(folder.case_path, options)->fault.empty());
+  // One that is found before anything is played, and one that is found by playing it.
+  for (const std::string bad : {R"({"wobble":1})", R"({"frame":3})"}) {
+    CAPTURE(bad);
+    std::ofstream(folder.case_path) << lines[0] << '\n' << lines[1] << '\n' << bad << '\n' << lines[2] << '\n';
+    const std::string text = folder.text();
+    CHECK_FALSE(read_case(folder.case_path));
+    CHECK_FALSE(open_case(folder.case_path));
+    auto read = open_case(folder.case_path, nullptr, {}, {}, true);
+    REQUIRE(read);
+    CHECK(read->fault.find("ball.homolog: line 3: ") != std::string::npos);
+    CHECK(*read->session.document().view()->shape.points == before);
+    CHECK(read->session.journal() == nullptr);
+    CHECK(read->whole_bytes == lines[0].size() + lines[1].size() + 2);
+    REQUIRE(read->session.apply(pull(pole, 1.2 * pole)));
+    REQUIRE(read->session.apply(Undo{}));
+    REQUIRE(read->session.apply(Undo{}));
+    CHECK_FALSE(read->session.can_undo());
+    REQUIRE(read->session.apply(Redo{}));
+    CHECK(*read->session.document().view()->shape.points == before);
+    CHECK(folder.text() == text);
+    // It goes on elsewhere with the lines that were read.
+    const fs::path elsewhere = folder.folder.path / "elsewhere.homolog";
+    REQUIRE(save_case_as(read->session, elsewhere));
+    CHECK(*test::must(read_case(elsewhere)).session.document().view()->shape.points == before);
+    CHECK(folder.text() == text);
+  }
+}
+
 TEST_CASE("a number that no case needs is refused with its line") {
   const CaseFolder folder;
   { const EditSession session = folder.create(); }

@@ -46,7 +46,9 @@ class NameTags {
       if (beyond) continue;
       if (std::any_of(taken_.begin(), taken_.end(), [&](const Rect& other) { return tag.meets(other); })) continue;
       taken_.push_back(tag);
-      shadowed_text(draw_, theme_.small, corner, with_alpha(palette::mark, alpha), name);
+      // Its point tells how far away it is; the name has to be read, over white bone too.
+      constexpr float least_alpha = 0.7f;
+      shadowed_text(draw_, theme_.small, corner, with_alpha(palette::mark, std::max(alpha, least_alpha)), name);
       return;
     }
   }

@@ -233,6 +233,7 @@ void show_repair(Editing& editing) {
 void show_opened(Editing& editing, Opened opened) {
   EditorState& state = editing.state;
   for (auto& warning : opened.warnings) add_notice(state, std::move(warning), false);
+  if (!opened.fault.empty()) add_notice(state, std::move(opened.fault));
   if (opened.needs_spacing) {
     state.dialog = SpacingDialog{std::move(opened.request)};
     return;

@@ -307,11 +307,16 @@ Result<void> open_parts(Opened& opened, const Volume* on_screen, Progress& progr
     ReplayOptions options;
     options.progress = &progress;
     options.volume_source = request.volume_source;
+    options.up_to_bad_line = true;
     auto read = read_only ? read_case(request.case_file, options)
-                          : open_case(request.case_file, &progress, request.volume_source);
+                          : open_case(request.case_file, &progress, request.volume_source, {}, true);
     if (!read) return fail(read.error());
     opened.warnings = read->warnings;
-    if (read_only)
+    if (!read->fault.empty())
+      opened.fault = read->fault +
+                     ". You see the case as it was before that line. The file stays as it is, and your changes are "
+                     "kept in a new case. Save it under another name.";
+    else if (read_only)
       opened.warnings.push_back(request.case_file.string() +
                                 " is read-only. Your changes are kept in a new case. Save it under another name.");
     opened.opened_case = std::move(*read);

@@ -30,6 +30,7 @@ struct Opened {
   bool labels_off_image = false;                 ///< none of them lies in the image that they are shown over
   std::optional<Misfit> labels_misfit;           ///< then: what would bring their grid there
   std::vector<std::string> warnings;
+  std::string fault;               ///< sentences on a case that was read in part; empty: it was read whole
   std::vector<SeriesInfo> series;  ///< the folder holds several and none was chosen: nothing was opened
   bool needs_spacing = false;      ///< a stack of pictures, whose voxel size was not told: nothing was opened
   std::string uneven;              ///< the fault of a series whose slices are no even stack: nothing was opened

@@ -56,7 +56,7 @@ void Models::show_study(EditorState& state, StudyRead read, const fs::path& path
   tell_once(state, read.warnings, true);
   const fs::path file = absolute_path(path), before = state.models.kept.file;
   if (before != file && before.parent_path() == studies_folder() && !state.models.study.cases.empty())
-    add_notice(state, {"The study " + study_name(before) + " is kept.", false, std::nullopt, before});
+    add_notice(state, Notice{.text = "The study " + study_name(before) + " is kept.", .error = false, .kept = before});
   if (file.parent_path() != before.parent_path()) state.saving.saved_folder.clear();
   remember_recent(state.preferences.recent_studies, file);
   homolog::show_study(state.models, std::move(read.study), file);

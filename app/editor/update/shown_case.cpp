@@ -127,14 +127,15 @@ std::optional<KeptLooks> ShownCase::looks_to_write(const EditorState& state) {
   KeptLooks now = looks_to_keep(state, snapshot_->file);
   const KeptLooks before = snapshot_->kept.looks ? *snapshot_->kept.looks : KeptLooks();
   if (!begun_looks_) begun_looks_ = now;
-  // What was chosen in another case goes on in this one. It becomes this case's once there is an edit.
-  if (snapshot_->committed == 0) {
-    if (now.set == begun_looks_->set) now.set = before.set;
-    if (now.model == begun_looks_->model) now.model = before.model;
-    if (now.recipe == begun_looks_->recipe && now.measured == begun_looks_->measured) {
-      now.recipe = before.recipe;
-      now.measured = before.measured;
-    }
+  // What was chosen in another case goes on in this one. It becomes this case's once there is an edit, unless the case
+  // keeps one: that may be on its way still, or lie on a disk that is not there today.
+  const bool unedited = snapshot_->committed == 0;
+  if (now.set == begun_looks_->set && (unedited || !before.set.empty())) now.set = before.set;
+  if (now.model == begun_looks_->model && (unedited || !before.model.empty())) now.model = before.model;
+  if (now.recipe == begun_looks_->recipe && now.measured == begun_looks_->measured &&
+      (unedited || !before.recipe.empty())) {
+    now.recipe = before.recipe;
+    now.measured = before.measured;
   }
   if (now == before || now == written_looks_) return std::nullopt;
   return now;

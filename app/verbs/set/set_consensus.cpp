@@ -26,19 +26,25 @@ struct StructuresOfAll {
   std::vector<std::vector<std::size_t>> maps;  ///< that have each
 };
 
+/// A vertebra whose names differ goes by its level.
+NameLikeness likeness_of(const std::string& a, const std::string& b) {
+  const NameLikeness of_names = name_likeness(a, b);
+  return of_names == NameLikeness::none && is_same_vertebra(a, b) ? NameLikeness::words : of_names;
+}
+
 StructuresOfAll united(const std::vector<std::vector<Segment>>& asked) {
   StructuresOfAll all;
   for (std::size_t m = 0; m < asked.size(); ++m)
     for (const Segment& segment : asked[m]) {
       const auto likeness = [&](const TemplateOfSet& one) {
         if (segment.name.empty()) return one.value == segment.value ? NameLikeness::words : NameLikeness::none;
-        const NameLikeness of_names = name_likeness(one.name, segment.name);
-        const bool by_level = of_names == NameLikeness::none && is_same_vertebra(one.name, segment.name);
-        return by_level ? NameLikeness::words : of_names;
+        return likeness_of(one.name, segment.name);
       };
       const auto found = std::ranges::max_element(all.set.structures, {}, likeness);
       if (found != all.set.structures.end() && likeness(*found) != NameLikeness::none) {
-        all.maps[static_cast<std::size_t>(found - all.set.structures.begin())].push_back(m);
+        // Of two labels of one map that are called alike, the first counts.
+        auto& maps = all.maps[static_cast<std::size_t>(found - all.set.structures.begin())];
+        if (maps.back() != m) maps.push_back(m);
         continue;
       }
       all.segments.push_back(segment);
@@ -175,14 +181,12 @@ Result<LabelsOfOne> labels_of_one(const SetJob& job, const StructuresOfAll& all,
 Result<MadeTemplate> own_template_of(const SetJob& job, const std::vector<std::vector<Segment>>& asked,
                                      const std::string& name, int value, std::size_t map,
                                      const std::optional<double>& closing_mm, Progress& progress) {
-  const Segment* named = nullptr;
-  for (const Segment& segment : asked[map])
-    if (name_likeness(segment.name, name) != NameLikeness::none ||
-        (named == nullptr && is_same_vertebra(segment.name, name)))
-      named = &segment;
+  const auto likeness = [&](const Segment& segment) { return likeness_of(name, segment.name); };
+  const auto best = std::ranges::max_element(asked[map], {}, likeness);
+  const bool by_name = best != asked[map].end() && likeness(*best) != NameLikeness::none;
   TemplateJob making;
   making.in = job.maps[map];
-  making.label = named != nullptr ? named->name : std::to_string(value);
+  making.label = by_name ? best->name : std::to_string(value);
   making.vertices = job.vertices;
   making.closing_mm = closing_mm;
   return make_template_of_one(making, !closing_mm, progress);

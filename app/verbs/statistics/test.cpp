@@ -128,7 +128,7 @@ Result<std::vector<TestAgain>> tests_again(const TestJob& job, std::vector<std::
     options.asked.shapes.files = {folder};
     options.at.clear();
     auto other = test_job(options, progress);
-    if (!other) return fail(folder.string(), "of --templates: " + other.error().sentence());
+    if (!other) return fail(folder.string() + " (--templates)", other.error().sentence());
     for (const std::string& warning : other->cases.warnings) warnings.push_back(folder.string() + ": " + warning);
     if (other->cases.names != job.cases.names)
       warnings.push_back(folder.string() + ": has other cases (" + std::to_string(other->cases.names.size()) +

@@ -202,16 +202,17 @@ class GiftiReader {
 
   /// Moves the points from the file's own space to that of the scan, where the file tells how.
   static Result<void> place(pugi::xml_node array, MeshFile& mesh) {
-    bool stays = false;  // in the scanner's space, or in a standard one to which nothing leads from elsewhere
+    bool in_scanner = false, in_standard = false;
     const std::string_view scanner = "NIFTI_XFORM_SCANNER_ANAT";
     pugi::xml_node to_scanner;
     for (const auto system : array.children("CoordinateSystemTransformMatrix")) {
       const std::string_view space = trimmed(system.child_value("DataSpace"));
       const bool standard = space == "NIFTI_XFORM_TALAIRACH" || space == "NIFTI_XFORM_MNI_152";
-      if (space == scanner || (standard && space == trimmed(system.child_value("TransformedSpace")))) stays = true;
+      in_scanner = in_scanner || space == scanner;
+      in_standard = in_standard || (standard && space == trimmed(system.child_value("TransformedSpace")));
       if (!to_scanner && trimmed(system.child_value("TransformedSpace")) == scanner) to_scanner = system;
     }
-    if (stays) return {};
+    if (in_scanner || (in_standard && !to_scanner)) return {};
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     if (to_scanner) {
       Text numbers(to_scanner.child_value("MatrixData"));

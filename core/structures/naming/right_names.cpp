@@ -124,6 +124,9 @@ std::string name_of_other(const SetOfTemplates& set, const SetInMap& subject, co
   }
   if (by == 0) return {};
   std::string moved = name_at_level(name, own->level + by);
+  // T13 and L1 share their number: no two labels may come to one name.
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (subject.structures[k].is_there() && names[k].proposed == moved) return {};
   return set.set.find(moved) != nullptr ? moved : std::string();
 }
 
@@ -214,6 +217,8 @@ RenamedLabels rename_labels(const SetOfTemplates& set, const SetInMap& subject, 
   for (const LabelOfMap& other : subject.others) {
     const std::string name = name_of_other(set, subject, names, other.segment.name);
     if (name.empty()) continue;
+    const auto is_taken = [&, &now = name](const auto& one) { return one.second == now; };
+    if (std::ranges::any_of(renamed.without, is_taken)) continue;
     const auto value = value_of_name(set, subject, name, map, frame);
     if (!value) continue;
     layers[other.segment.layer][other.segment.value] = {*value, {}};

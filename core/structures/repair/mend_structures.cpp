@@ -96,7 +96,7 @@ void Mending::find_in(std::size_t k) {
                bridges = share_left(k, signs.bridges, signs.without_bridges);
   const bool is_pierced = share_left(k, signs.tunnels, signs.without_holes) >= some_tunnels,
              has_bars = share_left(k, signs.bars, signs.without_bars) >= some_bars ||
-                        share_left(k, signs.bar_reach, signs.without_bars) >= long_bar;
+                        (signs.bar_reach >= long_bar && share_left(k, 1, signs.without_bars) > 0);
   if ((holes >= holes_from || is_pierced) && holes < no_hole) {
     add(k, DefectKind::hole);
     change(k, signs.without_holes);

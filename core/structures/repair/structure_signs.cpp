@@ -191,8 +191,8 @@ class Signs {
     return through;
   }
 
-  /// Leaves holes that the label encloses, and those that go through it. One that is open to one side alone may be the
-  /// organ's own form that the fit bridges, as the sinus of a kidney is.
+  /// Keeps holes that the label encloses, and beside neighbours those that go through it. One that is open to one side
+  /// alone may be the organ's own form that the fit bridges, as the sinus of a kidney is.
   void leave_cavities(std::vector<std::uint8_t>& hole) const {
     const auto empty = voxels_where([&](std::size_t v) { return there_.labels[v] == 0; });
     const auto rooms = connected_components(empty, there_.grid.dims, Touching::faces);

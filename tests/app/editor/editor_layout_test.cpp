@@ -187,11 +187,10 @@ class Screens {
     state().preferences.panel_open = true;
     const std::string name = named_.names.empty() ? "ct" : named_.names.front();
     for (int k = 0; k < 4; ++k)
-      add_notice(state(), Notice{"/a/folder/" + std::to_string(k) + "/" + name + "/" + name +
-                                     ".nii.gz could not be read: the file ends early; copy it again.",
-                                 k % 2 == 0,
-                                 {},
-                                 k == 1 ? fs::path(name) : fs::path()});
+      add_notice(state(), Notice{.text = "/a/folder/" + std::to_string(k) + "/" + name + "/" + name +
+                                         ".nii.gz could not be read: the file ends early; copy it again.",
+                                 .error = k % 2 == 0,
+                                 .kept = k == 1 ? fs::path(name) : fs::path()});
     look("notices");
     state().notices.clear();
   }

@@ -17,10 +17,11 @@ namespace homolog {
 namespace {
 
 /// Reads a file of the case that is shown. `take(then, value)` is called while it still is, `else_do(then)` where there
-/// is no such file or it cannot be read.
-template <class Read, class Take, class Else>
-void read_kept(Editing& editing, const std::string& source, Read read, Take take, Else else_do) {
+/// is no such file or it cannot be read. Neither is where something else was chosen meanwhile. `chosen(then)`: what is.
+template <class Chosen, class Read, class Take, class Else>
+void read_kept(Editing& editing, const std::string& source, Chosen chosen, Read read, Take take, Else else_do) {
   const std::uint64_t number = editing.shown.number();
+  const auto before = chosen(std::as_const(editing));
   editing.work.imports.queue(source, [=](Progress&) -> Result<Work::Then> {
     auto got = read(source);
     std::error_code ignored;
@@ -29,7 +30,7 @@ void read_kept(Editing& editing, const std::string& source, Read read, Take take
     using Value = typename decltype(got)::value_type;
     const auto value = got ? std::make_shared<const Value>(std::move(*got)) : nullptr;
     return Work::Then([=](Editing& then) {
-      if (then.shown.number() != number) return;
+      if (then.shown.number() != number || chosen(std::as_const(then)) != before) return;
       if (value) return take(then, value);
       if (!why.empty()) add_notice(then.state, why, false);
       else_do(then);
@@ -41,7 +42,8 @@ void bring_back_set(Editing& editing, const std::string& source) {
   const Automatic& automatic = editing.state.automatic;
   if (automatic.set && automatic.set_source == source) return;
   read_kept(
-      editing, source, [](const std::string& file) { return load_set_of_templates(file); },
+      editing, source, [](const Editing& now) { return now.state.automatic.set_source; },
+      [](const std::string& file) { return load_set_of_templates(file); },
       [source](Editing& then, const std::shared_ptr<const SetOfTemplates>& set) {
         then.state.automatic.set_source = source;
         then.state.automatic.set = set;
@@ -54,7 +56,8 @@ void bring_back_recipe(Editing& editing, const std::string& source, const std::v
   const Structure* structure = editing.structure();
   editing.state.measurements.of_template = structure != nullptr ? structure->the_template->source : std::string();
   read_kept(
-      editing, source, [](const std::string& file) { return load_recipe(file); },
+      editing, source, [](const Editing& now) { return now.state.measurements.source; },
+      [](const std::string& file) { return load_recipe(file); },
       [source, measured](Editing& then, const std::shared_ptr<const Recipe>& recipe) {
         Measurements& measurements = then.state.measurements;
         measurements.source = source;
@@ -72,7 +75,8 @@ void bring_back_model(Editing& editing, const std::string& source) {
     return;
   }
   read_kept(
-      editing, source, [](const std::string& file) { return read_model(file); },
+      editing, source, [](const Editing& now) { return now.state.scoring.file; },
+      [](const std::string& file) { return read_model(file); },
       [source](Editing& then, const std::shared_ptr<const ShapeModel>& model) {
         Scoring& of_case = then.state.scoring;
         of_case.of_file = model;

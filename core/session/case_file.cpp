@@ -306,8 +306,6 @@ Result<CaseRead> open_case(const fs::path& path, Progress* progress, const std::
 
 Result<EditSession> create_case(Document initial, const fs::path& path, const HistoryLimits& limits,
                                 std::string record) {
-  if (initial.structures.empty())
-    return fail(path.string(), "would be a case without a template, which nobody can edit; load one first");
   for (const auto& structure : initial.structures) {
     if (!structure || !structure->the_template)
       return fail(path.string(), "would be a case of a structure without a template; load one first");

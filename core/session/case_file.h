@@ -56,8 +56,8 @@ Result<CaseRead> open_case(const std::filesystem::path& path, Progress* progress
                            const std::string& volume_source = {}, const HistoryLimits& limits = {},
                            bool up_to_bad_line = false);
 
-/// A new case whose journal is `path`; an existing file is replaced. Errors: a structure without a sound template, or
-/// none at all; a name that is no UTF-8; unwritable. `record`: how a verb makes it; empty: none does.
+/// A new case whose journal is `path`; an existing file is replaced. An image alone will do. Errors: a structure
+/// without a sound template; a name that is no UTF-8; unwritable. `record`: how a verb makes it; empty: none does.
 Result<EditSession> create_case(Document initial, const std::filesystem::path& path, const HistoryLimits& limits = {},
                                 std::string record = {});
 

@@ -9,7 +9,6 @@
 #include "core/base/files/files.h"
 #include "core/base/processes/process.h"
 #include "core/session/case_file.h"
-#include "core/session/case_keeping.h"
 
 namespace homolog {
 
@@ -49,9 +48,7 @@ Result<fs::path> new_unsaved_path() {
 Result<EditSession> create_unsaved_case(Document initial) {
   const auto path = new_unsaved_path();
   if (!path) return fail(path.error());
-  EditSession session(std::move(initial));
-  if (auto begun = go_on_in(session, *path); !begun) return fail(begun.error());
-  return session;
+  return create_case(std::move(initial), *path);
 }
 
 std::optional<UnsavedCase> unsaved_case(const fs::path& journal) {

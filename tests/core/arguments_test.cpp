@@ -400,9 +400,6 @@ TEST_CASE("a case begins with a sound template") {
     return document;
   };
   check_refusals({
-      {"nothing", [&] { return created(Document{}); }, "without a template"},
-      {"an image alone", [&] { return created(new_document("phantom:kidney:1", nullptr, nullptr)); },
-       "without a template"},
       {"few points", [&] { return created(of_template([](Template& t) { t.points.conservativeResize(20, 3); })); },
        "20 rows for 2500"},
       {"a structure that is none",

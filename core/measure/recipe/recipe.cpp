@@ -140,23 +140,28 @@ class RecipeReader {
     return {};
   }
 
-  /// The kind of a word, of several the one whose keys are there.
+  /// The kind of a word, of several the one whose keys are there; the one with the most of these.
   static Result<const StepKind*> choose_kind(const std::string& where, const std::string& word,
                                              const RecipeJson& json) {
     std::vector<std::string> words, forms;
+    const StepKind* chosen = nullptr;
+    std::size_t most = 0;
     for (const StepKind* kind : step_kinds()) {
       if (std::ranges::find(words, kind->word) == words.end()) words.emplace_back(kind->word);
       if (word != kind->word) continue;
       std::vector<std::string> missing;
       std::string form;
+      std::size_t needed = 0;
       for (const StepMember& member : kind->members) {
         if (member.least == 0) continue;
+        ++needed;
         form += (form.empty() ? "" : " with ") + excerpt_in_quotes(member.key);
         if (!json.contains(member.key)) missing.emplace_back(member.key);
       }
-      if (missing.empty()) return kind;
+      if (missing.empty() && (chosen == nullptr || needed > most)) chosen = kind, most = needed;
       forms.push_back(form);
     }
+    if (chosen != nullptr) return chosen;
     if (forms.empty()) return fail(unknown_word(where, word, words));
     return fail("", where + " is a " + excerpt_in_quotes(word) + " and needs " + listed(forms, ", or "));
   }

@@ -25,7 +25,7 @@ Result<void> check_counts(const StrokeStart& start) {
   return start.confirmed ? check_count(start.confirmed->size(), vertices, "what is confirmed") : Result<void>{};
 }
 
-/// Once a gesture.
+/// Once a gesture, and at each dab.
 Result<void> check_points_of(const StrokeStart& start) {
   const Eigen::Index vertices = start.topology->vertices();
   if (auto sound = check_points(*start.placed, vertices, "the template as placed"); !sound) return sound;

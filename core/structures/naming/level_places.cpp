@@ -220,7 +220,7 @@ std::array<std::optional<double>, 2> level_evidence_of_others(const SetOfTemplat
     }
   }
   std::array<std::optional<double>, 2> evidence;
-  for (const std::size_t side : {0U, 1U})  // errors err together
+  for (const std::size_t side : {0U, 1U})  // errors of one side go together
     if (counts[side] > 0) evidence[side] = sums[side] / std::sqrt(static_cast<double>(counts[side]));
   return evidence;
 }

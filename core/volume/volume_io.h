@@ -87,6 +87,16 @@ struct VolumeRead {
   std::string about_layers{};       ///< while a format reads: that there are layers, for who takes one; then a warning
   ReferencedImages referenced{};    ///< a DICOM segmentation's images
   std::optional<ResampledSlices> resampled{};  ///< none: `VolumeReadOptions::resample` had nothing to do
+
+  /// The layers: `volume` is number 0, the others follow. References are valid as long as this.
+  std::size_t layer_count() const { return other_layers.size() + 1; }
+  const Volume& layer(std::size_t number) const { return number == 0 ? volume : other_layers[number - 1]; }
+  Volume& layer(std::size_t number) { return number == 0 ? volume : other_layers[number - 1]; }
+  std::vector<const Volume*> layers() const {
+    std::vector<const Volume*> all;
+    for (std::size_t number = 0; number < layer_count(); ++number) all.push_back(&layer(number));
+    return all;
+  }
 };
 
 /// Reads a volume of one of the formats in formats/, frames of a cine included: a file, a DICOM series' folder, or a

@@ -81,7 +81,7 @@ py::array mask_of(const HeldLabels& self, const py::object& asked) {
   std::fill(begin, begin + marks.size(), false);
   bool any = false;
   for (const Segment& segment : *segments) {
-    const Volume& layer = segment.layer == 0 ? read.volume : read.other_layers[segment.layer - 1];
+    const Volume& layer = read.layer(segment.layer);
     if (!same_grid(layer.geometry, read.volume.geometry) || layer.frames != read.volume.frames)
       refuse(subject, "keeps " + label_words(segment) + " on a grid of its own; take it from layers[" +
                           std::to_string(segment.layer) + "]");

@@ -66,7 +66,7 @@ Result<Report> label_map_of_case(const fs::path& path, const fs::path& asked_lik
   Json structures = Json::array();
   std::size_t all = 0;
   for (const Segment& segment : made.map.segmentation.segments) {
-    const Volume& layer = segment.layer == 0 ? made.map.volume : made.map.other_layers[segment.layer - 1];
+    const Volume& layer = made.map.layer(segment.layer);
     const auto counted = labels_of(layer);
     const std::size_t voxels = counted.contains(segment.value) ? counted.at(segment.value) : 0;
     all += voxels;

@@ -25,16 +25,6 @@ constexpr std::size_t per_run = 5;
 /// A label of a layer.
 using Label = std::pair<std::size_t, int>;
 
-std::size_t layers_of(const VolumeRead& map) {
-  return map.other_layers.size() + 1;
-}
-Volume& layer_in(VolumeRead& map, std::size_t layer) {
-  return layer == 0 ? map.volume : map.other_layers[layer - 1];
-}
-const Volume& layer_in(const VolumeRead& map, std::size_t layer) {
-  return layer == 0 ? map.volume : map.other_layers[layer - 1];
-}
-
 /// A structure of the case at the frame of the fit, and its label.
 struct OfCase {
   const Structure& structure;
@@ -65,9 +55,9 @@ bool is_changed_since(const Shape& shape, const InFittedMap& in) {
 
 int free_label(const VolumeRead& map, const std::vector<OfCase>& more) {
   std::set<int> taken;
-  for (std::size_t layer = 0; layer < layers_of(map); ++layer)
-    for (int frame = 0; frame < layer_in(map, layer).frames; ++frame)
-      for (const auto& [value, voxels] : labels_of(layer_in(map, layer), frame)) taken.insert(value);
+  for (std::size_t layer = 0; layer < map.layer_count(); ++layer)
+    for (int frame = 0; frame < map.layer(layer).frames; ++frame)
+      for (const auto& [value, voxels] : labels_of(map.layer(layer), frame)) taken.insert(value);
   for (const Segment& segment : map.segmentation.segments) taken.insert(segment.value);
   for (const OfCase& one : more) taken.insert(one.label.second);
   int value = 1;
@@ -96,7 +86,7 @@ std::vector<OfCase> structures_of(const Document& document, int frame, const Vol
     } else {
       const Segment* segment = segment_called(map, structure_name(*structure));
       if (segment == nullptr) segment = segment_called(map, structure->label);
-      const auto layer = std::min(layers_of(map) - 1, static_cast<std::size_t>(structure->layer));
+      const auto layer = std::min(map.layer_count() - 1, static_cast<std::size_t>(structure->layer));
       one.label = segment != nullptr ? Label(segment->layer, segment->value) : Label(layer, free_label(map, all));
       one.is_changed = true;
     }
@@ -123,8 +113,8 @@ bool propose(VolumeRead& map, const std::vector<std::uint32_t>& changes, const s
   for (std::size_t at = 0; at < changes.size(); at += per_run) {
     const std::size_t layer = changes[at], first = changes[at + 1], count = changes[at + 2];
     const int from = static_cast<int>(changes[at + 3]), to = static_cast<int>(changes[at + 4]);
-    if (layer >= layers_of(map)) return false;
-    Volume& volume = layer_in(map, layer);
+    if (layer >= map.layer_count()) return false;
+    Volume& volume = map.layer(layer);
     const bool is_it = std::visit(
         [&](auto& voxels) {
           using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
@@ -211,8 +201,8 @@ Result<void> rename_in(VolumeRead& map, const KeptMapFit& fit, std::vector<OfCas
     moved.emplace(from, std::move(to));
   }
   if (moved.empty()) return {};
-  for (std::size_t layer = 0; layer < layers_of(map); ++layer) {
-    Volume& volume = layer_in(map, layer);
+  for (std::size_t layer = 0; layer < map.layer_count(); ++layer) {
+    Volume& volume = map.layer(layer);
     std::map<int, int> values;
     std::set<int> reached;
     for (int frame = 0; frame < volume.frames; ++frame)
@@ -268,7 +258,7 @@ bool holds_values(const VolumeRead& map, const std::vector<OfCase>& all) {
           using Voxel = typename std::decay_t<decltype(voxels)>::value_type;
           return one.label.second > 0 && one.label.second <= static_cast<double>(std::numeric_limits<Voxel>::max());
         },
-        layer_in(map, one.label.first).data);
+        map.layer(one.label.first).data);
   });
 }
 
@@ -299,8 +289,8 @@ std::vector<std::uint32_t> voxel_changes(const VolumeRead& before, const VolumeR
          {layer, voxel, std::size_t{1}, static_cast<std::size_t>(from), static_cast<std::size_t>(to)})
       runs.push_back(static_cast<std::uint32_t>(number));
   };
-  for (std::size_t layer = 0; layer < layers_of(before); ++layer) {
-    const Volume& now = layer_in(after, layer);
+  for (std::size_t layer = 0; layer < before.layer_count(); ++layer) {
+    const Volume& now = after.layer(layer);
     std::visit(
         [&]<class Voxel>(const std::vector<Voxel>& voxels) {
           const auto& changed = std::get<std::vector<Voxel>>(now.data);
@@ -309,14 +299,14 @@ std::vector<std::uint32_t> voxel_changes(const VolumeRead& before, const VolumeR
               add(layer, v, rounded_label(static_cast<double>(voxels[v])),
                   rounded_label(static_cast<double>(changed[v])));
         },
-        layer_in(before, layer).data);
+        before.layer(layer).data);
   }
   return runs;
 }
 
 Result<VolumeRead> map_of_case(const Document& document, VolumeRead map, const KeptMapFit& fit, Progress& progress) {
   const int frame = frame_of(document, fit);
-  const auto is_beyond = [&](const auto& one) { return one.second.layer >= layers_of(map); };
+  const auto is_beyond = [&](const auto& one) { return one.second.layer >= map.layer_count(); };
   auto all = structures_of(document, frame, map, fit);
   if (std::ranges::any_of(fit.structures, is_beyond) || !propose(map, fit.changes, labels_taken_back(all, fit)))
     return fail("", "is not the label map that was repaired; fit the set to it again");
@@ -326,7 +316,7 @@ Result<VolumeRead> map_of_case(const Document& document, VolumeRead map, const K
     progress.report(static_cast<double>(done++) / static_cast<double>(all.size()));
     if (progress.cancelled()) return fail("", "was cancelled");
     if (!one.is_changed) continue;
-    Volume& volume = layer_in(map, one.label.first);
+    Volume& volume = map.layer(one.label.first);
     const bool has_frame = map.other_layers.empty() && frame < volume.frames;
     draw_mesh(volume, has_frame ? volume.geometry.voxels() * index(frame) : 0, one, all);
   }

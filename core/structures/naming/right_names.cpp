@@ -225,7 +225,7 @@ RenamedLabels rename_labels(const SetOfTemplates& set, const SetInMap& subject, 
     renamed.without.emplace_back(other.segment.name, name);
   }
   for (const auto& [layer, values] : layers) {
-    Volume& volume = layer == 0 ? map.volume : map.other_layers[layer - 1];
+    Volume& volume = map.layer(layer);
     const std::size_t voxels = volume.geometry.voxels();
     const std::size_t first = map.other_layers.empty() ? voxels * static_cast<std::size_t>(frame) : 0;
     std::visit(

@@ -36,7 +36,7 @@ double Mending::share_beyond(std::size_t k, int label, const Neighbourhood& ther
 std::pair<Volume*, std::size_t> Mending::voxels_of(std::size_t k) {
   const std::size_t layer = result_.subject.structures[k].segment.layer;
   if (map_.other_layers.empty()) return {&map_.volume, map_.volume.geometry.voxels() * index(frame_)};
-  return {layer == 0 ? &map_.volume : &map_.other_layers[layer - 1], 0};
+  return {&map_.layer(layer), 0};
 }
 
 double Mending::share_left(std::size_t k, double share, const std::vector<VoxelChange>& changes) {

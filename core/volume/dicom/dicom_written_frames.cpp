@@ -10,12 +10,6 @@ namespace homolog {
 
 namespace {
 
-std::vector<const Volume*> layers_of(const VolumeRead& map) {
-  std::vector<const Volume*> layers{&map.volume};
-  for (const Volume& layer : map.other_layers) layers.push_back(&layer);
-  return layers;
-}
-
 /// Calls `see(voxel, value)` for every voxel of the grid with its value in a layer; 0 where the layer has none.
 template <class See>
 void for_each_voxel(const Volume& layer, const VolumeGeometry& grid, const VoxelMapping& mapping, const See& see) {
@@ -73,7 +67,7 @@ std::vector<WrittenSegment> segments_of_labels(const VolumeRead& map) {
 /// Each layer as a segment.
 Result<std::vector<WrittenSegment>> segments_of_shares(const VolumeRead& map) {
   std::vector<WrittenSegment> written;
-  const auto layers = layers_of(map);
+  const auto layers = map.layers();
   for (std::size_t l = 0; l < layers.size(); ++l) {
     if (!is_soft(*layers[l], 0)) {
       const auto labels = labels_of(*layers[l]);
@@ -135,7 +129,7 @@ int full_of(const std::vector<const Volume*>& layers) {
 WrittenFrames soft_frames(const VolumeRead& map, const std::vector<WrittenSegment>& segments,
                           const VolumeGeometry& grid, const VoxelMapping& mapping, Progress* progress) {
   WrittenFrames frames;
-  const auto layers = layers_of(map);
+  const auto layers = map.layers();
   frames.full = full_of(layers);
   frames.hash.add(static_cast<std::uint64_t>(frames.full));
   const std::size_t pixels = static_cast<std::size_t>(grid.dims[0]) * static_cast<std::size_t>(grid.dims[1]);
@@ -165,7 +159,7 @@ WrittenFrames soft_frames(const VolumeRead& map, const std::vector<WrittenSegmen
 }  // namespace
 
 bool is_fractional(const VolumeRead& map) {
-  const auto layers = layers_of(map);
+  const auto layers = map.layers();
   return std::ranges::any_of(layers, [](const Volume* layer) { return is_soft(*layer, 0); });
 }
 

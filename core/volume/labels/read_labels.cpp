@@ -33,12 +33,6 @@ std::map<int, std::vector<std::size_t>> layers_of_values(std::span<const Volume*
   return found;
 }
 
-std::vector<const Volume*> all_layers(const VolumeRead& read) {
-  std::vector<const Volume*> layers{&read.volume};
-  for (const Volume& layer : read.other_layers) layers.push_back(&layer);
-  return layers;
-}
-
 /// "label 1 in layer 0, label 2 in layer 1", the first of them.
 std::string layer_words(const Segmentation& segmentation) {
   constexpr std::size_t most = 8;
@@ -135,7 +129,7 @@ void take_layers(const fs::path& path, VolumeRead& read) {
   layers.erase(layers.begin());
   read.other_layers = std::move(layers);
   const std::string count = std::to_string(read.other_layers.size() + 1);
-  const auto all = all_layers(read);
+  const auto all = read.layers();
   for (const auto& [value, in] : layers_of_values(all))
     for (const std::size_t layer : in) read.segmentation.add({.name = {}, .value = value, .layer = layer});
   std::set<int> values;
@@ -167,7 +161,7 @@ Result<std::vector<Segment>> choose_segments(const fs::path& path, const std::st
     wanted = std::move(*found);
   }
   if (read.other_layers.empty()) return wanted;
-  const auto all = all_layers(read);
+  const auto all = read.layers();
   if (wanted.empty()) {
     for (const auto& [value, in] : layers_of_values(all))
       for (const std::size_t layer : in) {

@@ -26,15 +26,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::vector<const Volume*> layers_in(const VolumeRead& map) {
-  std::vector<const Volume*> layers{&map.volume};
-  for (const Volume& layer : map.other_layers) layers.push_back(&layer);
-  return layers;
-}
-
 /// The segments with those labels that nothing is said of, each in the layer where its voxels are written.
 Segmentation complete_segments(const VolumeRead& map) {
-  const auto layers = layers_in(map);
+  const auto layers = map.layers();
   Segmentation all;
   for (Segment segment : map.segmentation.segments) {
     if (layers.size() == 1) segment.layer = 0;  // those that were united
@@ -101,7 +95,7 @@ VoxelData interleaved(const std::vector<const Volume*>& layers) {
 
 Result<void> write_slicer(const VolumeRead& map, const fs::path& path, Progress* progress, const std::string& record) {
   constexpr std::array types{"uint8", "int16", "uint16", "float"};
-  const auto layers = layers_in(map);
+  const auto layers = map.layers();
   const VolumeGeometry& g = map.volume.geometry;
   for (const Volume* layer : layers)
     if (!same_grid(layer->geometry, g) || layer->data.index() != map.volume.data.index())
@@ -219,7 +213,7 @@ Result<void> write_single_masks(const VolumeRead& map, const fs::path& folder, c
     const auto other = std::find_if(files.begin(), files.end(), is_its);
     return other == files.end() ? fs::path() : *other;
   };
-  const auto layers = layers_in(map);
+  const auto layers = map.layers();
   std::vector<std::map<int, VoxelBox>> boxes;
   for (const Volume* layer : layers) boxes.push_back(label_boxes(*layer));
   for (const Segment& segment : complete_segments(map).segments) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "core/base/numbers/geometry.h"
@@ -22,6 +23,7 @@ enum class Alignment {
   rigid,       ///< translation and rotation; size stays
   none
 };
+inline constexpr std::array alignment_names{"similarity", "rigid", "none"};
 
 /// √ Σ ‖p − centroid‖² in mm.
 double centroid_size_mm(const Points& points);

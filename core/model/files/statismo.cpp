@@ -48,8 +48,6 @@ constexpr const char* record_path = "/homolog/record";
 constexpr const char *alignment_path = "/homolog/alignment", *left_out_path = "/homolog/left_out_distances";
 constexpr std::array<std::pair<const char*, bool>, 2> faced_paths{
     {{"/homolog/faces", true}, {"/homolog/ends_at", false}}};  // and whether it is the part that is kept
-constexpr std::array<std::pair<const char*, Alignment>, 3> alignments{
-    {{"similarity", Alignment::similarity}, {"rigid", Alignment::rigid}, {"none", Alignment::none}}};
 constexpr const char* names_start = "/modelinfo/modelBuilder-0/dataInfo/URI_";  // before the number of a shape
 bool name_ends_with(const fs::path& path, const std::string& ending) {
   const std::string name = lower_case(path.filename().string());
@@ -121,8 +119,7 @@ HdfTree tree_of(const ShapeModel& model, const std::string& record) {
     datasets[names_start + std::to_string(i)] = text_of(model.names[i]);
   if (model.alignment) {
     tree.groups["/homolog"];
-    for (const auto& [name, alignment] : alignments)
-      if (alignment == *model.alignment) datasets[alignment_path] = text_of(name);
+    datasets[alignment_path] = text_of(alignment_names[static_cast<std::size_t>(*model.alignment)]);
   }
   if (model.faced) {
     tree.groups["/homolog"];
@@ -207,8 +204,8 @@ Result<ShapeModel> model_of(const HdfTree& tree) {
   if (noise) model.noise_variance = static_cast<double>((*noise)(0, 0));
   read_training(tree, model);
   if (tree.datasets.contains(alignment_path))
-    for (const auto& [name, alignment] : alignments)
-      if (tree.text(alignment_path) == name) model.alignment = alignment;
+    for (std::size_t k = 0; k < alignment_names.size(); ++k)
+      if (tree.text(alignment_path) == alignment_names[k]) model.alignment = static_cast<Alignment>(k);
   for (const auto& [path, kept] : faced_paths)
     if (const std::string labels = tree.text(path); !labels.empty()) model.faced = FacedNames{labels, kept};
   const auto distances = matrix_at(tree, left_out_path, model.scores.cols(), 1);

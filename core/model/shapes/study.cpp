@@ -24,7 +24,6 @@ namespace {
 
 constexpr int version = 1;
 constexpr std::size_t longest_case_name = 200;  // bytes: files are named by it
-constexpr std::array<const char*, 3> state_names{"to do", "in work", "done"};
 
 fs::path absolute_in(const fs::path& folder, const std::string& text) {
   if (!names_file(text)) return text;
@@ -51,8 +50,8 @@ Result<std::string> take_text(Json& json, const char* key, const std::string& wh
 
 Result<CaseState> parsed_state(const std::string& text, const std::string& where) {
   if (text.empty()) return CaseState::to_do;
-  for (std::size_t k = 0; k < state_names.size(); ++k)
-    if (text == state_names[k]) return static_cast<CaseState>(k);
+  for (std::size_t k = 0; k < case_state_names.size(); ++k)
+    if (text == case_state_names[k]) return static_cast<CaseState>(k);
   return fail("",
               where + R"( has the state ")" + excerpt(text) + R"(", which is none of "to do", "in work" and "done")");
 }
@@ -287,10 +286,6 @@ bool is_study_file(const fs::path& file) {
 std::string missing_case(const StudyCase& one) {
   return "case \"" + excerpt(one.name) + "\": " + excerpt(one.file.string()) +
          " does not exist; put it back, or remove the case from the study";
-}
-
-const char* state_name(CaseState state) {
-  return state_names[static_cast<std::size_t>(state)];
 }
 
 std::vector<std::string> Study::groups() const {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -14,6 +16,7 @@
 namespace homolog {
 
 enum class CaseState { to_do, in_work, done };
+inline constexpr std::array case_state_names{"to do", "in work", "done"};
 
 /// One shape of a study: a structure of a case file (a cine: in one of its frames), or a mesh made elsewhere.
 struct StudyCase {
@@ -86,6 +89,8 @@ bool is_study_file(const std::filesystem::path& file);
 /// The sentence for a case whose file is not there.
 std::string missing_case(const StudyCase& one);
 
-const char* state_name(CaseState state);
+inline const char* state_name(CaseState state) {
+  return case_state_names[static_cast<std::size_t>(state)];
+}
 
 }  // namespace homolog

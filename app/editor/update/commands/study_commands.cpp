@@ -17,8 +17,6 @@ namespace homolog {
 
 namespace {
 
-constexpr std::array state_names{"to do", "in work", "done"};
-
 void close_label_dialog(EditorState& state) {
   if (state.dialog && std::holds_alternative<LabelDialog>(*state.dialog)) state.dialog.reset();
 }
@@ -217,7 +215,7 @@ void OpenCaseOfStudy::run(Editing& editing) const {
 
 void SetCaseState::spell(Fields& line) {
   line.member("name", name);
-  spell_choice(line, "to", state_names, to);
+  spell_choice(line, "to", case_state_names, to);
 }
 void SetCaseState::run(EditorState& state) const {
   set_case_state(state.models, name, to);

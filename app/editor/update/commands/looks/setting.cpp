@@ -10,7 +10,6 @@ namespace homolog {
 
 namespace {
 
-constexpr std::array alignment_names{"similarity", "rigid", "none"};
 constexpr std::array column_names{"study", "name", "group", "state", "distance"};
 constexpr std::array between_names{"shape", "image", "label"};
 constexpr std::array paint_names{"factor", "region", "smooth", "fill"};

@@ -85,21 +85,24 @@ void find_contradictions(LevelChain& chain, const std::vector<Link>& links, doub
     for (const std::size_t k : members) chain.apart[k] = off - most->first;
 }
 
-/// How far a structure of a chain lies from where another structure says, if it is of the level above its own, of its
-/// own and of the one below: by how far such things usually err. None where the set does not have that level.
-using LevelErrors = std::array<std::optional<double>, 3>;
+/// How far a structure of a chain lies from where another structure says, if it is of its own level and of each of
+/// level_shifts: by how far such things usually err. None where the set does not have that level.
+struct LevelErrors {
+  double own = 0;
+  LevelEvidence moved;
+};
 std::optional<LevelErrors> level_errors(const SetOfTemplates& set, const LevelChain& chain, int level,
                                         const Vec3& other_in_set, const Vec3& offset, const Similarity& body) {
   constexpr double usual_error = 0.25, least_error_mm = 5, most_errors = 3;
   if (!chain.by_level.contains(level)) return std::nullopt;
-  LevelErrors errors{};
-  for (const int by : {-1, 0, 1}) {
-    const auto there = chain.by_level.find(level + by);
-    if (there == chain.by_level.end()) continue;
-    const Vec3 said = body.scale * (body.rotation * (middle_of(set.templates[there->second]->points) - other_in_set));
-    errors[static_cast<std::size_t>(by + 1)] =
-        std::min(most_errors, (said - offset).norm() / std::max(least_error_mm, usual_error * said.norm()));
-  }
+  const auto error_at = [&](std::size_t there) {
+    const Vec3 said = body.scale * (body.rotation * (middle_of(set.templates[there]->points) - other_in_set));
+    return std::min(most_errors, (said - offset).norm() / std::max(least_error_mm, usual_error * said.norm()));
+  };
+  LevelErrors errors{error_at(chain.by_level.at(level)), {}};
+  for (std::size_t s = 0; s < level_shifts.size(); ++s)
+    if (const auto there = chain.by_level.find(level + level_shifts[s]); there != chain.by_level.end())
+      errors.moved[s] = error_at(there->second);
   return errors;
 }
 
@@ -183,9 +186,9 @@ std::vector<LevelChain> level_chains(const SetOfTemplates& set, const FittedSet&
   return chains;
 }
 
-std::array<std::optional<double>, 2> level_evidence_of_others(const SetOfTemplates& set, const FittedSet& fitted,
-                                                              const std::vector<char>& placed,
-                                                              const std::vector<LevelChain>& chains, std::size_t of) {
+LevelEvidence level_evidence_of_others(const SetOfTemplates& set, const FittedSet& fitted,
+                                       const std::vector<char>& placed, const std::vector<LevelChain>& chains,
+                                       std::size_t of) {
   const LevelChain& chain = chains[of];
   if (chain.apart.empty()) return {};
   const auto in_map = [&](std::size_t k) { return middle_of(fitted.structures[k].fit->mesh.points); };
@@ -193,8 +196,8 @@ std::array<std::optional<double>, 2> level_evidence_of_others(const SetOfTemplat
   for (std::size_t k = 0; k < placed.size(); ++k)
     if (placed[k] != 0) all.push_back(k);
   const Similarity body = similarity_of_fits(set, fitted.structures, all);
-  std::array<double, 2> sums{};
-  std::array<std::size_t, 2> counts{};
+  std::array<double, level_shifts.size()> sums{};
+  std::array<std::size_t, level_shifts.size()> counts{};
   for (std::size_t other = 0; other < placed.size(); ++other) {
     if (placed[other] == 0 || chain.apart.contains(other)) continue;
     const auto really = really_of(set, chains, other);
@@ -212,16 +215,16 @@ std::array<std::optional<double>, 2> level_evidence_of_others(const SetOfTemplat
       nearest_mm = offset.norm();
     }
     if (!nearest) continue;
-    for (const std::size_t side : {0U, 1U}) {
-      const auto own = (*nearest)[1], moved = (*nearest)[2 * side];
-      if (!own || !moved) continue;
-      sums[side] += (*own * *own - *moved * *moved) / 2;
-      ++counts[side];
+    for (std::size_t s = 0; s < level_shifts.size(); ++s) {
+      const auto moved = nearest->moved[s];
+      if (!moved) continue;
+      sums[s] += (nearest->own * nearest->own - *moved * *moved) / 2;
+      ++counts[s];
     }
   }
-  std::array<std::optional<double>, 2> evidence;
-  for (const std::size_t side : {0U, 1U})  // errors of one side go together
-    if (counts[side] > 0) evidence[side] = sums[side] / std::sqrt(static_cast<double>(counts[side]));
+  LevelEvidence evidence;
+  for (std::size_t s = 0; s < level_shifts.size(); ++s)  // errors of one side go together
+    if (counts[s] > 0) evidence[s] = sums[s] / std::sqrt(static_cast<double>(counts[s]));
   return evidence;
 }
 

@@ -36,11 +36,17 @@ std::vector<LevelChain> level_chains(const SetOfTemplates& set, const FittedSet&
 /// map that nobody labelled, a sixth lumbar vertebra, or one above the first cervical one.
 int errors_at_ends(const SetInMap& subject, const FittedSet& fitted, const LevelChain& chain, int by);
 
-/// How much likelier a chain lies, beside the placed structures that do not belong to it, if it is a level above
-/// (first) or below (second) what `apart` leaves of it: the logarithm. `chains`: all, by which others too may be of
-/// another level than their names say. None where no other structure tells, or the set does not have that level.
-std::array<std::optional<double>, 2> level_evidence_of_others(const SetOfTemplates& set, const FittedSet& fitted,
-                                                              const std::vector<char>& placed,
-                                                              const std::vector<LevelChain>& chains, std::size_t of);
+/// So many levels below its names a whole chain may be.
+inline constexpr std::array level_shifts{-2, -1, 1, 2};
+
+/// How much likelier something is if a chain is moved by each of level_shifts: the logarithm. None: nothing tells.
+using LevelEvidence = std::array<std::optional<double>, level_shifts.size()>;
+
+/// How much likelier a chain lies, beside the placed structures that do not belong to it, if it is moved from what
+/// `apart` leaves of it. `chains`: all, by which others too may be of another level than their names say. None where
+/// no other structure tells, or the set does not have that level.
+LevelEvidence level_evidence_of_others(const SetOfTemplates& set, const FittedSet& fitted,
+                                       const std::vector<char>& placed, const std::vector<LevelChain>& chains,
+                                       std::size_t of);
 
 }  // namespace homolog

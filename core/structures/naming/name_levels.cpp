@@ -61,11 +61,11 @@ std::vector<LevelTries> tries_of(const SetOfTemplates& set, const SetInMap& subj
   return tries;
 }
 
-/// How much likelier the shapes of a chain are if it is a level above (first) or below: the logarithm. None where fewer
-/// than three structures tell.
-std::array<std::optional<double>, 2> level_evidence_of_shapes(const SetOfTemplates& set, const SetInMap& subject,
-                                                              const std::vector<char>& sound, const LevelChain& chain,
-                                                              const Progress* progress) {
+/// How much likelier the shapes of a chain are if it is moved. None where fewer than three structures tell. Two levels
+/// away only what the level on the way there tells: each more that is tried may be likelier by chance.
+LevelEvidence level_evidence_of_shapes(const SetOfTemplates& set, const SetInMap& subject,
+                                       const std::vector<char>& sound, const LevelChain& chain,
+                                       const Progress* progress) {
   const std::vector<LevelTries> tries = tries_of(set, subject, sound, chain, progress);
   // If all names are a level off, the others' sizes are those of the levels that they really are.
   const auto usual_scale = [&](int by) {
@@ -74,7 +74,7 @@ std::array<std::optional<double>, 2> level_evidence_of_shapes(const SetOfTemplat
       if (const double scale = one[static_cast<std::size_t>(by + 1)].scale; scale > 0) scales.push_back(scale);
     return scales.empty() ? 1 : median_of(scales);
   };
-  std::array<std::optional<double>, 2> evidence;
+  LevelEvidence evidence;
   for (const int by : {-1, 1}) {
     double sum = 0, squares = 0;
     int count = 0;
@@ -91,7 +91,8 @@ std::array<std::optional<double>, 2> level_evidence_of_shapes(const SetOfTemplat
     }
     if (count < 3) continue;
     const double mean = sum / count, deviation = std::sqrt(std::max(1e-6, squares / count - mean * mean));
-    evidence[by < 0 ? 0 : 1] = -mean / (deviation / std::sqrt(count));
+    for (std::size_t s = 0; s < level_shifts.size(); ++s)
+      if (by * level_shifts[s] > 0) evidence[s] = -mean / (deviation / std::sqrt(count));
   }
   return evidence;
 }
@@ -109,23 +110,25 @@ struct ChainShift {
 const double clearly = std::log(4.0);  ///< from here on names are moved: they may be right
 
 ChainShift likeliest_shift(const SetInMap& subject, const FittedSet& fitted, const LevelChain& chain,
-                           const std::array<std::optional<double>, 2>& shapes,
-                           const std::array<std::optional<double>, 2>& others) {
-  const double one_error = std::log(10.0);
+                           const LevelEvidence& shapes, const LevelEvidence& others) {
+  const double one_error = std::log(10.0), one_more_level = std::log(3.0);
   ChainShift likeliest;
   likeliest.evidence = -std::numeric_limits<double>::infinity();
   bool all_known = true;
-  for (const std::size_t side : {0U, 1U}) {
-    const int by = side == 0 ? -1 : 1;
-    const bool some = chain.share(-by) > 0;
-    const bool is_known = chain.share(0) > 0 && (some || shapes[side] || others[side]);
-    all_known = all_known && is_known;
+  for (std::size_t s = 0; s < level_shifts.size(); ++s) {
+    const int by = level_shifts[s];
+    const bool some = chain.share(-by) > 0, is_next = std::abs(by) == 1;
+    // Form alone does not tell that all are two levels off.
+    const bool is_known = chain.share(0) > 0 && (some || others[s] || (is_next && shapes[s]));
+    all_known = all_known && (is_known || !is_next);
     if (!is_known) continue;
-    double evidence = shapes[side].value_or(0) + others[side].value_or(0);
+    double evidence = shapes[s].value_or(0) + others[s].value_or(0);
     // Of names that agree their places and ends tell nothing.
     if (some)
       evidence += one_error * (chain.errors(0) + errors_at_ends(subject, fitted, chain, 0) - chain.errors(by) -
                                errors_at_ends(subject, fitted, chain, by));
+    else if (!is_next)
+      evidence -= one_more_level;
     if (evidence > likeliest.evidence) likeliest = {by, evidence, some};
   }
   return all_known || likeliest.evidence > unknown_odds ? likeliest : ChainShift();
@@ -164,7 +167,7 @@ std::vector<LevelFound> find_levels(const SetOfTemplates& set, const SetInMap& s
                                     const std::vector<char>& placed, const std::vector<char>& sound,
                                     const Progress* progress) {
   std::vector<LevelChain> chains = level_chains(set, fitted, placed);
-  std::vector<std::array<std::optional<double>, 2>> shapes;
+  std::vector<LevelEvidence> shapes;
   for (const LevelChain& chain : chains)
     shapes.push_back(level_evidence_of_shapes(set, subject, sound, chain, progress));
   std::vector<ChainShift> shifts(chains.size());

@@ -12,31 +12,36 @@ namespace {
 
 using nlohmann::json;
 
-/// Visits every entry by its name, for reading and for writing alike.
+/// Visits every entry by its name, for reading and for writing alike; but not the files and folders. It names all
+/// members: a new one does not compile before it is kept too.
 template <class Value, class Visit>
-void each_entry(Value& p, Visit visit) {
-  visit("window_width", p.window_width);
-  visit("window_height", p.window_height);
-  visit("panel_open", p.panel_open);
-  visit("sections_open", p.sections_open);
-  visit("radiological", p.radiological);
-  visit("linear", p.linear);
-  visit("show_outline", p.show.outline);
-  visit("show_surface", p.show.surface);
-  visit("show_planes", p.show.planes);
-  visit("plane_look", p.show.plane_look);
-  visit("show_label_surface", p.show.label_surface);
-  visit("linked_zoom", p.linked_zoom);
-  visit("light", p.light);
-  visit("show_glyphs", p.show.glyphs);
-  visit("show_wireframe", p.show.wireframe);
-  visit("show_crosshair", p.show.crosshair);
-  visit("show_letters", p.show.letters);
-  visit("hint_dragged", p.hints.dragged);
-  visit("hint_scrolled", p.hints.scrolled);
-  visit("hint_turned", p.hints.turned_camera);
-  visit("guide_done", p.guide_done);
-  visit("told_unsaved", p.told_unsaved);
+void each_entry(Value& preferences, Visit visit) {
+  auto& [window_width, window_height, panel_open, sections_open, radiological, linear, linked_zoom, light, show, hints,
+         told_unsaved, guide_done, recent, recent_studies, folder] = preferences;
+  auto& [outline, surface, planes, glyphs, wireframe, crosshair, letters, label_surface, plane_look] = show;
+  auto& [dragged, scrolled, turned_camera] = hints;
+  visit("window_width", window_width);
+  visit("window_height", window_height);
+  visit("panel_open", panel_open);
+  visit("sections_open", sections_open);
+  visit("radiological", radiological);
+  visit("linear", linear);
+  visit("show_outline", outline);
+  visit("show_surface", surface);
+  visit("show_planes", planes);
+  visit("plane_look", plane_look);
+  visit("show_label_surface", label_surface);
+  visit("linked_zoom", linked_zoom);
+  visit("light", light);
+  visit("show_glyphs", glyphs);
+  visit("show_wireframe", wireframe);
+  visit("show_crosshair", crosshair);
+  visit("show_letters", letters);
+  visit("hint_dragged", dragged);
+  visit("hint_scrolled", scrolled);
+  visit("hint_turned", turned_camera);
+  visit("guide_done", guide_done);
+  visit("told_unsaved", told_unsaved);
 }
 
 }  // namespace

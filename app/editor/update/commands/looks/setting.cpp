@@ -67,41 +67,46 @@ void spell_value(Fields& line, const char* name, std::optional<ViewKind>& value)
   spell_choice_or_null(line, name, view_names, value);
 }
 
+// Each names all members at once: a new one does not compile before it is spelled too.
+
 void spell_value(Fields& line, const char*, ShownParts& parts) {
-  line.member("outline", parts.outline);
-  line.member("surface", parts.surface);
-  line.member("planes", parts.planes);
-  line.member("glyphs", parts.glyphs);
-  line.member("wireframe", parts.wireframe);
-  line.member("crosshair", parts.crosshair);
-  line.member("letters", parts.letters);
-  line.optional("label_surface", parts.label_surface, parts.label_surface);
-  int look = static_cast<int>(parts.plane_look);
-  line.optional("plane_look", look, parts.plane_look != PlaneLook::translucent);
-  if (line.reads()) parts.plane_look = static_cast<PlaneLook>(std::clamp(look, 0, 2));
+  auto& [outline, surface, planes, glyphs, wireframe, crosshair, letters, label_surface, plane_look] = parts;
+  line.member("outline", outline);
+  line.member("surface", surface);
+  line.member("planes", planes);
+  line.member("glyphs", glyphs);
+  line.member("wireframe", wireframe);
+  line.member("crosshair", crosshair);
+  line.member("letters", letters);
+  line.optional("label_surface", label_surface, label_surface);
+  int look = static_cast<int>(plane_look);
+  line.optional("plane_look", look, plane_look != PlaneLook::translucent);
+  if (line.reads()) plane_look = static_cast<PlaneLook>(std::clamp(look, 0, 2));
 }
 
 void spell_value(Fields& line, const char*, BrushSettings& brush) {
-  line.member("radius_mm", brush.radius_mm);
-  spell_choice(line, "paints", paint_names, brush.paints);
-  line.member("region", brush.region);
-  line.member("erases", brush.erases);
-  spell_choice(line, "fill_by", fill_names, brush.fill_by);
-  line.member("fill_tolerance_per_mm", brush.fill_tolerance_per_mm);
-  line.member("stiffness_factor", brush.stiffness_factor);
-  line.member("soft", brush.soft);
-  line.member("hold", brush.hold);
+  auto& [radius_mm, paints, region, erases, fill_by, fill_tolerance_per_mm, stiffness_factor, soft, hold] = brush;
+  line.member("radius_mm", radius_mm);
+  spell_choice(line, "paints", paint_names, paints);
+  line.member("region", region);
+  line.member("erases", erases);
+  spell_choice(line, "fill_by", fill_names, fill_by);
+  line.member("fill_tolerance_per_mm", fill_tolerance_per_mm);
+  line.member("stiffness_factor", stiffness_factor);
+  line.member("soft", soft);
+  line.member("hold", hold);
 }
 
 void spell_value(Fields& line, const char*, FitSettings& fit) {
-  line.member("label", fit.label);
-  line.optional("all_labels", fit.all_labels, fit.all_labels);
-  line.or_null("closing_mm", fit.closing_mm);
-  line.member("as_placed", fit.as_placed);
+  auto& [label, all_labels, closing_mm, as_placed, partial, model, beyond] = fit;
+  line.member("label", label);
+  line.optional("all_labels", all_labels, all_labels);
+  line.or_null("closing_mm", closing_mm);
+  line.member("as_placed", as_placed);
   static constexpr std::array model_names{"none", "study", "file"};
-  if (!line.reads() || line.has("model")) spell_choice(line, "model", model_names, fit.model);
-  line.optional("partial", fit.partial, fit.partial);
-  line.optional("beyond", fit.beyond);
+  if (!line.reads() || line.has("model")) spell_choice(line, "model", model_names, model);
+  line.optional("partial", partial, partial);
+  line.optional("beyond", beyond);
 }
 
 void spell_value(Fields& line, const char*, TemplateSettings& settings) {

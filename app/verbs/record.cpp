@@ -119,10 +119,8 @@ struct InputReader {
   Progress* progress = nullptr;
 
   Result<Json> read(const fs::path& path, int depth = 0) const {
-    // A study names cases, which name images; deeper than that is a circle.
-    constexpr int deepest = 4;
     std::error_code none;
-    if (fs::is_directory(path, none)) return read_folder(path);
+    if (fs::is_directory(path, none)) return read_folder(path, depth > 0);
     const auto bytes = size_of_file(path);
     if (!bytes) return fail(bytes.error());
     auto sum = known_sum(path, *bytes, progress);
@@ -149,6 +147,9 @@ struct InputReader {
   }
 
  private:
+  /// A study names cases, which name images; deeper than that is a circle.
+  static constexpr int deepest = 4;
+
   /// What a table names. Of one case: by its place among all that the table names.
   Result<void> read_table(const fs::path& path, Json& names) const {
     const auto all = files_of_table(path);
@@ -165,25 +166,28 @@ struct InputReader {
     return {};
   }
 
-  bool counts(const fs::path& path) const {
+  bool counts(const fs::path& path, bool of_image) const {
     if (path.filename().string().starts_with('.') || is_record_file(path)) return false;
+    if (of_image && (is_case_file(path) || is_study_file(path))) return false;
     if (!of_cases.empty() && !of_cases.contains(file_stem(path))) return false;
     return !shapes_alone || keeps_numbers(path) || is_case_file(path);
   }
 
-  Result<Json> read_folder(const fs::path& folder) const {
+  /// `of_image`: a file names the folder, as a case does its DICOM series. Cases that lie beside the slices are no part
+  /// of it, and no file in it is followed: a case that names its own folder would be read without end.
+  Result<Json> read_folder(const fs::path& folder, bool of_image) const {
     std::vector<fs::path> entries;
     std::error_code error;
     for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
          entry.increment(error))
       if (std::error_code none; (entry->is_directory(none) && !entry->is_symlink(none)) ||  // links may go in circles
-                                (entry->is_regular_file(none) && counts(entry->path())))
+                                (entry->is_regular_file(none) && counts(entry->path(), of_image)))
         entries.push_back(entry->path());
     if (error) return fail(folder.string(), "cannot be read (" + error.message() + "); check its rights");
     std::ranges::sort(entries);
     Json files = Json::array();
     for (const fs::path& entry : entries) {
-      auto one = read(entry);
+      auto one = read(entry, of_image ? deepest : 0);
       if (!one) return one;
       if (one->contains("files") && (*one)["files"].empty()) continue;
       files.push_back(std::move(*one));

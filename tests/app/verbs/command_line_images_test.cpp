@@ -271,6 +271,19 @@ TEST_CASE("all structures of a case become a label map and a DICOM segmentation 
   CHECK(read->referenced.series == std::vector<std::string>{"1.2.3"});
   CHECK(read->referenced.instances.size() == 8);  // of the series, and of each frame
 
+  // A case beside its slices names its own folder: nothing is read without end.
+  const std::string lines = read_whole_file(folder.path / "ball.homolog").value();
+  Json header = Json::parse(lines.substr(0, lines.find('\n')));
+  header["volume"] = ".";
+  header["template"] = "../" + header["template"].get<std::string>();
+  write_bytes(folder.path / "ct/own.homolog", header.dump() + lines.substr(lines.find('\n')));
+  for (const char* command : {"measure ct/own.homolog --csv own.csv", "replay ct/own.homolog -o own.ply",
+                              "label-map ct/own.homolog --like ct -o own.dcm"}) {
+    const Ran beside = run(folder, command);
+    REQUIRE_MESSAGE(beside.status == 0, command << ": " << beside.errors);
+  }
+  CHECK(read_volume(folder.path / "own.dcm")->volume.data == read->volume.data);
+
   // A mesh names its segment by its file without what says the format.
   REQUIRE(write_mesh(icosphere(3, 40), folder.path / "left.surf.gii"));
   const Ran of_mesh = run(folder, "label-map left.surf.gii --like ct -o left.dcm");

@@ -156,7 +156,8 @@ Placed likeliest(const Template& the_template, const ClosestPoints& closest, con
                  const std::vector<Moments>& to, const PlacementHints& hints, double rest) {
   const bool any = hints.orientation == Orientation::any && !hints.start;
   const PlacementPrior prior{hints.start.value_or(onto(from.front(), to.front(), Eigen::Quaterniond::Identity())),
-                             any ? any_turn : PlacementPrior{}.turn_rad};
+                             any ? any_turn : PlacementPrior{}.turn_rad,
+                             hints.size_deviation.value_or(PlacementPrior{}.size_deviation)};
   // Without landmarks the best overlap alone is anatomically wrong too often.
   const double farthest = any ? everywhere : most_tilt;
   std::vector<Start> starts;
@@ -238,7 +239,7 @@ std::optional<OtherLie> other_lie(const Template& the_template, const Boundary& 
     double distance_mm, cost;
   };
   const auto there = [&](const Template& lying) -> There {
-    const Placed found = placed(lying, boundary, {{}, orientation, {}, partial}, nearly);
+    const Placed found = placed(lying, boundary, {.orientation = orientation, .partial = partial}, nearly);
     Points points = found.placement.apply(lying.points);
     const double distance_mm =
         partial ? one_way_distance_mm(boundary.surface.points, {lying.topology, points}) : found.distance_mm;

@@ -20,9 +20,10 @@ enum class Orientation {
 struct PlacementHints {
   std::map<std::string, Vec3> landmarks;  ///< named places on the organ, LPS mm; names the template lacks are left out
   Orientation orientation = Orientation::patient;
-  std::optional<Similarity> start;  ///< near which to look, instead of the patient's axes; turned by at most 60°
-  bool partial = false;             ///< the boundary may lack parts of the organ, or have what is not the organ's
-  bool cut_template = false;        ///< the template lacks parts of the organ; it counts as partial
+  std::optional<Similarity> start;       ///< near which to look, instead of the patient's axes; turned by at most 60°
+  bool partial = false;                  ///< the boundary may lack parts of the organ, or have what is not the organ's
+  bool cut_template = false;             ///< the template lacks parts of the organ; it counts as partial
+  std::optional<double> size_deviation;  ///< standard deviation of the logarithm of the scale; none: little is known
 };
 
 /// The most likely similarity that places a template on a boundary automatically. It weighs closest points in both

@@ -4,7 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "core/adapt/boundary/cut_template.h"
+#include "core/adapt/boundary/find_placement.h"
+#include "core/adapt/labels/choose_closing.h"
 #include "core/base/numbers/statistics.h"
+#include "core/base/processes/parallel.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {
@@ -80,6 +84,33 @@ std::optional<Similarity> said_by_neighbours_at(const SetOfTemplates& set, const
   for (std::size_t k = 0; k < fitted.size(); ++k)
     if (has_a_say(fitted[k])) near.emplace_back((middle_of(fitted[k].fit->mesh.points) - place_mm).norm(), k);
   return said_by(set, fitted, in_agreement(set, fitted, std::move(near)));
+}
+
+std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
+                                                 const FittedSet& fitted, const Progress* progress) {
+  constexpr double usual_deviation =
+      0.04;  // of sizes beside their neighbours'; a half must not shrink what is expected
+  std::vector<std::optional<Mesh>> expected(set.templates.size());
+  for_each_in_parallel(expected.size(), [&](std::size_t k) {
+    if (set.templates[k] == nullptr || (progress != nullptr && progress->cancelled())) return;
+    const Template& own = *set.templates[k];
+    // One that is cut off itself says where a structure is missing, but nothing of the form of one that is there.
+    const bool is_there = subject.structures[k].is_there();
+    if (is_there && !cut_borders(own, own.points).empty()) return;
+    auto said = said_by_neighbours(set, fitted.structures, k);
+    if (!said) return;
+    if (is_there) {
+      const StructureInMap& there = subject.structures[k];
+      const int value = there.segment.value;
+      const auto boundary = label_boundary(*there.mask, value, 0, usual_closing_mm(*there.mask, value, 0),
+                                           own.points.rows(), {.all = true});
+      if (boundary)
+        said = find_placement(own, *boundary, {.start = said, .partial = true, .size_deviation = usual_deviation})
+                   .placement;
+    }
+    expected[k] = Mesh{own.topology, said->apply(own.points)};
+  });
+  return expected;
 }
 
 }  // namespace homolog

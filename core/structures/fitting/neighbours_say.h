@@ -37,4 +37,10 @@ std::optional<Similarity> said_by_neighbours(const SetOfTemplates& set, const st
 std::optional<Similarity> said_by_neighbours_at(const SetOfTemplates& set, const std::vector<FittedStructure>& fitted,
                                                 const Vec3& place_mm);
 
+/// The shape that is expected of each structure: its template where its neighbours say, then moved onto what the map
+/// has of it, as one that may lack parts or have too much. None where no neighbour says, or where the template itself
+/// is cut off. `progress` may cancel the work; what is left out then has none.
+std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
+                                                 const FittedSet& fitted, const Progress* progress = nullptr);
+
 }  // namespace homolog

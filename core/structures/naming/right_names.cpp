@@ -1,4 +1,5 @@
 #include "core/structures/naming/right_names.h"
+#include "core/structures/fitting/neighbours_say.h"
 
 #include <algorithm>
 #include <cmath>

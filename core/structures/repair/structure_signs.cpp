@@ -7,17 +7,12 @@
 #include <set>
 #include <utility>
 
-#include "core/adapt/boundary/cut_template.h"
-#include "core/adapt/boundary/find_placement.h"
-#include "core/adapt/labels/choose_closing.h"
 #include "core/base/numbers/index.h"
 #include "core/base/numbers/statistics.h"
 #include "core/base/processes/parallel.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxels/voxelise.h"
-#include "core/structures/fitting/neighbours_say.h"
 #include "core/template_making/voxel_components.h"
-#include "core/volume/labels/label_boxes.h"
 
 namespace homolog {
 
@@ -192,17 +187,25 @@ class Signs {
   }
 
   /// Keeps holes that the label encloses, and beside neighbours those that go through it. One that is open to one side
-  /// alone may be the organ's own form that the fit bridges, as the sinus of a kidney is.
+  /// alone may be the organ's own form that the fit bridges, as the sinus of a kidney is; an enclosed one that is
+  /// narrow everywhere is a vessel or a calyx.
   void leave_cavities(std::vector<std::uint8_t>& hole) const {
-    const auto empty = voxels_where([&](std::size_t v) { return there_.labels[v] == 0; });
-    const auto rooms = connected_components(empty, there_.grid.dims, Touching::faces);
-    std::vector<char> is_outside(rooms.sizes.size());
-    for (std::size_t v = 0; v < empty.size(); ++v)
-      if (rooms.part[v] >= 0 && for_each_beside(v, [](std::size_t) {})) is_outside[index(rooms.part[v])] = 1;
+    constexpr double narrow = 0.06;  // half as wide, as a share of the size: those of expert masks are below
+    const Body empty(voxels_where([&](std::size_t v) { return there_.labels[v] == 0; }), there_.grid);
+    const auto rooms = connected_components(empty.inside, there_.grid.dims, Touching::faces);
+    std::vector<char> is_outside(rooms.sizes.size()), is_wide(rooms.sizes.size());
+    for (std::size_t v = 0; v < hole.size(); ++v) {
+      if (rooms.part[v] < 0) continue;
+      if (for_each_beside(v, [](std::size_t) {})) is_outside[index(rooms.part[v])] = 1;
+      if (empty.depth[v] >= narrow * size_mm_) is_wide[index(rooms.part[v])] = 1;
+    }
     const auto parts = connected_components(hole, there_.grid.dims, Touching::faces);
     const auto through = go_through(parts);
     for (std::size_t v = 0; v < hole.size(); ++v) {
-      if (hole[v] == 0 || is_outside[index(rooms.part[v])] == 0) continue;
+      if (hole[v] == 0) continue;
+      const std::size_t room = index(rooms.part[v]);
+      if (is_outside[room] == 0 && is_wide[room] == 0) hole[v] = 0;
+      if (is_outside[room] == 0) continue;
       if (!expected_[of_] || through[index(parts.part[v])] == 0) hole[v] = 0;
     }
   }
@@ -352,78 +355,7 @@ class Signs {
   StructureSigns signs_;
 };
 
-/// Whether voxels of a structure in another layer are no room for one.
-bool bars(const SetInMap& subject, std::size_t of, std::size_t other) {
-  const auto overlaps_any = [&] {
-    const auto first = subject.overlapping.lower_bound({other, 0});
-    return first != subject.overlapping.end() && first->first == other;
-  };
-  return subject.structures[of].is_there() ? subject.lie_apart(of, other) : !overlaps_any();
-}
-
 }  // namespace
-
-int label_around(const SetInMap& subject, std::size_t of, std::size_t other) {
-  const Segment &own = subject.structures[of].segment, &theirs = subject.structures[other].segment;
-  return own.layer == theirs.layer ? theirs.value : -1 - static_cast<int>(other);
-}
-
-Neighbourhood around_structure(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
-                               const Box& reach, int margin) {
-  const auto [own, of_own] = layer_of(map, subject.structures[of].segment.layer, frame);
-  Neighbourhood there = around(reach, *own, of_own, margin);
-  const HeldByOthers held(subject, map, frame, of, there.grid.bounds_mm());
-  for (std::size_t v = 0; v < there.labels.size() && !held.empty(); ++v)
-    if (there.labels[v] == 0) there.labels[v] = held.label_at(place_of_voxel(there.grid, v));
-  return there;
-}
-
-HeldByOthers::HeldByOthers(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
-                           const std::optional<Box>& within) {
-  for (std::size_t n = 0; n < subject.structures.size(); ++n) {
-    const StructureInMap& other = subject.structures[n];
-    const int label = label_around(subject, of, n);
-    if (n == of || label >= 0 || !bars(subject, of, n)) continue;
-    const auto [layer, of_layer] = layer_of(map, other.segment.layer, frame);
-    if (within && other.is_there()) {
-      Box near = other.mask->geometry.bounds_mm();  // and what repair may have added
-      const Vec3 more = near.sizes() / 2;
-      near = Box(near.min() - more, near.max() + more);
-      if (!near.intersects(*within)) continue;
-    }
-    if (!other.is_there() && layer->range_max < other.segment.value) continue;
-    all_.push_back({VoxelGrid(*layer, of_layer), other.segment.value, label});
-  }
-}
-
-int HeldByOthers::label_at(const Vec3& p_mm) const {
-  for (const Held& one : all_)
-    if (one.layer.label_at(p_mm) == one.value) return one.label;
-  return 0;
-}
-
-std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
-                                                 const FittedSet& fitted, const Progress* progress) {
-  std::vector<std::optional<Mesh>> expected(set.templates.size());
-  for_each_in_parallel(expected.size(), [&](std::size_t k) {
-    if (set.templates[k] == nullptr || (progress != nullptr && progress->cancelled())) return;
-    const Template& own = *set.templates[k];
-    // One that is cut off itself says where a structure is missing, but nothing of the form of one that is there.
-    const bool is_there = subject.structures[k].is_there();
-    if (is_there && !cut_borders(own, own.points).empty()) return;
-    auto said = said_by_neighbours(set, fitted.structures, k);
-    if (!said) return;
-    if (is_there) {
-      const StructureInMap& there = subject.structures[k];
-      const int value = there.segment.value;
-      const auto boundary = label_boundary(*there.mask, value, 0, usual_closing_mm(*there.mask, value, 0),
-                                           own.points.rows(), {.all = true});
-      if (boundary) said = find_placement(own, *boundary, {.start = said, .partial = true}).placement;
-    }
-    expected[k] = Mesh{own.topology, said->apply(own.points)};
-  });
-  return expected;
-}
 
 std::vector<StructureSigns> structure_signs(const SetOfTemplates& set, const VolumeRead& map, int frame,
                                             const SetInMap& subject, const FittedSet& fitted,

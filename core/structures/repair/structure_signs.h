@@ -16,32 +16,6 @@ struct VoxelChange {
   int from = 0, to = 0;
 };
 
-/// The label of a structure's voxels in the surroundings of another one: their label where both are of one layer, else
-/// a number below 0 of its own.
-int label_around(const SetInMap& subject, std::size_t of, std::size_t other);
-
-/// The places of structures of other layers that may not overlap one; of one that is missing, those that overlap none.
-class HeldByOthers {
- public:
-  /// `within`: of those, the ones that may reach into a box in mm.
-  HeldByOthers(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
-               const std::optional<Box>& within = std::nullopt);
-  /// The label_around of the structure that holds a place; 0: none does.
-  int label_at(const Vec3& p_mm) const;
-  bool empty() const { return all_.empty(); }
-
- private:
-  struct Held {
-    VoxelGrid layer;
-    int value = 0, label = 0;
-  };
-  std::vector<Held> all_;
-};
-
-/// The map around a structure: its layer, and where nothing is there, what HeldByOthers says.
-Neighbourhood around_structure(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
-                               const Box& reach, int margin);
-
 /// Signs that tell whether a structure of a label map is right, against its fit and against the shape that its
 /// neighbours expect of it. All are shares of its voxels or of the expected ones, unless something else is said.
 struct StructureSigns {
@@ -63,14 +37,8 @@ struct StructureSigns {
   std::vector<VoxelChange> without_islands, without_holes, without_bridges, without_bars;
 };
 
-/// The shape that is expected of each structure: its template where its neighbours say, then moved onto what the map
-/// has of it, as one that may lack parts or have too much. None where no neighbour says, or where the template itself
-/// is cut off. `progress` may cancel the work; what is left out then has none.
-std::vector<std::optional<Mesh>> expected_shapes(const SetOfTemplates& set, const SetInMap& subject,
-                                                 const FittedSet& fitted, const Progress* progress = nullptr);
-
 /// Returns the signs of each structure of a set, in its order: of those that have a fit as they are found in the map,
-/// of the others the values above. `progress` may cancel the work, as in expected_shapes.
+/// of the others the values above. `progress` may cancel the work, as there.
 std::vector<StructureSigns> structure_signs(const SetOfTemplates& set, const VolumeRead& map, int frame,
                                             const SetInMap& subject, const FittedSet& fitted,
                                             const std::vector<std::optional<Mesh>>& expected,

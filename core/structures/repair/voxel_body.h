@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/numbers/index.h"
+#include "core/structures/fitting/fit_set.h"
 #include "core/template_making/distance_map.h"
 #include "core/template_making/voxel_components.h"
 #include "core/volume/labels/label_boxes.h"
@@ -112,5 +113,31 @@ inline std::vector<std::uint8_t> large_parts(std::vector<std::uint8_t> set, cons
     if (set[v] != 0 && static_cast<double>(parts.sizes[index(parts.part[v])]) < least) set[v] = 0;
   return set;
 }
+
+/// The label of a structure's voxels in the surroundings of another one: their label where both are of one layer, else
+/// a number below 0 of its own.
+int label_around(const SetInMap& subject, std::size_t of, std::size_t other);
+
+/// The places of structures of other layers that may not overlap one; of one that is missing, those that overlap none.
+class HeldByOthers {
+ public:
+  /// `within`: of those, the ones that may reach into a box in mm.
+  HeldByOthers(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
+               const std::optional<Box>& within = std::nullopt);
+  /// The label_around of the structure that holds a place; 0: none does.
+  int label_at(const Vec3& p_mm) const;
+  bool empty() const { return all_.empty(); }
+
+ private:
+  struct Held {
+    VoxelGrid layer;
+    int value = 0, label = 0;
+  };
+  std::vector<Held> all_;
+};
+
+/// The map around a structure: its layer, and where nothing is there, what HeldByOthers says.
+Neighbourhood around_structure(const SetInMap& subject, const VolumeRead& map, int frame, std::size_t of,
+                               const Box& reach, int margin);
 
 }  // namespace homolog

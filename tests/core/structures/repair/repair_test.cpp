@@ -1,4 +1,5 @@
 #include "core/structures/repair/repair.h"
+#include "core/structures/fitting/neighbours_say.h"
 
 #include <doctest/doctest.h>
 

@@ -143,7 +143,10 @@ PrincipalComponents leading_components(ShapeMatrix shapes, Eigen::Index count) {
     found = solver.info() == Spectra::CompInfo::Successful;
     if (found) take_axes(solver.eigenvalues(), solver.eigenvectors(), components);
   }
-  if (found) components.beyond = std::max(0.0, gram.trace() - components.scatter.sum());
+  if (found) {
+    components.beyond = std::max(0.0, gram.trace() - components.scatter.sum());
+    components.beyond_squares = std::max(0.0, gram.squaredNorm() - components.scatter.squaredNorm());
+  }
   if (!found) all_axes(gram, components);
   return components;
 }

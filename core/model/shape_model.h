@@ -18,11 +18,12 @@ namespace homolog {
 
 /// The principal components of M shapes: all of them, or the leading ones alone.
 struct PrincipalComponents {
-  Eigen::VectorXd mean;     ///< 3n
-  ShapeMatrix centred;      ///< 3n×M, shapes − mean
-  Eigen::VectorXd scatter;  ///< r eigenvalues of centredᵀ · centred, descending, > 0; r ≤ M − 1 is the rank
-  Eigen::MatrixXd vectors;  ///< M×r, their unit eigenvectors
-  double beyond = 0;        ///< the sum of the eigenvalues that were not computed; 0 where all were
+  Eigen::VectorXd mean;       ///< 3n
+  ShapeMatrix centred;        ///< 3n×M, shapes − mean
+  Eigen::VectorXd scatter;    ///< r eigenvalues of centredᵀ · centred, descending, > 0; r ≤ M − 1 is the rank
+  Eigen::MatrixXd vectors;    ///< M×r, their unit eigenvectors
+  double beyond = 0;          ///< the sum of the eigenvalues that were not computed; 0 where all were
+  double beyond_squares = 0;  ///< the sum of their squares
 
   Eigen::Index shapes() const { return centred.cols(); }
   Eigen::Index vertices() const { return centred.rows() / 3; }

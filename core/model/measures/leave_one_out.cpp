@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/demand.h"
 #include "core/base/processes/parallel.h"
 
 namespace homolog {
@@ -15,6 +16,9 @@ constexpr double same_pole = 1e-14;
 constexpr double untouched = 1e-28;
 /// An eigenvalue below this share of the largest is rounding, no mode.
 constexpr double mode_share = 1e-13;
+
+constexpr const char* needs_all =
+    "an error beyond the modes needs all components of the shapes; compute them with principal_components";
 
 }  // namespace
 
@@ -38,6 +42,12 @@ LeaveOneOut::LeaveOneOut(const PrincipalComponents& components, Eigen::Index sha
       poles.push_back(d[j]);
       weights.push_back(square);
     }
+  }
+  if (const double rest = components.centred.col(shape).squaredNorm() - z_.squaredNorm();
+      components.beyond > 0 && rest > untouched * d[0]) {
+    poles.push_back(components.beyond_squares / components.beyond);
+    weights.push_back(rest);
+    knows_all_ = false;
   }
   poles_ = Eigen::Map<Eigen::VectorXd>(poles.data(), std::ssize(poles));
   weights_ = Eigen::Map<Eigen::VectorXd>(weights.data(), std::ssize(weights));
@@ -89,6 +99,7 @@ LeaveOneOut::Mode LeaveOneOut::root_between(Eigen::Index upper, bool down_to_zer
 }
 
 Eigen::VectorXd LeaveOneOut::squared_errors(Eigen::Index most_modes) const {
+  demand(knows_all_, needs_all);
   Eigen::VectorXd errors(most_modes + 1);
   double error = beyond_.empty() ? 0 : beyond_.front().square;
   const auto known = static_cast<Eigen::Index>(modes_.size());
@@ -111,6 +122,7 @@ Eigen::VectorXd LeaveOneOut::part_along(const Mode& mode) const {
 }
 
 Eigen::VectorXd LeaveOneOut::error(Eigen::Index modes) const {
+  demand(knows_all_, needs_all);
   Eigen::VectorXd error = Eigen::VectorXd::Zero(z_.size());
   for (const Mode& mode : beyond_) error += part_along(mode);
   for (std::size_t k = static_cast<std::size_t>(modes); k < modes_.size(); ++k) error += part_along(modes_[k]);

@@ -11,6 +11,10 @@ namespace homolog {
 /// eigenvalues μ of the rest are roots of the secular equation 1 = ρ Σ_j z_j²/(d_j − μ) [Golub 1973], one between each
 /// two neighbouring d; the axes are (D − μ)⁻¹ z, and y = ρ z lies on the axis of μ with the square 1 / ‖(D − μ)⁻¹ z‖².
 /// So every mode count comes from one set of roots, and no model is built M times.
+///
+/// Where only the leading components are known, what y has beyond them counts as one more axis, with the variance that
+/// the axes there have in the mean, weighted by themselves. Distances in the leading modes then err by less than 1 %;
+/// `squared_errors` and `error` need all components.
 class LeaveOneOut {
  public:
   LeaveOneOut(const PrincipalComponents& components, Eigen::Index shape);
@@ -37,6 +41,7 @@ class LeaveOneOut {
   Eigen::VectorXd part_along(const Mode& mode) const;
 
   double shapes_ = 0;  ///< M
+  bool knows_all_ = true;
   double rho_ = 1;
   Eigen::VectorXd z_;                ///< r coefficients of the shape
   std::vector<Eigen::Index> group_;  ///< the pole of each coefficient; −1 where the shape has none of it

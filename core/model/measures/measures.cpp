@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/demand.h"
 #include "core/base/numbers/index.h"
 #include "core/base/processes/parallel.h"
 #include "core/measure/compare.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr Eigen::Index block_vertices = 512, block_samples = 32;
 
 Eigen::Index mode_counts(const PrincipalComponents& components) {
+  demand(components.beyond == 0, "needs all components of the shapes; compute them with principal_components");
   return std::max<Eigen::Index>(0, components.shapes() - 2);
 }
 

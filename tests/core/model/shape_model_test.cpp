@@ -214,7 +214,12 @@ TEST_CASE("leading components are the first of all, and know how much lies beyon
     CHECK(model_of_modes(some, leading, nullptr, {}).modes() == leading);
     // How far a shape lies from the others' model, in as many modes.
     const Eigen::VectorXd near = left_out_distances(some, leading), exact = left_out_distances(all, leading);
-    CHECK(((near - exact).array() / exact.array()).abs().maxCoeff() < 0.15);
+    const Eigen::ArrayXd off = ((near - exact).array() / exact.array()).abs();
+    CAPTURE(off.mean());
+    CHECK(off.maxCoeff() < 0.02);  // 0.15 where the rest counted as nothing
+    CHECK(off.mean() < 0.003);
+    CHECK_THROWS_AS(LeaveOneOut(some, 0).squared_errors(leading), std::invalid_argument);
+    CHECK_THROWS_AS(compactness(some), std::invalid_argument);
     CHECK(leading_components(shapes, leading).vectors == some.vectors);
   }
   // Few shapes: all components are known as soon.

@@ -25,7 +25,8 @@ struct Adapting {
   Points placed;                   ///< R: `rest` under `placement`, LPS mm
   VertexScalars factors;           ///< factors of the stiffness; their mean is 1
   std::vector<std::int32_t> held;  ///< vertices that stay exactly where they are
-  std::vector<Pin> pins;           ///< on triangles of which not all corners are held: exactly met by every solve
+  /// On triangles of which not all corners are held: met by every solve, exactly unless they contradict each other.
+  std::vector<Pin> pins;
 
   /// Lays the reference anew on the mesh as it is now.
   void place_anew();

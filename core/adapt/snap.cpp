@@ -5,6 +5,7 @@
 #include "core/adapt/annealing.h"
 #include "core/adapt/image/image_target.h"
 #include "core/adapt/untangle.h"
+#include "core/base/text/lengths.h"
 #include "core/deform/falloff.h"
 #include "core/mesh/mesh_quality.h"
 
@@ -102,7 +103,18 @@ class Snapping {
     }
   }
 
+  /// How far the farthest pin is from being met.
+  double off_pins_mm() const {
+    double farthest = 0;
+    for (const Pin& pin : shape_.pins) {
+      const auto there = pin.on.interpolate(*shape_.mesh.topology, shape_.mesh.points);
+      farthest = std::max(farthest, (pin.place.transpose() - there).norm());
+    }
+    return farthest;
+  }
+
   SnapResult finish() {
+    constexpr double noticed_mm = 1;
     const Mesh& mesh = shape_.mesh;
     SnapResult result;
     result.points = mesh.points;
@@ -116,6 +128,9 @@ class Snapping {
     if (result.doubtful)
       result.warnings.emplace_back(
           "the image shows hardly any boundary at the mesh; check that the mesh lies on the right organ");
+    if (const double off_mm = off_pins_mm(); off_mm > noticed_mm)
+      result.warnings.push_back("its landmarks and contours contradict each other, by up to " + in_mm(off_mm, 1) +
+                                "; move or remove one of them, or trust a contour less");
     if (!result.unseen.empty())
       result.warnings.push_back(std::to_string(result.unseen.size()) +
                                 (result.unseen.size() == 1 ? " vertex lies beyond the scan and follows the others"

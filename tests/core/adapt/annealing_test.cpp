@@ -56,6 +56,30 @@ TEST_CASE("where no force is known the shape decides") {
   CHECK((shape.mesh.points - targets).rowwise().norm().mean() < 1);
 }
 
+TEST_CASE("pins are met and those that contradict each other bend the mesh between them and do not tear it") {
+  const auto pinned = [](const std::vector<Vec3>& offs) {
+    Adapting shape = ball_at_rest();
+    // Pins close together on one face, and one far off.
+    for (std::size_t k = 0; k < offs.size(); ++k) {
+      const SurfacePoint on{0, {0.5 + 1e-5 * static_cast<double>(k), 0.3, 0.2 - 1e-5 * static_cast<double>(k)}};
+      shape.pins.push_back({on, on.interpolate(*shape.mesh.topology, shape.rest).transpose() + offs[k]});
+    }
+    anneal_with(shape, to(shape.rest, [](Eigen::Index) { return true; }));
+    return shape;
+  };
+  const auto off_mm = [](const Adapting& shape, std::size_t k) {
+    const Pin& pin = shape.pins[k];
+    return (pin.place.transpose() - pin.on.interpolate(*shape.mesh.topology, shape.mesh.points)).norm();
+  };
+  const Adapting one = pinned({Vec3(0, 0, 2)});
+  CHECK(off_mm(one, 0) < 1e-9);
+  const Adapting two = pinned({Vec3(0, 0, 2), Vec3(0, 2, 0)});
+  const double farthest_mm = (two.mesh.points - two.rest).rowwise().norm().maxCoeff();
+  CAPTURE(farthest_mm);
+  CHECK(farthest_mm < 5);  // 10,000 mm where both had to be met
+  for (const std::size_t k : {0U, 1U}) CHECK(off_mm(two, k) == doctest::Approx(std::sqrt(2.0)).epsilon(0.1));
+}
+
 TEST_CASE("the softest stiffness comes last and decides how small a bump the mesh follows") {
   const auto height_mm = [](const Annealing& annealing) {
     Adapting shape = ball_at_rest();

@@ -53,6 +53,29 @@ std::vector<std::string_view> words_of(std::string_view text) {
   return words;
 }
 
+bool is_number(std::string_view text) {
+  const auto begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return false;
+  text = text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
+  if (text.starts_with('+')) text.remove_prefix(1);
+  return as_number<double>(text).has_value();
+}
+
+/// Whether each "(x,y,z)" of a text holds numbers with commas between them, and nothing else.
+bool holds_vectors(std::string_view text) {
+  for (std::size_t begin = 0; (begin = text.find('(', begin)) != std::string_view::npos;) {
+    const auto end = text.find(')', begin);
+    if (end == std::string_view::npos) return false;
+    for (std::size_t from = begin + 1; from <= end;) {
+      const auto to = std::min(text.find(',', from), end);
+      if (!is_number(text.substr(from, to - from))) return false;
+      from = to + 1;
+    }
+    begin = end;
+  }
+  return true;
+}
+
 /// Whether text is a whole number above 0, however large.
 bool is_count(std::string_view text) {
   return text.find_first_not_of("0123456789") == std::string_view::npos &&
@@ -235,6 +258,17 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
         if (!is_count(size)) return fail(path.string(), "has sizes that are no whole numbers above 0; export it again");
       sized = true;
     }
+    // The library reads "1.5x" as 1.5, and of "1 5" the 1.
+    for (const char* field : {"space origin", "space directions", "measurement frame"}) {
+      std::string key = field;
+      std::erase(key, ' ');
+      if (const auto value = field_value(*line, key); value && !holds_vectors(*value))
+        return fail(path.string(), "has a " + std::string(field) + " that is no numbers with commas between them (" +
+                                       excerpt(*value) + "); export it again");
+    }
+    if (const auto spacings = field_value(*line, "spacings");
+        spacings && !std::ranges::all_of(words_of(*spacings), is_number))
+      return fail(path.string(), "has spacings that are no numbers (" + excerpt(*spacings) + "); export it again");
     dimensioned = dimensioned || field_value(*line, "dimension");
     ended = line->empty();
     const bool taken = take_over(*line, header);

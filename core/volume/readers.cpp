@@ -5,6 +5,7 @@
 #include <cctype>
 #include <limits>
 
+#include "core/base/numbers/limits.h"
 #include "core/base/processes/memory.h"
 #include "core/base/text/text.h"
 
@@ -51,6 +52,9 @@ Result<VolumeGeometry> make_geometry(const std::filesystem::path& path, const st
   const Vec3 lengths = steps_mm.colwise().norm();
   if (!origin_mm.allFinite() || !lengths.allFinite() || lengths.minCoeff() <= 0)
     return fail(path.string(), "gives its voxels no size or place; its header is damaged, export the volume again");
+  if (std::max(origin_mm.cwiseAbs().maxCoeff(), lengths.maxCoeff()) > farthest_mm)
+    return fail(path.string(),
+                std::string(beyond_farthest) + " by its header, which is damaged; export the volume again");
   geometry.spacing_mm = lengths;
   geometry.origin_mm = origin_mm.array() + 0.0;  // no negative zeros in reports
   geometry.direction = (steps_mm * lengths.cwiseInverse().asDiagonal()).array() + 0.0;

@@ -198,6 +198,23 @@ Result<std::unique_ptr<Source>> open_source(const ByteBlock& block) {
   return source;
 }
 
+/// Fails where anything but zeros follows, of which some programs write a few.
+Result<void> check_end(Source& source, const fs::path& file) {
+  std::vector<std::byte> rest(input_bytes);
+  constexpr std::size_t much = std::size_t{1} << 28;
+  for (std::size_t read_on = 0; read_on < much;) {
+    const auto got = source.read(rest);
+    if (!got) return fail(got.error());
+    if (*got == 0) return {};
+    const auto is_zero = [](std::byte byte) { return byte == std::byte{0}; };
+    if (!std::ranges::all_of(std::span(rest).first(*got), is_zero))
+      return fail(file.string(),
+                  "holds more voxels than its header says, so that they would lie in wrong places; export it again");
+    read_on += *got;
+  }
+  return {};
+}
+
 }  // namespace
 
 Compression compression_of(const fs::path& file) {
@@ -239,6 +256,8 @@ Result<void> read_block(const ByteBlock& block, std::size_t bytes, const Room& r
     done += *got;
     if (*got < step) return cut_short(block.file, static_cast<double>(done), static_cast<double>(bytes));
   }
+  if (block.ends_file)
+    if (auto ended = check_end(**source, block.file); !ended) return ended;
   constexpr std::size_t much = std::size_t{1} << 28;  // bytes that other programs write behind the voxels
   return (*source)->finish(bytes + much);
 }

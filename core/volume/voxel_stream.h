@@ -25,6 +25,7 @@ struct ByteBlock {
   std::uintmax_t offset = 0;  ///< the place of the first (compressed) byte
   std::uintmax_t skip = 0;    ///< bytes to pass over after decompression
   Compression compression = Compression::None;
+  bool ends_file = false;  ///< nothing but zeros may follow: else the sizes in the header are smaller than the voxels
 };
 
 /// Deflate where the file begins as gzip does, whatever its name, else None.
@@ -39,7 +40,7 @@ using Room = std::function<std::span<std::byte>(std::size_t bytes)>;
 
 /// Reads `bytes` bytes of the block into room that is asked for as they arrive, a few megabytes at a time (a multiple
 /// of 8 but for the last); reports and asks for cancellation as often. Fails where the block is shorter, damaged (a
-/// gzip's checksum included) or the reader was cancelled.
+/// gzip's checksum included), or not the end of its file though it should be, or the reader was cancelled.
 Result<void> read_block(const ByteBlock& block, std::size_t bytes, const Room& room, Progress* progress);
 
 /// The same into room that is there already.

@@ -41,7 +41,8 @@ struct Header {
     std::vector<double> result;
     const std::string value = text(names);
     for (const char *c = value.data(), *end = c + value.size(); c < end;) {
-      if (*c == ' ' || *c == '\t' || *c == ',' || *c == '+') {
+      const bool separates = *c == ',' && (c + 1 == end || c[1] == ' ' || c[1] == '\t');  // "1,5" is no two numbers
+      if (*c == ' ' || *c == '\t' || *c == '+' || separates) {
         ++c;
         continue;
       }
@@ -119,13 +120,15 @@ Result<Layout> layout_of(const Header& header, const fs::path& path, std::vector
     if (sizes[d] != 1)
       return fail(path.string(), "has more than four dimensions; export one volume or series of frames");
   // What is not said has a default; what is said must be whole.
-  const auto whole = [&](std::initializer_list<std::string_view> names, std::size_t count) {
-    return header.text(names).empty() || header.numbers(names).size() >= count;
+  const auto check = [&](std::initializer_list<std::string_view> names, std::size_t count) -> Result<void> {
+    if (header.text(names).empty() || header.numbers(names).size() == count) return {};
+    return fail(path.string(), std::string(*names.begin()) + " is \"" + excerpt(header.text(names)) + "\", and not " +
+                                   std::to_string(count) + " numbers with blanks between them; export it again");
   };
   const std::initializer_list<std::string_view> spacings{"ElementSpacing", "ElementSize"},
       origins{"Offset", "Position", "Origin"}, matrices{"TransformMatrix", "Rotation", "Orientation"};
-  if (!whole(spacings, n) || !whole(origins, n) || !whole(matrices, n * n) || header.numbers(matrices).size() > n * n)
-    return damaged_header(path);
+  for (const auto& checked : {check({"DimSize"}, n), check(spacings, n), check(origins, n), check(matrices, n * n)})
+    if (!checked) return fail(checked.error());
   std::vector<double> spacing = header.numbers(spacings), origin = header.numbers(origins);
   const std::vector<double> matrix = header.numbers(matrices);
   spacing.resize(std::max<std::size_t>(n, 4), 1);
@@ -171,7 +174,9 @@ Result<VoxelRun> find_run(const Header& header, Scalar type, double bytes, const
   run.type = type;
   run.other_byte_order = header.is_true({"BinaryDataByteOrderMSB", "ElementByteOrderMSB"}) != native_big_endian();
   const bool local = data_file == "LOCAL" || data_file == "Local" || data_file == "local";
-  ByteBlock block{.file = local ? path : path.parent_path() / data_file, .offset = local ? header.local_offset : 0};
+  ByteBlock block{.file = local ? path : path.parent_path() / data_file,
+                  .offset = local ? header.local_offset : 0,
+                  .ends_file = true};
   if (header.is_true({"CompressedData"})) block.compression = Compression::Deflate;
   std::error_code ignored;
   if (!local && !fs::exists(fs::symlink_status(block.file, ignored)))

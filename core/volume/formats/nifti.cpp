@@ -331,9 +331,10 @@ Result<VolumeRead> read_nifti(const fs::path& path, const VolumeReadOptions& opt
 
   const auto begin = voxels_begin(*header, *pair);
   if (!begin) return fail(begin.error());
-  const VoxelRun run{{{.file = pair->voxels, .skip = *begin, .compression = compression_of(pair->voxels)}},
-                     *type,
-                     header->other_byte_order};
+  const VoxelRun run{
+      {{.file = pair->voxels, .skip = *begin, .compression = compression_of(pair->voxels), .ends_file = true}},
+      *type,
+      header->other_byte_order};
   auto stored = read_run(run, volume.geometry, frames, !rescale.identity(), options.progress);
   if (!stored) return fail(stored.error());
   if (auto kept = keep_voxels(std::move(*stored), rescale, path.string(), volume, result.warnings); !kept)

@@ -149,7 +149,7 @@ Result<VoxelRun> find_nrrd_run(const NrrdHeader& header, const Nrrd& nrrd, const
   for (const fs::path& file : *files) {
     const auto begin = skip_lines(file, header.detached ? 0 : header.voxels_begin, state.lineSkip);
     if (!begin) return fail(begin.error());
-    ByteBlock block{.file = file, .offset = *begin};
+    ByteBlock block{.file = file, .offset = *begin, .ends_file = true};
     if (state.encoding == nrrdEncodingGzip) block.compression = Compression::Deflate;
     if (state.encoding == nrrdEncodingBzip2) block.compression = Compression::Bzip2;
     if (state.byteSkip >= 0) {

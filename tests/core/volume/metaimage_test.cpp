@@ -53,3 +53,19 @@ TEST_CASE("MetaImage's intensity function is applied") {
   for (const std::string& lines : {slope + "0\n", slope + "nan\n", offset + "x\n", slope + "1 2\n"})
     CHECK(says(with(lines), "ElementToIntensityFunction"));
 }
+
+TEST_CASE("MetaImage's numbers are whole and its voxels are as many as its sizes say") {
+  const auto with = [](const std::string& lines, const std::string& voxels = "ab") {
+    return read_metaimage_of("NDims = 3\n" + lines + "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n" + voxels);
+  };
+  const std::string two = "DimSize = 2 1 1\n";
+  REQUIRE(with(two + "Offset = -20 1.5 5\nElementSpacing = 2, 2.5, 2\n"));
+  CHECK(says(with(two + "Offset = -20 1,5 5\n"), "Offset is \"-20 1,5 5\", and not 3 numbers"));
+  CHECK(says(with(two + "ElementSpacing = 2 2,5 2\n"), "ElementSpacing is \"2 2,5 2\""));
+  CHECK(says(with(two + "ElementSpacing = 2,5 2\n"), "ElementSpacing is"));
+  CHECK(says(with("DimSize = 1,5 2 1\n"), "DimSize is"));
+  CHECK(says(with(two + "Offset = 1e308 0 0\n"), "lies beyond 1,000,000,000 mm"));
+  CHECK(says(with(two + "ElementSpacing = 4294967295 1 1\n"), "lies beyond 1,000,000,000 mm"));
+  CHECK(says(with(two, "abc"), "holds more voxels than its header says"));
+  CHECK(with(two, std::string("ab\0\0", 4)));  // padding
+}

@@ -94,6 +94,22 @@ TEST_CASE("voxels are not looked for on the standard input or in a pipe or twice
   CHECK(says(read_slices({}, "LIST\n/dev/zero\n/dev/zero\n/dev/zero\n/dev/zero"), "device or a pipe"));
 }
 
+TEST_CASE("a header whose numbers are half numbers or whose sizes are too small is refused") {
+  const auto read = [](std::string header, const std::string& from, const std::string& to, const std::string& voxels) {
+    const TemporaryFolder folder;
+    header.replace(header.find(from), from.size(), to);
+    write_bytes(folder.path / "v.nrrd", header + "\n" + voxels);
+    return read_volume(folder.path / "v.nrrd");
+  };
+  const std::string raw = header_of("raw"), origin = "space origin: (0,0,0)";
+  REQUIRE(read(raw, origin, "space origin: ( -20, +1.5,5e0)", "abcdefgh"));
+  for (const char* damaged : {"(-20,1.5x,5)", "(-20,1 5,5)", "(-20,,5)", "(-20,1,5", "(-20,1;5,5)"})
+    CHECK(says(read(raw, origin, std::string("space origin: ") + damaged, "abcdefgh"), "space origin"));
+  CHECK(says(read(raw, "(0,1,0)", "(0,1.x,0)", "abcdefgh"), "space directions"));
+  CHECK(says(read(raw, origin, "space origin: (1e10,0,0)", "abcdefgh"), "lies beyond 1,000,000,000 mm"));
+  CHECK(says(read(raw, "sizes: 2 1 4", "sizes: 2 1 3", "abcdefgh"), "holds more voxels than its header says"));
+}
+
 TEST_CASE("files that are too many or too few for the sizes or too short are refused") {
   CHECK(says(read_slices({"s1", "s2", "s3"}, "s%d 1 3 1"), "names 3 files"));
   CHECK(says(read_slices({"s1", "s2", "s3", "s4", "s5"}, "s%d 1 5 1"), "names 5 files"));

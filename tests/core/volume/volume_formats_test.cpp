@@ -10,6 +10,7 @@
 #include "core/volume/labels/read_labels.h"
 #include "core/volume/labels/write_segmentation.h"
 #include "core/volume/volume_io.h"
+#include "core/volume/voxel_stream.h"
 #include "tests/must.h"
 #include "tests/real_data.h"
 #include "tests/refusal.h"
@@ -328,6 +329,23 @@ std::string mgh_bytes(int type, const std::string& voxels, bool placed = true) {
 }
 
 }  // namespace
+
+TEST_CASE("a NIfTI header whose sizes are smaller than its voxels is refused") {
+  const TemporaryFolder folder;
+  Volume volume;
+  volume.geometry.dims = {4, 5, 6};
+  volume.data = std::vector<std::uint8_t>(volume.geometry.voxels(), 1);
+  for (const char* name : {"v.nii", "v.nii.gz"}) {
+    CAPTURE(name);
+    const fs::path file = folder.path / name, sheared = folder.path / (std::string("s") + name);
+    REQUIRE(write_volume(volume, file));
+    auto bytes = read_to_end({.file = file, .compression = compression_of(file)}, 1 << 20).value();
+    bytes[44] = 4;  // dim[2] of 5
+    write_bytes(sheared, bytes);
+    CHECK(says(read_volume(sheared), "holds more voxels than its header says"));
+    CHECK(read_volume(file));
+  }
+}
 
 TEST_CASE("MGH volumes of FreeSurfer are read with the place of their header") {
   const TemporaryFolder folder;

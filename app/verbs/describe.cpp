@@ -6,6 +6,8 @@
 #include "app/verbs/model/training.h"
 #include "app/verbs/read_image.h"
 #include "core/base/pictures/colour.h"
+#include "core/base/text/listed.h"
+#include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/files/curve_io.h"
 #include "core/mesh/files/landmark_io.h"
@@ -102,6 +104,24 @@ Result<void> check_folder_of(const std::filesystem::path& to_write) {
   const std::filesystem::path folder = to_write.parent_path();
   if (folder.empty() || std::filesystem::is_directory(folder, ignored)) return {};
   return fail(to_write.string(), "cannot be written, because its folder is not there; make it, or name another");
+}
+
+Result<ChosenStructure> choose_structure(const Document& document, const std::filesystem::path& file,
+                                         const std::string& name) {
+  std::vector<std::string> names;
+  for (const auto& one : document.structures) names.push_back(one->name.empty() ? one->id : one->name);
+  if (name.empty()) {
+    if (names.size() < 2) return ChosenStructure{};
+    return ChosenStructure{{},
+                           file.string() + ": has " + listed(names, ", ") + ", of which the first is taken; name " +
+                               "another one with --structure"};
+  }
+  auto chosen = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  for (std::size_t k = 0; k < names.size() && chosen == names.size(); ++k)
+    if (document.structures[k]->id == name) chosen = k;
+  if (chosen == names.size())
+    return fail(file.string(), "has no structure \"" + excerpt(name) + "\"; it has " + listed(names, ", "));
+  return ChosenStructure{chosen == 0 ? std::string() : document.structures[chosen]->id, {}};
 }
 
 Json json_of(const Vec3& p) {

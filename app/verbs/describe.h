@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "app/verbs/verb.h"
+#include "core/case/document.h"
 #include "core/measure/compare.h"
 #include "core/measure/meeting.h"
 #include "core/mesh/mesh_io.h"
@@ -28,6 +29,15 @@ std::vector<std::string> mesh_warnings(const std::filesystem::path& path, const 
 
 /// A file that meets another one, with the size of what it holds [meeting.h].
 Meeting meeting_of(const std::filesystem::path& path, const Points& points);
+
+/// The structure of a case that a verb works on.
+struct ChosenStructure {
+  std::string id;       ///< empty: the first
+  std::string warning;  ///< a sentence where the case has several and none is named; else empty
+};
+/// Chooses one by its name or id; the first where none is named. Errors: the case has no such one.
+Result<ChosenStructure> choose_structure(const Document& document, const std::filesystem::path& file,
+                                         const std::string& name);
 
 /// For what changes a case or works long before it writes a file. Errors: its folder is not there. An empty name is no
 /// file.

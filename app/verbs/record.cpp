@@ -338,8 +338,10 @@ std::string record_of_made(const std::string& record, const fs::path& output, co
   return starred.substr(0, starred.size() - 1) + ",\"beside\":" + ascii_text(ending) + "}";
 }
 
-Result<std::string> record_of_case(const fs::path& case_file, Progress& progress) {
-  return record_of({"replay", {{"CASE", {case_file.string()}}}}, progress);
+Result<std::string> record_of_case(const fs::path& case_file, const std::string& structure, Progress& progress) {
+  GivenCommand replay{"replay", {{"CASE", {case_file.string()}}}};
+  if (!structure.empty()) replay.options.push_back({"--structure", {structure}});
+  return record_of(replay, progress);
 }
 
 Result<Report> run_recorded(const VerbRun& run, const CLI::App& verb, Progress& progress) {

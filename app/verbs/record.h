@@ -67,8 +67,10 @@ std::string record_of_output(const std::string& record, const std::string& outpu
 std::string record_of_made(const std::string& record, const std::filesystem::path& output,
                            const std::filesystem::path& file);
 
-/// The record of a mesh that playing a case gives: of an edit that was added to its file.
-Result<std::string> record_of_case(const std::filesystem::path& case_file, Progress& progress);
+/// The record of a mesh that playing a case gives: of an edit that was added to its file. `structure`: which of
+/// them, by its name or id; empty: the first.
+Result<std::string> record_of_case(const std::filesystem::path& case_file, const std::string& structure,
+                                   Progress& progress);
 
 /// Runs a verb, and puts the record of its command into the files that it made [Report::made]. Errors: the verb's,
 /// record_of's, add_record's.

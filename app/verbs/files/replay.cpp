@@ -1,10 +1,9 @@
 #include <chrono>
 #include <filesystem>
 
+#include "app/verbs/describe.h"
 #include "app/verbs/record.h"
 #include "app/verbs/verb.h"
-#include "core/base/text/listed.h"
-#include "core/base/text/text.h"
 #include "core/deform/fold_guard.h"
 #include "core/session/case_file.h"
 
@@ -36,23 +35,6 @@ ReplayOptions replay_options(const ReplayVerb& verb, Progress& progress) {
   return options;
 }
 
-std::string called(const Structure& structure) {
-  return structure.name.empty() ? structure.id : structure.name;
-}
-
-/// By its name or id; the first where none is named. Null: the case has no such one.
-const Structure* structure_named(const Document& document, const std::string& name) {
-  for (const auto& one : document.structures)
-    if (called(*one) == name) return one.get();
-  return document.structure(name);
-}
-
-std::string names_in(const Document& document) {
-  std::vector<std::string> names;
-  for (const auto& one : document.structures) names.push_back(called(*one));
-  return listed(names, ", ");
-}
-
 Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   auto read = read_case(verb.file, replay_options(verb, progress));
@@ -60,10 +42,9 @@ Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Document& document = read->session.document();
   const int frame = verb.frame >= 0 ? verb.frame : document.frame;
-  const Structure* structure = structure_named(document, verb.structure);
-  if (!verb.structure.empty() && structure == nullptr)
-    return fail(verb.file.string(),
-                "has no structure \"" + excerpt(verb.structure) + "\"; it has " + names_in(document));
+  const auto chosen = choose_structure(document, verb.file, verb.structure);
+  if (!chosen) return fail(chosen.error());
+  const Structure* structure = document.structure(chosen->id);
   const Shape* shape = structure != nullptr ? structure->shape(frame) : nullptr;
   if (shape == nullptr) {
     return fail(verb.file.string(), "has no mesh in frame " + std::to_string(frame) + "; choose another with --frame");
@@ -74,9 +55,7 @@ Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
   mesh.record = std::move(*record);
   if (auto written = write_mesh_file(mesh, verb.out); !written) return fail(written.error());
   const auto turned = turned_triangles(*structure->the_template->topology, *shape->placed, mesh.points);
-  if (document.structures.size() > 1 && verb.structure.empty())
-    read->warnings.push_back(verb.file.string() + ": has " + names_in(document) +
-                             ", and the mesh is that of the first; name another one with --structure");
+  if (!chosen->warning.empty()) read->warnings.push_back(chosen->warning);
   return Report{{{"strokes", read->session.strokes()},
                  {"turned_triangles", turned.size()},
                  {"solves", read->session.solves()},

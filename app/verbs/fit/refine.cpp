@@ -20,6 +20,7 @@ namespace {
 
 struct RefineVerb {
   fs::path file, out;
+  std::string structure;
 };
 
 Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
@@ -28,17 +29,20 @@ Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
   if (!read) return fail(read.error());
   EditSession& session = read->session;
   const auto start = std::chrono::steady_clock::now();
-  const auto shown = shape_to("refine", session.document());
+  const auto chosen = choose_structure(session.document(), verb.file, verb.structure);
+  if (!chosen) return fail(chosen.error());
+  const auto shown = shape_to("refine", session.document(), chosen->id);
   if (!shown) return fail(verb.file.string(), shown.error().what);
   auto refined = refine_shape(*shown, &progress);
   if (!refined) return fail(verb.file.string(), refined.error().what);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Mesh before = shown->mesh();
-  if (auto done = session.apply(std::move(refined->action)); !done) return fail(verb.file.string(), done.error().what);
-  const ShapeView done = *session.document().view();
+  if (auto done = session.apply(std::move(refined->action), false, chosen->id); !done)
+    return fail(verb.file.string(), done.error().what);
+  const ShapeView done = *session.document().view(chosen->id);
   if (!verb.out.empty()) {
     MeshFile file = to_mesh_file(done, session.document().scan.frames() > 1);
-    auto record = record_of_case(verb.file, progress);
+    auto record = record_of_case(verb.file, verb.structure, progress);
     if (!record) return fail(record.error());
     file.record = std::move(*record);
     if (auto written = write_mesh_file(file, verb.out); !written) return fail(written.error());
@@ -52,6 +56,7 @@ Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
                    {"self_intersections", self_intersections(after).size()},
                    {"seconds", seconds}};
   report.warnings = read->warnings;
+  if (!chosen->warning.empty()) report.warnings.push_back(chosen->warning);
   if (!session.news().empty()) report.warnings.push_back(session.news());
   for (const std::string& warning : refined->warnings) report.warnings.push_back(verb.file.string() + ": " + warning);
   return report;
@@ -64,6 +69,8 @@ void add_refine(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(
       app, "refine", "Fits the template to a case's surface and moves its vertices along the surface accordingly");
   verb->add_option("CASE", options->file, "The case file, which gets one more edit")->required();
+  verb->add_option("--structure", options->structure,
+                   "Of a case of several structures this one, by name (default: the first)");
   keeps_correspondence(verb->add_option("-o,--output", options->out, "The mesh to write"));
   verb->callback(
       [options, &asked] { asked.run = [options](Progress& progress) { return run_refine(*options, progress); }; });

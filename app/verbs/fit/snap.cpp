@@ -22,6 +22,7 @@ namespace {
 struct SnapVerb {
   SnapArguments snap;
   fs::path source, image, out;
+  std::string structure;
   std::vector<double> at;
   double sigma_mm = 10;
   bool frame_given = false;
@@ -74,7 +75,9 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   auto session = opened(verb, progress, of_image);
   if (!session) return fail(session.error());
   const Scan& scan = session->document().scan;
-  const auto before = session->document().view();
+  const auto chosen = choose_structure(session->document(), verb.source, verb.structure);
+  if (!chosen) return fail(chosen.error());
+  const auto before = session->document().view(chosen->id);
   if (!before) return fail(verb.source.string(), "has no mesh in the frame it shows; start it in the editor");
   if (!scan.image) return fail(verb.source.string(), "has no image to snap to; give a case that has one");
   const auto met = meeting_warnings(verb, scan, *before);
@@ -89,15 +92,16 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   const fs::path image = verb.image.empty() ? fs::path(scan.source) : verb.image;
   if (!snapped) return fail(image.string(), snapped.error().what);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (auto done = session->apply(std::move(snapped->action)); !done)
+  if (auto done = session->apply(std::move(snapped->action), false, chosen->id); !done)
     return fail(verb.source.string(), done.error().what);
 
-  const auto after = session->document().view();
+  const auto after = session->document().view(chosen->id);
   if (!verb.out.empty()) {
     MeshFile file = to_mesh_file(*after, session->document().scan.frames() > 1);
     if (!verb.of_case()) file.landmarks = carried_landmarks(after->the_template(), *after->shape.points);
     // The case has gone on: it is playing it that gives this mesh.
-    auto record = verb.of_case() ? record_of_case(verb.source, progress) : record_of(verb.command, progress);
+    auto record =
+        verb.of_case() ? record_of_case(verb.source, verb.structure, progress) : record_of(verb.command, progress);
     if (!record) return fail(record.error());
     file.record = std::move(*record);
     if (auto written = write_mesh_file(file, verb.out); !written) return fail(written.error());
@@ -105,6 +109,7 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   Report report = snap_report(snapped->result, after->mesh(), *after->shape.placed, image);
   report.warnings.insert(report.warnings.begin(), met.begin(), met.end());
   report.warnings.insert(report.warnings.begin(), of_image.begin(), of_image.end());
+  if (!chosen->warning.empty()) report.warnings.push_back(chosen->warning);
   report.values["held_landmarks"] = snapped->landmarks;
   report.values["held_contours"] = snapped->contours;
   report.values["held_pulls"] = snapped->pulls;
@@ -118,6 +123,8 @@ void check_snap(const SnapVerb& verb) {
   if (!verb.of_case() && verb.out.empty()) throw CLI::RequiredError("--output");
   if (verb.of_case() && !verb.image.empty())
     throw CLI::ValidationError("--image", "is for a mesh; a case has its own image");
+  if (!verb.of_case() && !verb.structure.empty())
+    throw CLI::ValidationError("--structure", "is for a case; a mesh is one structure");
   if (verb.of_case() && verb.frame_given)
     throw CLI::ValidationError("--frame", "is for a mesh; a case is snapped in the frame that it shows");
 }
@@ -131,6 +138,8 @@ void add_snap(CLI::App& app, CommandLine& asked) {
                    "A mesh that lies on its organ, or a case file, which gets one more edit")
       ->required();
   verb->add_option("--image", options->image, "The image; only with a mesh, since a case has its own");
+  verb->add_option("--structure", options->structure,
+                   "Of a case of several structures this one, by name (default: the first)");
   keeps_correspondence(verb->add_option("-o,--output", options->out, "The mesh to write"));
   auto* at = verb->add_option("--at", options->at, "x,y,z in mm: only the part of the mesh around this point")
                  ->delimiter(',')

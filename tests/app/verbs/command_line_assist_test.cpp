@@ -9,6 +9,7 @@
 #include "core/phantom/phantom.h"
 #include "core/volume/volume_io.h"
 #include "tests/ball_folder.h"
+#include "tests/case_folder.h"
 #include "tests/command_line.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
@@ -292,6 +293,41 @@ TEST_CASE("a snap of a case is one more line and replays without search") {
   CHECK(text.find(R"("by":"snap")") != std::string::npos);
   REQUIRE(run(folder, "replay c.homolog -o replayed.ply").status == 0);
   CHECK(run(folder, "compare snapped.ply --mesh replayed.ply --json").json()["vertex_distance_mm"]["max"] < 1e-9);
+}
+
+TEST_CASE("refine and snap of a case work on the structure that is named and say which they take") {
+  const CaseFolder made;
+  made.create();
+  made.append(
+      R"({"structure":{"id":"s2","name":"other","template":"ball.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[200,0,0]}}})"
+      "\n");
+  const TemporaryFolder& folder = made.folder;
+  // What a pull draws out is refined.
+  for (const char* of : {"", R"(,"of":"s2")"})
+    made.append(std::string(R"({"tool":"pull","at":[)") + (*of == 0 ? "0" : "200") + R"(,0,40],"to":[)" +
+                (*of == 0 ? "0" : "200") + R"(,0,55],"sigma_mm":10)" + of + "}\n");
+  const auto mesh_of = [&](const std::string& structure) {
+    const Ran ran = run(folder, "replay ball.homolog --structure " + structure + " -o now.ply");
+    REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+    return read_whole_file(folder.path / "now.ply").value();
+  };
+  const std::string first = mesh_of("ball"), second = mesh_of("other");
+  const Ran named = run(folder, "refine ball.homolog --structure other -o refined.ply --json");
+  REQUIRE_MESSAGE(named.status == 0, named.errors);
+  CHECK(named.json()["moved_mm"]["mean"] > 0.01);
+  CHECK(named.errors.find("of which the first") == std::string::npos);
+  CHECK(mesh_of("ball") == first);
+  CHECK(mesh_of("other") != second);
+  CHECK(run(folder, "compare refined.ply --mesh now.ply --json").json()["vertex_distance_mm"]["max"] < 1e-4);
+  CHECK(run(folder, "verify refined.ply --json").json()["same"] == true);
+  const Ran unnamed = run(folder, "refine ball.homolog");
+  REQUIRE_MESSAGE(unnamed.status == 0, unnamed.errors);
+  CHECK(unnamed.errors.find("has ball, other, of which the first is taken; name another one with --structure") !=
+        std::string::npos);
+  CHECK(mesh_of("ball") != first);
+  check_refused(run(folder, "refine ball.homolog --structure third"), "has no structure \"third\"");
+  check_refused(run(folder, "snap ball.homolog --structure third"), "has no structure \"third\"");
+  CHECK(run(folder, "snap now.ply --image x.nii --structure other -o y.ply").status == 2);
 }
 
 TEST_CASE("propagate writes a mesh a frame with volumes and a study") {

@@ -230,7 +230,10 @@ class Call:
 
     def run(self, progress: Progress = None, jobs: Optional[int] = None) -> Dict[str, Any]:
         try:
-            return _core.run(self.arguments, self.lent, progress, jobs, self.called, self.verb)
+            # Names of files need not be UTF-8: they are as the system has them.
+            words = [word.encode("utf-8", "surrogateescape") for word in self.arguments]
+            lent = [(name.encode("utf-8", "surrogateescape"), volume) for name, volume in self.lent]
+            return _core.run(words, lent, progress, jobs, self.called, self.verb)
         except _core.Error as error:
             if self.verb:
                 error.args = (in_python(str(error), self.verb),)

@@ -218,8 +218,19 @@ Json to_json(const py::handle& value) {
   return json_of(value, 0);
 }
 
+py::str text_of_system(const std::string& text) {
+  PyObject* const decoded =
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "surrogateescape");
+  if (decoded == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(decoded);
+}
+
+std::string text_to_system(const py::handle& text) {
+  return py::bytes(text.attr("encode")("utf-8", "surrogateescape"));
+}
+
 std::string in_python(const std::string& sentence, const std::vector<std::string>& verb) {
-  return py::module_::import("homolog._words").attr("in_python")(sentence, verb).cast<std::string>();
+  return text_to_system(py::module_::import("homolog._words").attr("in_python")(text_of_system(sentence), verb));
 }
 
 void warn(const std::vector<std::string>& sentences) {
@@ -232,7 +243,7 @@ void warn_as_given(const std::vector<std::string>& sentences) {
   if (sentences.empty()) return;
   const py::object category = py::module_::import("homolog._core").attr("HomologWarning");
   const py::object say = py::module_::import("warnings").attr("warn");
-  for (const std::string& sentence : sentences) say(sentence, category, py::arg("stacklevel") = 3);
+  for (const std::string& sentence : sentences) say(text_of_system(sentence), category, py::arg("stacklevel") = 3);
 }
 
 void do_watched(const Watched& watched, const std::function<void(Progress&)>& work) {

@@ -120,6 +120,10 @@ struct HeldLabels : HeldVolume {};
 std::shared_ptr<HeldMesh> mesh_in(const py::handle& value);
 /// A label as it is asked for: a name, a number, or a list of them, as `--label` takes it. Errors: whatever else.
 std::string label_text(const py::handle& value);
+/// Text of the program in which names of files need not be UTF-8: what is none is escaped as os.fsdecode does it.
+py::str text_of_system(const std::string& text);
+/// The same back, as os.fsencode does it.
+std::string text_to_system(const py::handle& text);
 /// A path, or a name that stands for one, as str or what has __fspath__. Errors: whatever else; `name` and what is
 /// `wanted` are named.
 std::string path_from(const py::handle& value, const std::string& name, const std::string& wanted);

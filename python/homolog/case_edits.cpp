@@ -32,20 +32,32 @@ py::dict report_of(const EditReport& report, double moved_mm) {
   return row;
 }
 
+/// What became of the case's file since: another program changed it, or another process that this one was copied to.
+std::string news_of(EditSession& session) {
+  std::string news = session.news();
+  session.forget_news();
+  if (!news.empty() && session.journal() != nullptr)
+    news += " The edits are in " + session.journal()->path().string() + ".";
+  return news;
+}
+
 }  // namespace
 
 py::dict apply(HeldCase& self, EditStep step) {
-  const InUse held(self);
-  check_takes_edits(self);
   std::optional<Result<EditReport>> done;
   const bool is_stroke = std::holds_alternative<Stroke>(step.action);
   double moved_mm = 0;
+  std::string news;
   {
+    const InUse held(self);
+    check_takes_edits(self);
     const py::gil_scoped_release unlocked;
     const auto before = self.session.shared_document();
     done.emplace(self.session.apply(std::move(step)));
     if (*done) moved_mm = is_stroke ? (*done)->moved_mm : mean_way_mm(*before, self.session.document());
+    news = news_of(self.session);
   }
+  if (!news.empty()) warn({news});
   return report_of(value_of(std::move(*done)), moved_mm);
 }
 

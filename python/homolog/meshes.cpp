@@ -215,9 +215,9 @@ points: n×3, LPS mm. triangles: m×3 vertex numbers from 0, counter-clockwise s
 above 0. landmarks: {name: (x, y, z)}, LPS mm. doubt_mm: n.
 Errors: shape, dtype, numbers that are not finite, numbers of no vertex.)")
       .def_property_readonly(
-          "source", [](const Held& self) { return self.source; },
+          "source", [](const Held& self) { return text_of_system(self.source); },
           "The file it was read from, or a built-in name; empty where it was made here.")
-      .def_property_readonly("_file", [](const Held& self) { return self.stamp.holds() ? self.source : std::string(); })
+      .def_property_readonly("_file", [](const Held& self) { return text_of_system(self.stamp.holds() ? self.source : std::string()); })
       .def_property_readonly("_built_in",
                              [](const Held& self) { return names_file(self.source) ? std::string() : self.source; })
       .def("__repr__",

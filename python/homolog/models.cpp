@@ -122,9 +122,9 @@ void add_models(py::module_& module) {
       "A statistical shape model x = mean + Σ bₘ · modeₘ, LPS mm. It is never changed.");
   model
       .def_property_readonly(
-          "source", [](const Held& self) { return self.source; },
+          "source", [](const Held& self) { return text_of_system(self.source); },
           "The file it was read from; empty where it was made here.")
-      .def_property_readonly("_file", [](const Held& self) { return self.stamp.holds() ? self.source : std::string(); })
+      .def_property_readonly("_file", [](const Held& self) { return text_of_system(self.stamp.holds() ? self.source : std::string()); })
       .def("__repr__",
            [](const Held& self) {
              return "<homolog.Model of " + std::to_string(self.model->modes()) + " modes and " +

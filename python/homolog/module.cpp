@@ -30,7 +30,7 @@ void add_exceptions(py::module_& module) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const Refusal& refusal) {
-      PyErr_SetString(refusal.of_usage ? usage_type : error_type, refusal.what());
+      PyErr_SetObject(refusal.of_usage ? usage_type : error_type, text_of_system(refusal.what()).ptr());
     }
   });
 }

@@ -70,7 +70,7 @@ py::object run(const std::vector<std::string>& arguments, const Lent& lent, cons
   const py::object values = to_python(report->values);
   if (!report->refusal) return values;
   const py::object error = py::module_::import("homolog._core").attr("Error");
-  const py::object raised = error(in_callers_words(report->refusal->sentence(), called));
+  const py::object raised = error(text_of_system(in_callers_words(report->refusal->sentence(), called)));
   raised.attr("report") = values;
   PyErr_SetObject(error.ptr(), raised.ptr());
   throw py::error_already_set();

@@ -78,7 +78,7 @@ std::string beside_voxels(const HeldVolume& self) {
 void add_members(VolumeType& type) {
   using Held = HeldVolume;
   type.def_property_readonly(
-          "source", [](const Held& self) { return self.source; },
+          "source", [](const Held& self) { return text_of_system(self.source); },
           "The file it was read from; empty where it was made of an array.")
       .def_property_readonly(
           "shape",
@@ -88,7 +88,7 @@ void add_members(VolumeType& type) {
             return v.frames > 1 ? py::tuple(shape + py::make_tuple(v.frames)) : shape;
           },
           "Voxels along i, j and k; of a cine also the frames.")
-      .def_property_readonly("_file", [](const Held& self) { return self.stamp.holds() ? self.source : std::string(); })
+      .def_property_readonly("_file", [](const Held& self) { return text_of_system(self.stamp.holds() ? self.source : std::string()); })
       .def_property_readonly("_beside_voxels", &beside_voxels)
       .def("__repr__",
            [](const py::object& self) {

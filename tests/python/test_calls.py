@@ -307,3 +307,19 @@ def test_a_file_written_anew_while_it_is_lent_is_not_taken_for_what_it_held(tmp_
     homolog.make_template(first, tmp_path / "c.ply", vertices=300, progress=meanwhile)
     assert "written anew while another call" in refused[0]
     homolog.make_template(homolog.read_label_map(file), tmp_path / "b.ply", vertices=300)
+
+
+def test_names_of_files_need_not_be_utf_8(tmp_path):
+    missing = os.fsdecode(bytes(tmp_path) + b"/no\xff.nii")
+    with pytest.raises(homolog.Error) as refused:
+        homolog.read_volume(missing)
+    assert missing in str(refused.value)
+    with pytest.raises(homolog.Error) as refused:
+        homolog.info(missing)
+    assert missing in str(refused.value)
+    there = os.fsdecode(bytes(tmp_path) + b"/ball\xff.ply")
+    homolog.Case.create("built-in:kidney", "phantom:kidney:1").mesh().write(there)
+    mesh = homolog.read_mesh(there)
+    assert mesh.source == there
+    assert homolog.info(there)["vertices"] == len(mesh.points)
+    assert homolog.info(mesh)["vertices"] == len(mesh.points)

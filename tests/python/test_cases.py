@@ -1,6 +1,7 @@
 """Cases: actions, undo, automatic steps, and the file that they leave."""
 
 import json
+import os
 
 import numpy
 import pytest
@@ -388,3 +389,23 @@ def test_a_case_that_is_there_is_replaced_only_where_one_says_so(tmp_path):
     case.close()
     homolog.Case.create("built-in:kidney", path=file, overwrite=True)
     assert len(file.read_text().splitlines()) == 1
+
+
+def test_a_case_that_a_forked_process_edited_goes_on_elsewhere_and_says_so(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "home"))
+    file = tmp_path / "a.homolog"
+    case = homolog.Case.create("built-in:kidney", "phantom:kidney:1", file)
+    at = case.points()
+    case.grab(at[0], at[0] + [0, 0, 2], sigma_mm=15)
+    child = os.fork()
+    if child == 0:
+        case.grab(at[1], at[1] + [0, 0, 2], sigma_mm=15)
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+    theirs = file.read_bytes()
+    with pytest.warns(homolog.HomologWarning, match="was changed by another program.*The edits are in ") as told:
+        case.grab(at[2], at[2] + [0, 0, 2], sigma_mm=15)
+    assert file.read_bytes() == theirs
+    kept = str(told[0].message).split("The edits are in ")[1].rstrip(".")
+    again = homolog.Case.open(kept, read_only=True)
+    assert numpy.array_equal(again.points(), case.points())

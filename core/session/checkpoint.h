@@ -15,9 +15,8 @@ namespace homolog {
 // differs, or a member is missing, the checkpoint is ignored. Removing the checkpoints of a file changes only the time
 // to open it.
 
-/// The line, without its line feed. `lines_check`: of all lines before it. `templates`: those of
-/// structures that `start` lacks. None where reading it would not give the
-/// same document to the last bit.
+/// The line, without its line feed. `lines_check`: of all lines before it. `templates`: those of structures that
+/// `start` lacks. None where reading it would not give the same document to the last bit.
 std::optional<std::string> checkpoint_line(const Document& start, const Document& document, std::uint32_t lines_check,
                                            const CaseTemplates& templates = {});
 

@@ -233,7 +233,6 @@ Result<void> EditSession::begin_structures(const EditStep& step) {
   return begun;
 }
 
-/// Writes a line, and before it those of the looks that could not be written. A note needs none of them.
 Result<std::shared_ptr<const Document>> EditSession::state(std::size_t wanted) {
   std::size_t state = wanted;
   auto document = nearest_state(state);

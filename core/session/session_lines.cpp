@@ -10,6 +10,7 @@
 
 namespace homolog {
 
+/// Writes a line, and before it those of the looks that could not be written. A note needs none of them.
 Result<LinePlace> EditSession::write(const std::string& line, bool is_note, bool sync) {
   std::string lines;
   if (!is_note)

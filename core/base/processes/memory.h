@@ -21,8 +21,8 @@ double process_room_bytes();
 /// /sys/fs/cgroup; versions 1 and 2 [Linux, Documentation/admin-guide/cgroup-v1/memory.rst and cgroup-v2.rst].
 double control_group_room_bytes(const std::string& membership, const std::filesystem::path& root);
 
-/// Memory of this process, in MB: what it has now, and the most since it began or since forget_peak_memory(); 0 where
-/// the system does not say.
+/// Memory of this process, in MB (a million bytes): what it has now, and the most since it began or since
+/// forget_peak_memory(); 0 where the system does not say.
 double resident_memory_mb();
 double peak_memory_mb();
 void forget_peak_memory();

@@ -110,11 +110,11 @@ double available_memory_bytes() {
 }
 
 double resident_memory_mb() {
-  return kilobytes_of("/proc/self/status", "VmRSS").value_or(0) / 1.024e6;
+  return kilobytes_of("/proc/self/status", "VmRSS").value_or(0) / 1e6;
 }
 
 double peak_memory_mb() {
-  return kilobytes_of("/proc/self/status", "VmHWM").value_or(0) / 1.024e6;
+  return kilobytes_of("/proc/self/status", "VmHWM").value_or(0) / 1e6;
 }
 
 void forget_peak_memory() {

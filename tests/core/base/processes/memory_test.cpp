@@ -2,8 +2,10 @@
 
 #include <doctest/doctest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "tests/temporary_folder.h"
 
@@ -18,6 +20,14 @@ void save(const fs::path& path, const std::string& text) {
 }
 
 }  // namespace
+
+TEST_CASE("memory is told in millions of bytes") {
+  double all_pages = 0, resident_pages = 0;
+  std::ifstream("/proc/self/statm") >> all_pages >> resident_pages;
+  const double resident_mb = resident_pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
+  CHECK(resident_memory_mb() == doctest::Approx(resident_mb).epsilon(0.015));
+  CHECK(peak_memory_mb() >= 0.985 * resident_mb);
+}
 
 TEST_CASE("a control group of version 2 leaves its limit less what it uses") {
   const TemporaryFolder folder;

@@ -5,9 +5,9 @@
 #include "app/lab/experiment.h"
 #include "app/verbs/case_landmarks.h"
 #include "core/base/files/files.h"
+#include "core/base/numbers/random.h"
 #include "core/base/text/listed.h"
 #include "core/experiment/corrupt_labels.h"
-#include "core/phantom/noise.h"
 #include "core/volume/labels/read_labels.h"
 #include "core/volume/labels/write_segmentation.h"
 
@@ -44,7 +44,7 @@ Result<Report> corrupt(const CorruptJob& job, Progress& progress) {
   if (kinds.empty())
     for (int k = 0; k < static_cast<int>(DefectKind::other); ++k) kinds.push_back(static_cast<DefectKind>(k));
   Json files = Json::array();
-  phantom::Random random(job.seed);
+  Random random(job.seed);
   for (const fs::path& path : job.maps) {
     const auto read = read_labels(path);
     if (!read) return fail(read.error());

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/numbers/index.h"
-#include "core/phantom/noise.h"
+#include "core/base/numbers/random.h"
 #include "core/structures/naming/level_names.h"
 #include "core/structures/template_set.h"
 #include "core/volume/labels/label_boxes.h"
@@ -77,7 +77,7 @@ class Changing {
 
   const VolumeRead& map_;
   int value_;
-  phantom::Random random_;
+  Random random_;
   VolumeGeometry grid_;
   std::vector<int> labels_, before_;
   std::map<int, std::string> new_names_;

@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "core/adapt/boundary/find_placement.h"
+#include "core/base/numbers/random.h"
 #include "core/deform/sigma_presets.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/phantom/noise.h"
 #include "core/solve/shape_solver.h"
 
 namespace homolog {
@@ -189,7 +189,7 @@ Result<void> place_on(EditSession& session, const Mesh& target) {
 }
 
 Result<void> disturb_placement(EditSession& session, std::uint64_t seed) {
-  phantom::Random random(seed);
+  Random random(seed);
   std::array<double, 7> normal{};
   for (double& number : normal) number = random.normal();
   const Vec3 turn = turn_deviation * Vec3(normal[0], normal[1], normal[2]);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/phantom/noise.h"
+#include "core/base/numbers/random.h"
 
 namespace homolog::phantom {
 namespace {

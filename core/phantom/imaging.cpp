@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/phantom/noise.h"
+#include "core/base/numbers/random.h"
 
 namespace homolog::phantom {
 

@@ -1,5 +1,6 @@
 #include "core/phantom/spine_image.h"
 
+#include "core/base/numbers/random.h"
 #include "core/base/processes/parallel.h"
 #include "core/phantom/distance_field.h"
 #include "core/phantom/imaging.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/numbers/random.h"
 #include "core/phantom/implicit.h"
-#include "core/phantom/noise.h"
 #include "core/phantom/spine.h"
 
 namespace homolog::phantom {

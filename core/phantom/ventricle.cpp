@@ -2,6 +2,7 @@
 #include <functional>
 #include <numbers>
 
+#include "core/base/numbers/random.h"
 #include "core/mesh/construction/tube_mesh.h"
 #include "core/mesh/voxels/voxelise.h"
 #include "core/phantom/chest.h"

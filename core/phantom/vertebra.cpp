@@ -1,3 +1,4 @@
+#include "core/base/numbers/random.h"
 #include "core/phantom/imaging.h"
 #include "core/phantom/implicit.h"
 #include "core/phantom/noise.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/base/numbers/random.h"
 #include "core/base/processes/parallel.h"
-#include "core/phantom/noise.h"
 
 namespace homolog {
 
@@ -21,7 +21,7 @@ Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& centred) {
 }
 
 Eigen::MatrixXd shuffled(Eigen::MatrixXd rows, std::uint64_t seed) {
-  phantom::Random random(seed);
+  Random random(seed);
   for (Eigen::Index j = rows.cols() - 1; j > 0; --j)
     for (Eigen::Index i = 0; i < rows.rows(); ++i) {
       const auto other = static_cast<Eigen::Index>(random.uniform() * static_cast<double>(j + 1));
@@ -39,7 +39,7 @@ Eigen::Index modes_above_chance(const Eigen::MatrixXd& responses, std::uint64_t 
   std::vector<Eigen::VectorXd> chance(shuffles, Eigen::VectorXd::Zero(own.size()));
   for_each_in_parallel(shuffles, [&](std::size_t k) {
     if (progress != nullptr && progress->cancelled()) return;
-    chance[k] = eigenvalues(shuffled(centred, phantom::mix_bits(seed) + k));
+    chance[k] = eigenvalues(shuffled(centred, mix_bits(seed) + k));
   });
   for (Eigen::Index mode = 0; mode < own.size(); ++mode) {
     std::vector<double> values;

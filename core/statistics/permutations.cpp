@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "core/base/files/files.h"
+#include "core/base/numbers/random.h"
 #include "core/base/text/text.h"
-#include "core/phantom/noise.h"
 
 namespace homolog {
 
 namespace {
 
 /// Fisher–Yates over the places of one block.
-void shuffle(const std::vector<int>& places, Permutations& all, Eigen::Index row, phantom::Random& random) {
+void shuffle(const std::vector<int>& places, Permutations& all, Eigen::Index row, Random& random) {
   for (std::size_t left = places.size(); left > 1; --left) {
     const auto other = std::min(left - 1, static_cast<std::size_t>(random.uniform() * static_cast<double>(left)));
     std::swap(all(row, places[left - 1]), all(row, places[other]));
@@ -57,7 +57,7 @@ Permutations random_permutations(const std::vector<int>& blocks, Eigen::Index co
   std::map<int, std::vector<int>> places;
   for (std::size_t i = 0; i < blocks.size(); ++i) places[blocks[i]].push_back(static_cast<int>(i));
   Permutations all(count, static_cast<Eigen::Index>(blocks.size()));
-  phantom::Random random(seed);
+  Random random(seed);
   for (Eigen::Index row = 0; row < count; ++row) {
     std::iota(all.row(row).begin(), all.row(row).end(), 0);
     for (const auto& [block, of_block] : places) shuffle(of_block, all, row, random);

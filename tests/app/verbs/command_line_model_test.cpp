@@ -2,12 +2,12 @@
 #include <cmath>
 #include <fstream>
 
+#include "core/base/numbers/random.h"
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/construction/mirror.h"
 #include "core/mesh/files/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/voxels/label_map.h"
-#include "core/phantom/noise.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"
 #include "tests/real_data.h"
@@ -99,7 +99,7 @@ TEST_CASE("model --modes parallel keeps as many modes as test finds above chance
   std::string files;
   for (int k = 0; k < 12; ++k) {
     Mesh ball = icosphere(2, 20);
-    phantom::Random random(static_cast<std::uint64_t>(k) + 1);
+    Random random(static_cast<std::uint64_t>(k) + 1);
     const double longer = 1 + 0.1 * std::sin(2.0 * k), wider = 1 + 0.1 * std::cos(5.0 * k);
     for (Eigen::Index v = 0; v < ball.points.rows(); ++v)
       ball.points.row(v) = Vec3(ball.points(v, 0), wider * ball.points(v, 1), longer * ball.points(v, 2)) +

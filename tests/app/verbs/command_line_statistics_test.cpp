@@ -1,11 +1,11 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/numbers/random.h"
 #include "core/base/text/text_table.h"
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/shapes/doubtful_shapes.h"
-#include "core/phantom/noise.h"
 #include "tests/command_line.h"
 
 // The verb `test`.
@@ -16,7 +16,7 @@ namespace {
 
 /// Twelve balls c0 … c11 with noise; every second one has a bump of `bump_mm` at its top. And a table.
 void put_balls(const fs::path& folder, double bump_mm) {
-  phantom::Random random(9);
+  Random random(9);
   std::string table = "name,group,age,subject\n";
   fs::create_directory(folder / "shapes");
   for (int k = 0; k < 12; ++k) {

@@ -1,8 +1,8 @@
 #include <cmath>
 
+#include "core/base/numbers/random.h"
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
-#include "core/phantom/noise.h"
 #include "tests/command_line.h"
 
 // The verb `test` of organs that are symmetric in themselves.
@@ -13,7 +13,7 @@ namespace {
 
 /// Bodies that are symmetric across x = 0 but for noise, and for a bump of `bump_mm` on their left side.
 void put_bodies(const fs::path& folder, double bump_mm, double own_mm) {
-  phantom::Random random(4);
+  Random random(4);
   fs::create_directory(folder);
   for (int k = 0; k < 10; ++k) {
     Mesh body = icosphere(3, 1);

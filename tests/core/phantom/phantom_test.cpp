@@ -4,11 +4,11 @@
 
 #include <set>
 
+#include "core/base/numbers/random.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxels/voxelise.h"
 #include "core/phantom/deformation.h"
-#include "core/phantom/noise.h"
 #include "core/phantom/phantom_scene.h"
 #include "tests/shapes.h"
 
@@ -26,13 +26,13 @@ Mesh mesh_of(const MeshFile& file) {
 template <class Voxels>
 std::uint64_t hash_of(const Voxels& voxels) {
   std::uint64_t hash = 0;
-  for (const auto voxel : voxels) hash = phantom::mix_bits(hash ^ static_cast<std::uint64_t>(voxel));
+  for (const auto voxel : voxels) hash = mix_bits(hash ^ static_cast<std::uint64_t>(voxel));
   return hash;
 }
 
 std::uint64_t hash_of(const PhantomSubject& subject) {
   return hash_of(std::get<std::vector<std::int16_t>>(subject.image.data)) ^
-         phantom::mix_bits(hash_of(std::get<std::vector<std::uint8_t>>(subject.label_map.data)));
+         mix_bits(hash_of(std::get<std::vector<std::uint8_t>>(subject.label_map.data)));
 }
 
 Eigen::Index nearest_vertex(const Points& points, const Vec3& p) {
@@ -49,7 +49,7 @@ TEST_CASE("an organ is known by its name and no other") {
 }
 
 TEST_CASE("the deformation of every subject is undone by its inverse and subject 0 is not deformed") {
-  phantom::Random random(7);
+  Random random(7);
   for (int subject = 0; subject < 20; ++subject) {
     const phantom::Deformation deformation(subject, 1, {});
     for (int i = 0; i < 50; ++i) {

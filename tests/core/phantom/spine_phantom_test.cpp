@@ -5,11 +5,11 @@
 #include <map>
 #include <set>
 
+#include "core/base/numbers/random.h"
 #include "core/base/processes/parallel.h"
 #include "core/mesh/geometry/surface_search.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxels/voxelise.h"
-#include "core/phantom/noise.h"
 #include "core/phantom/phantom_scene.h"
 #include "core/phantom/spine_levels.h"
 #include "tests/shapes.h"
@@ -36,7 +36,7 @@ VolumeGeometry grid_around(const std::vector<SceneStructure>& structures, double
 template <class Voxels>
 std::uint64_t spine_hash(const Voxels& voxels) {
   std::uint64_t hash = 0;
-  for (const auto voxel : voxels) hash = phantom::mix_bits(hash ^ static_cast<std::uint64_t>(voxel));
+  for (const auto voxel : voxels) hash = mix_bits(hash ^ static_cast<std::uint64_t>(voxel));
   return hash;
 }
 
@@ -63,7 +63,7 @@ std::size_t shared_voxels(const std::vector<SceneStructure>& structures, double 
 TEST_CASE("the same number gives the same spine on every machine and with any threads") {
   const auto hash = [](const PhantomScene& scene) {
     return spine_hash(std::get<std::vector<std::int16_t>>(scene.image.data)) ^
-           phantom::mix_bits(spine_hash(std::get<std::vector<std::uint8_t>>(scene.label_map.data)));
+           mix_bits(spine_hash(std::get<std::vector<std::uint8_t>>(scene.label_map.data)));
   };
   const int threads = thread_limit();
   CHECK(hash(make_spine_phantom(3, 3)) == 0x51dc667263713415U);

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/numbers/random.h"
 #include "core/base/processes/parallel.h"
-#include "core/phantom/noise.h"
 #include "core/statistics/landmark_test.h"
 #include "core/statistics/parallel_analysis.h"
 #include "tests/must.h"
@@ -38,7 +38,7 @@ Eigen::MatrixXd response() {
 }
 
 Eigen::MatrixXd noise_shapes(std::uint64_t seed, Eigen::Index vertices) {
-  phantom::Random random(seed);
+  Random random(seed);
   return Eigen::MatrixXd::NullaryExpr(3 * vertices, 10, [&] { return random.normal(); });
 }
 
@@ -223,7 +223,7 @@ TEST_CASE("false discovery rates are those of R") {
 }
 
 TEST_CASE("parallel analysis finds the modes that were put in") {
-  phantom::Random random(6);
+  Random random(6);
   Eigen::MatrixXd shapes = Eigen::MatrixXd::NullaryExpr(90, 40, [&] { return random.normal(); });
   CHECK(modes_above_chance(shapes, 1) <= 1);
   for (int mode = 0; mode < 3; ++mode) {

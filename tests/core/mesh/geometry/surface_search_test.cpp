@@ -12,7 +12,7 @@ using namespace homolog;
 
 namespace {
 
-struct Random {
+struct RandomPoints {
   std::mt19937 engine{7};
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine); }
   Vec3 point(double half) { return {uniform(-half, half), uniform(-half, half), uniform(-half, half)}; }
@@ -34,7 +34,7 @@ double brute_force_distance(const Mesh& mesh, const Vec3& p) {
 
 Mesh bumpy_torus() {
   Mesh mesh = shapes::torus(24, 12, 20, 7);
-  Random random;
+  RandomPoints random;
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) mesh.points.row(i) += random.point(1).transpose();
   return mesh;
 }
@@ -42,7 +42,7 @@ Mesh bumpy_torus() {
 }  // namespace
 
 TEST_CASE("the nearest point of a triangle beats every sampled point of it") {
-  Random random;
+  RandomPoints random;
   for (int trial = 0; trial < 300; ++trial) {
     Vec3 a = random.point(1), b = random.point(1), c = random.point(1);
     if (trial % 10 == 0) c = a + 0.4 * (b - a);  // degenerate: three points on a line
@@ -61,7 +61,7 @@ TEST_CASE("the nearest point of a triangle beats every sampled point of it") {
 TEST_CASE("the tree finds the same nearest distance as a search through all faces") {
   const Mesh mesh = bumpy_torus();
   const SurfaceSearch search(mesh);
-  Random random;
+  RandomPoints random;
   for (int trial = 0; trial < 300; ++trial) {
     const Vec3 p = random.point(trial % 2 ? 30 : 300);
     const auto found = search.nearest(p);
@@ -75,7 +75,7 @@ TEST_CASE("after a refit the tree answers for the new points") {
   SurfaceSearch search(mesh);
   mesh.points = (mesh.points * 0.5).rowwise() + Eigen::RowVector3d(30, -4, 2);
   search.refit(mesh.points);
-  Random random;
+  RandomPoints random;
   for (int trial = 0; trial < 100; ++trial) {
     const Vec3 p = random.point(50);
     CHECK(search.nearest(p).distance_mm == doctest::Approx(brute_force_distance(mesh, p)).epsilon(1e-12));
@@ -85,7 +85,7 @@ TEST_CASE("after a refit the tree answers for the new points") {
 TEST_CASE("every ray from inside a closed surface hits it also through its edges and vertices") {
   const Mesh mesh = icosphere(2, 10, {1, 2, 3});
   const SurfaceSearch search(mesh);
-  Random random;
+  RandomPoints random;
   std::vector<Vec3> aims;
   for (int i = 0; i < 200; ++i) aims.push_back(random.point(1));
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) aims.push_back(Vec3(mesh.points.row(i)) - Vec3(1, 2, 3));
@@ -115,7 +115,7 @@ TEST_CASE("a ray takes the first of several hits and none behind it") {
 TEST_CASE("looking at every face finds the place that the search finds") {
   const Mesh mesh = bumpy_torus();
   const SurfaceSearch search(mesh);
-  Random random;
+  RandomPoints random;
   for (int trial = 0; trial < 500; ++trial) {
     const Vec3 p = random.point(40);
     const auto found = nearest_on_surface(*mesh.topology, mesh.points, p), expected = search.nearest(p);

@@ -1,9 +1,9 @@
 #include "core/model/conditional.h"
 
 #include <Eigen/Cholesky>
-#include <cassert>
 #include <cmath>
 
+#include "core/base/demand.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {
@@ -26,7 +26,12 @@ constexpr double size_share = 0.05;
 
 Prediction predict(const ShapeModel& model, const std::vector<Eigen::Index>& landmarks, const Points& positions,
                    double noise_mm) {
-  assert(positions.rows() == std::ssize(landmarks) && noise_mm > 0);
+  demand(positions.rows() == std::ssize(landmarks),
+         "there are other positions than landmarks; give a position of each landmark");
+  demand(noise_mm > 0, "positions without noise cannot be weighed against the model; give a noise above 0 mm");
+  for (const Eigen::Index vertex : landmarks)
+    demand(vertex >= 0 && vertex < model.mean.size() / 3,
+           "the model has no such vertex; give landmarks by its numbers, counted from 0");
   const Eigen::Index modes = model.modes();
   const double variance = noise_mm * noise_mm + model.noise_variance;
   // In units of √λ, where the prior is the identity: no division by a λ that is next to nothing.

@@ -16,7 +16,9 @@ struct Prediction {
 
 /// The conditional Gaussian of a model x = mean + Φ b, b ~ N(0, λ), given the positions of `landmarks` (a row each,
 /// where the model's shapes lie): b | y = (Φ_yᵀ Φ_y + σ² λ⁻¹)⁻¹ Φ_yᵀ (y − mean_y) [Albrecht 2013, §3.1]. σ² is that of
-/// every coordinate of the positions, the model's own noise added. `noise_mm` > 0. No vertices give the mean.
+/// every coordinate of the positions, the model's own noise added. No vertices give the mean.
+/// Throws std::invalid_argument where `positions` has other rows than there are landmarks, for a landmark that is no
+/// vertex of the model, and unless `noise_mm` > 0.
 Prediction predict(const ShapeModel& model, const std::vector<Eigen::Index>& landmarks, const Points& positions,
                    double noise_mm);
 

@@ -1,14 +1,14 @@
 #include "core/placement/likely_similarity.h"
 
-#include <cassert>
 #include <cmath>
 
+#include "core/base/demand.h"
 #include "core/base/numbers/rotation.h"
 
 namespace homolog {
 
 Similarity likely_similarity(const Points& from, const Points& to, const PlacementPrior& prior, double diagonal_mm) {
-  assert(from.rows() == to.rows());
+  demand(from.rows() == to.rows(), "there are other points to be carried than places for them; give as many of both");
   if (from.rows() == 0) return prior.around;
   const Vec3 from_centre = from.colwise().mean(), to_centre = to.colwise().mean();
   const Points a = from.rowwise() - from_centre.transpose(), b = to.rowwise() - to_centre.transpose();

@@ -24,7 +24,8 @@ inline constexpr Eigen::Index fewest_placing_landmarks = 3;
 /// The most likely similarity that carries landmarks `from` (in the template's frame) to `to`, both k×3, row by row.
 /// Landmarks decide the part of the rotation that they determine well. The rest stays as in the prior: the spin about a
 /// line that they lie near, or all rotation if they lie together. Without noise and prior it is Umeyama's.
-/// `diagonal_mm`: of the template's bounding box, in its own frame.
+/// `diagonal_mm`: of the template's bounding box, in its own frame. Throws std::invalid_argument where `from` and `to`
+/// are not as many.
 Similarity likely_similarity(const Points& from, const Points& to, const PlacementPrior& prior, double diagonal_mm);
 
 }  // namespace homolog

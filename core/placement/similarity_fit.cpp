@@ -1,9 +1,9 @@
 #include "core/placement/similarity_fit.h"
 
 #include <Eigen/Eigenvalues>
-#include <cassert>
 #include <cmath>
 
+#include "core/base/demand.h"
 #include "core/base/numbers/rotation.h"
 
 namespace homolog {
@@ -31,7 +31,7 @@ MainLine main_line(const Points& points) {
 }  // namespace
 
 Similarity nearest_similarity(const Points& from, const Points& to, const Similarity& current) {
-  assert(from.rows() == to.rows());
+  demand(from.rows() == to.rows(), "there are other points to be carried than places for them; give as many of both");
   if (from.rows() == 0) return current;
   const Vec3 from_centre = from.colwise().mean(), to_centre = to.colwise().mean();
   const Points a = from.rowwise() - from_centre.transpose(), b = to.rowwise() - to_centre.transpose();

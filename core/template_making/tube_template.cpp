@@ -1,7 +1,6 @@
 #include "core/template_making/tube_template.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -336,7 +335,8 @@ std::string missing_from(const TubeTemplate& made, int label) {
 }
 
 Result<TubeTemplate> make_tube_template(const Volume& mask, const TubeTemplateOptions& options) {
-  assert(options.rings >= 2 && options.sectors >= 3);
+  if (options.rings < 2 || options.sectors < 3)
+    return fail("", "a tube has at least 2 rings and 3 sectors; give as many or more");
   std::vector<TubeBody> bodies;
   for (const auto& labels : options.outer_label
                                 ? std::vector<std::vector<int>>{{options.label}, {options.label, *options.outer_label}}

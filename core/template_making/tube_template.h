@@ -42,7 +42,7 @@ std::string missing_from(const TubeTemplate& made, int label);
 /// regular ring × sector grid, the rings in planes perpendicular to the axis, at equal steps along the wall from the
 /// base to the apex, which is closed. Base and apex lie where the label ends, at the outer faces of its end slices.
 /// Sector 0 looks to the patient's anterior side (superior where the axis itself does). Errors: the label does not
-/// occur, or is so thin or bent that a ring finds no wall.
+/// occur, or is so thin or bent that a ring finds no wall; fewer than 2 rings or 3 sectors.
 Result<TubeTemplate> make_tube_template(const Volume& mask, const TubeTemplateOptions& options);
 
 }  // namespace homolog

@@ -21,10 +21,17 @@
 #include "core/measure/compare.h"
 #include "core/mesh/construction/icosphere.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/voxels/isosurface.h"
+#include "core/model/conditional.h"
+#include "core/model/joint_models/complete_structures.h"
+#include "core/model/joint_models/joint_alignment.h"
 #include "core/model/shape_model.h"
 #include "core/phantom/phantom.h"
+#include "core/placement/likely_similarity.h"
+#include "core/placement/similarity_fit.h"
 #include "core/session/case_file.h"
 #include "core/solve/shape_solver.h"
+#include "core/template_making/tube_template.h"
 #include "core/volume/volume_io.h"
 #include "tests/must.h"
 #include "tests/refusal.h"
@@ -387,6 +394,46 @@ TEST_CASE("shapes that cannot be become no model and a model refuses others") {
        "other vertices than the model"},
       {"more coefficients than modes", [] { return thrown([] { clamped(small_model(), Eigen::VectorXd::Ones(50)); }); },
        "more coefficients"},
+  });
+}
+
+TEST_CASE("points without partners, vertices that a model lacks and surfaces of no frame are refused") {
+  const Points three = Points::Random(3, 3), two = Points::Random(2, 3);
+  const auto predicted = [](const std::vector<Eigen::Index>& landmarks, Eigen::Index rows, double noise_mm) {
+    return thrown([&] { predict(small_model(), landmarks, Points::Zero(rows, 3), noise_mm); });
+  };
+  ShapeMatrix shapes = ShapeMatrix::Random(30, 4);
+  const std::vector<StructurePart> parts{{.name = "a", .first_vertex = 0, .vertices = 10}};
+  const std::vector<float> values(5, -1.0F);
+  check_refusals({
+      {"a position too many",
+       [&] {
+         return predicted({1, 2}, 3, 1);
+       },
+       "other positions than landmarks"},
+      {"a vertex behind the last",
+       [&] {
+         return predicted({1, 10}, 2, 1);
+       },
+       "no such vertex"},
+      {"a vertex before the first", [&] { return predicted({-1}, 1, 1); }, "no such vertex"},
+      {"no noise", [&] { return predicted({1}, 1, 0); }, "a noise above 0 mm"},
+      {"points of another number", [&] { return thrown([&] { nearest_similarity(three, two, {}); }); },
+       "as many of both"},
+      {"landmarks of another number", [&] { return thrown([&] { likely_similarity(three, two, {}, 100); }); },
+       "as many of both"},
+      {"two complete shapes",
+       [&] { return thrown([&] { completed_shape(shapes.leftCols(2), parts, {}, Alignment::rigid); }); },
+       "three complete shapes"},
+      {"structures that are not said",
+       [&] { return thrown([&] { completed_shape(shapes, parts, {}, Alignment::rigid); }); }, "other structures"},
+      {"each on its own without alignment",
+       [&] { return thrown([&] { align_structures(shapes, parts, Alignment::none, true); }); }, "without an alignment"},
+      {"a tube of one ring", [] { return said(make_tube_template(kidney_labels(), {.rings = 1})); },
+       "at least 2 rings"},
+      {"a surface of another frame", [] { return said(mask_surface(kidney_labels(), 1, 1)); }, "has no frame 1"},
+      {"values of another grid", [&] { return said(zero_surface(values, kidney_labels().geometry)); },
+       "a value of each voxel"},
   });
 }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <limits>
 
 #include "core/base/numbers/index.h"
 #include "core/mesh/voxels/cube_cases.h"
+#include "core/volume/check_volume.h"
 
 namespace homolog {
 namespace {
@@ -153,7 +153,7 @@ std::vector<float> zero_at_level(const Volume& mask, int frame) {
 }  // namespace
 
 Result<Mesh> mask_surface(const Volume& mask, int label, int frame) {
-  assert(frame >= 0 && frame < mask.frames);
+  if (auto there = check_frame_of(mask, frame); !there) return fail(there.error());
   if (mask.soft && (label == 1 || label == every_label)) {
     const std::vector<float> values = zero_at_level(mask, frame);
     if (std::any_of(values.begin(), values.end(), [](float value) { return value < 0; }))
@@ -181,7 +181,8 @@ Result<Mesh> mask_surface(const Volume& mask, int label, int frame) {
 }
 
 Result<Mesh> zero_surface(std::span<const float> values, const VolumeGeometry& grid) {
-  assert(values.size() == grid.voxels());
+  if (values.size() != grid.voxels())
+    return fail("", "the grid has other voxels than there are values; give a value of each voxel");
   const std::array<std::size_t, 3> stride{1, index(grid.dims[0]), index(grid.dims[0]) * index(grid.dims[1])};
   const auto fill_slice = [&](int k, Slice& slice) {
     const float* value = values.data() + index(k) * stride[2];

@@ -31,11 +31,12 @@ bool has_label(T voxel, int label) {
 
 /// The 0.5 isosurface of the voxels that equal `label` (1 inside, 0 outside, 0 beyond the grid), LPS mm, by marching
 /// cubes: closed, manifold, outward oriented, whatever the handedness of the grid. A soft mask gives the 0.5 isosurface
-/// of its values. Errors: the label does not occur.
+/// of its values. Errors: the label does not occur; those of check_frame_of.
 Result<Mesh> mask_surface(const Volume& mask, int label, int frame = 0);
 
 /// The surface where trilinear `values` (one a voxel of `grid`, i fastest) pass zero, negative inside, positive beyond
-/// the grid: as mask_surface of the negative voxels, vertices where the values say. Errors: no value is negative.
+/// the grid: as mask_surface of the negative voxels, vertices where the values say. Errors: no value is negative; not a
+/// value for each voxel.
 Result<Mesh> zero_surface(std::span<const float> values, const VolumeGeometry& grid);
 
 }  // namespace homolog

@@ -1,10 +1,10 @@
 #include "core/model/joint_models/complete_structures.h"
 
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "core/base/demand.h"
 #include "core/base/processes/parallel.h"
 #include "core/model/conditional.h"
 #include "core/model/joint_models/joint_alignment.h"
@@ -63,7 +63,9 @@ double square_mm2(const StructurePart& part, const Points& a, const Points& b) {
 
 CompletedShape completed_shape(const ShapeMatrix& complete, const std::vector<StructurePart>& parts,
                                const IncompleteShape& shape, Alignment alignment) {
-  assert(complete.cols() >= 3);
+  demand(complete.cols() >= 3, "a joint model that completes others needs three complete shapes; give more");
+  demand(shape.has.size() == parts.size(),
+         "the shape has other structures than the joint model; say of each structure whether the shape has it");
   const std::vector<Eigen::Index> known = vertices_of(parts, shape.has);
   // Squares by noise and structure, for each shape that is left out; in the last row those of the mean.
   const auto tries = std::ssize(noises_mm);

@@ -25,7 +25,8 @@ struct CompletedShape {
 /// them, which may be off as with_pose allows. Neighbouring vertices err alike, and few shapes tell little: so σ is
 /// that of eight, 1 to 128 mm, with which complete shapes are completed best, each by the model of the others and with
 /// the same structures taken away. The error that is left then is the error to expect. The largest σ give about the
-/// mean. Needs three complete shapes, and one structure that the shape has.
+/// mean. Needs one structure that the shape has. Throws std::invalid_argument for fewer than three complete shapes, and
+/// where the shape names other structures than the model has.
 CompletedShape completed_shape(const ShapeMatrix& complete, const std::vector<StructurePart>& parts,
                                const IncompleteShape& shape, Alignment alignment);
 

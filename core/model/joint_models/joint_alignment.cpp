@@ -1,8 +1,8 @@
 #include "core/model/joint_models/joint_alignment.h"
 
-#include <cassert>
 #include <cmath>
 
+#include "core/base/demand.h"
 #include "core/base/numbers/rotation.h"
 #include "core/model/shape_model.h"
 #include "core/placement/relative_pose.h"
@@ -49,7 +49,8 @@ Similarity pose_onto(const Points& from, const Points& to, Alignment alignment) 
 
 StructurePoses align_structures(ShapeMatrix& shapes, const std::vector<StructurePart>& parts, Alignment alignment,
                                 bool each) {
-  assert(!each || alignment != Alignment::none);
+  demand(!each || alignment != Alignment::none,
+         "structures cannot be aligned each on its own without an alignment; choose rigid or similarity");
   align(shapes, alignment);
   const Alignment of_each = alignment == Alignment::none ? Alignment::rigid : alignment;
   StructurePoses poses;

@@ -13,7 +13,8 @@ Similarity pose_onto(const Points& from, const Points& to, Alignment alignment);
 ///
 /// Together: `align` of the whole shapes, so that where the structures lie to each other is part of the shapes. With
 /// `each`, the structures of the shapes so aligned are aligned again, each on its own, and put to the structure's mean
-/// place; the poses that this takes out are given back. `each` needs an alignment other than `none`.
+/// place; the poses that this takes out are given back. Throws std::invalid_argument for `each` without an
+/// alignment.
 StructurePoses align_structures(ShapeMatrix& shapes, const std::vector<StructurePart>& parts, Alignment alignment,
                                 bool each);
 

@@ -188,7 +188,6 @@ Result<void> write_segmentation(const VolumeRead& map, const fs::path& path, Pro
                   "is about something else than the names of labels, which belong there; choose another name for the "
                   "label map, or move that file");
   }
-  if (auto written = write_volume(map.volume, path, progress, record); !written) return written;
   nlohmann::ordered_json labels = nlohmann::ordered_json::array();
   for (const Segment& segment : map.segmentation.segments) {
     if (segment.name.empty()) continue;
@@ -196,7 +195,13 @@ Result<void> write_segmentation(const VolumeRead& map, const fs::path& path, Pro
     if (segment.colour) one["colour"] = hex_of(*segment.colour);
     labels.push_back(std::move(one));
   }
-  return write_whole_file(names, nlohmann::ordered_json{{"labels", std::move(labels)}}.dump(1) + "\n");
+  const std::string text = nlohmann::ordered_json{{"labels", std::move(labels)}}.dump(1) + "\n";
+  // The names are on the disk before the map takes its place, and take theirs after it: where one of them cannot be
+  // written both files stay as they were.
+  return write_whole_file(names, [&](std::ostream& out) -> Result<void> {
+    if (!(out << text).flush()) return fail(names.string(), "cannot be written; check the disk");
+    return write_volume(map.volume, path, progress, record);
+  });
 }
 
 Result<void> write_single_masks(const VolumeRead& map, const fs::path& folder, const fs::path& like,

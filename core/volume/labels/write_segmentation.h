@@ -13,8 +13,9 @@ bool keeps_layers(const std::filesystem::path& path);
 
 /// Writes a label map with its names, colours and layers: `.seg.nrrd` as 3D Slicer writes it, `.mgz` and `.mgh` as
 /// FreeSurfer does, all else as write_volume does with a JSON file beside it ("a.json" beside "a.nii.gz"), which
-/// take_names_beside reads again. Errors: those of
-/// write_volume; layers, which only `.seg.nrrd` holds; a JSON file of that name that is about something else.
+/// take_names_beside reads again. Where either cannot be written both stay as they were. Errors: those of write_volume;
+/// layers, which only `.seg.nrrd` holds; a JSON file of that name that is about something else, or that cannot be
+/// replaced.
 Result<void> write_segmentation(const VolumeRead& map, const std::filesystem::path& path, Progress* progress = nullptr,
                                 const std::string& record = {});
 

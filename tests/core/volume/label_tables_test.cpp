@@ -196,6 +196,29 @@ TEST_CASE("a map of real numbers is written with the extents of its rounded labe
   CHECK(text.find("Segment0_Extent:=1 1 0 0 0 0") != std::string::npos);
 }
 
+TEST_CASE("where the names of a label map cannot be written the map stays as it was, and the other way") {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "a.nii", names = folder.path / "a.json";
+  VolumeRead map;
+  map.volume = two_labels();
+  map.segmentation.add({.name = "spleen", .value = 1});
+  REQUIRE(write_segmentation(map, file));
+  const std::string first = test::must(read_whole_file(file)), first_names = test::must(read_whole_file(names));
+  map.volume.data = std::vector<std::uint8_t>{2, 2, 2, 1, 1, 0};
+  map.segmentation = {};
+  map.segmentation.add({.name = "liver", .value = 1});
+  fs::permissions(names, fs::perms::owner_read);
+  CHECK(says(write_segmentation(map, file), "a.json: is write-protected"));
+  CHECK(test::must(read_whole_file(file)) == first);
+  fs::permissions(names, fs::perms::owner_read | fs::perms::owner_write);
+  fs::permissions(file, fs::perms::owner_read);
+  CHECK(says(write_segmentation(map, file), "a.nii: is write-protected"));
+  CHECK(test::must(read_whole_file(names)) == first_names);
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
+  REQUIRE(write_segmentation(map, file));
+  CHECK(test::must(read_volume(file)).segmentation.find(1)->name == "liver");
+}
+
 TEST_CASE("a label map is written with names and colours and layers and read again") {
   const TemporaryFolder folder;
   VolumeRead map;

@@ -25,10 +25,16 @@ std::string decimal_string(double value) {
 
 DicomElements& DicomElements::put(DicomTag tag, const char* vr, const std::string& value) {
   constexpr std::string_view long_lengths = "OB OW SQ UN UT", zero_padded = "UI OB OW";
+  const bool has_long_length = long_lengths.find(vr) != std::string_view::npos;
+  const std::size_t most = has_long_length ? 0xfffffffe : 0xfffe;
+  if (value.size() > most) {
+    if (!too_long_) too_long_ = tag;
+    return put(tag, vr, "");
+  }
   const auto size = value.size() + value.size() % 2;
   std::string& out = elements_[tag];
   out = lowest_bytes(tag >> 16, 2) + lowest_bytes(tag & 0xffff, 2) + vr;
-  if (long_lengths.find(vr) != std::string_view::npos)
+  if (has_long_length)
     out += std::string(2, '\0') + lowest_bytes(size, 4);
   else
     out += lowest_bytes(size, 2);
@@ -62,10 +68,20 @@ DicomElements& DicomElements::put_tag(DicomTag tag, DicomTag value) {
 DicomElements& DicomElements::put_items(DicomTag tag, const std::vector<DicomElements>& items) {
   std::string text;
   for (const DicomElements& one : items) {
+    if (!too_long_) too_long_ = one.too_long_;
     const std::string content = one.bytes();
     text += lowest_bytes(0xfffe, 2) + lowest_bytes(0xe000, 2) + lowest_bytes(content.size(), 4) + content;
   }
   return put(tag, "SQ", text);
+}
+
+Result<void> DicomElements::check() const {
+  if (!too_long_) return {};
+  char name[16];
+  std::snprintf(name, sizeof name, "(%04x,%04x)", *too_long_ >> 16, *too_long_ & 0xffff);
+  return fail("",
+              std::string("cannot be written: the element ") + name +
+                  " is longer than DICOM allows (65,534 bytes of a text); shorten it in the series or the label map");
 }
 
 std::string DicomElements::bytes() const {

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/volume/dicom/dicom_set.h"
 
 namespace homolog {
@@ -12,7 +14,8 @@ namespace homolog {
 /// Elements to be written, by their tags: explicit type, little-endian [DICOM PS3.5, §7.1.2].
 class DicomElements {
  public:
-  /// A text or bytes as they are; of odd length, they are padded as their type `vr` asks.
+  /// A text or bytes as they are; of odd length, they are padded as their type `vr` asks. One that is longer than its
+  /// type can be stays empty, and check() tells.
   DicomElements& put(DicomTag tag, const char* vr, const std::string& value);
   /// Numbers of 16 bits (US) or 32 bits (UL).
   DicomElements& put_shorts(DicomTag tag, const std::vector<std::uint16_t>& values);
@@ -24,11 +27,14 @@ class DicomElements {
   /// A sequence of these items.
   DicomElements& put_items(DicomTag tag, const std::vector<DicomElements>& items);
 
+  /// Errors: an element, or one of an item, was longer than its type can be.
+  Result<void> check() const;
   /// All of them, in ascending order.
   std::string bytes() const;
 
  private:
   std::map<DicomTag, std::string> elements_;
+  std::optional<DicomTag> too_long_;  ///< the first
 };
 
 }  // namespace homolog

@@ -273,6 +273,7 @@ Result<std::vector<std::string>> write_dicom_segmentation(const VolumeRead& map,
   std::vector<std::string> about_segments;
   const auto described = described_segments(path, *segments, about_segments);
   DicomElements data = data_set(*series, described, frames, of_series, lost);
+  if (auto holds = data.check(); !holds) return fail(path.string(), holds.error().what);
   Hash of_all = of_series;
   add_text(data.bytes(), of_all);
   const std::string instance = made_uid(of_all, "instance");

@@ -18,7 +18,7 @@ namespace homolog {
 /// series, not to single images. Slices without voxels have no frames. The same map and series give the same bytes, and
 /// others another UID. Gives warnings: labels that are numbered anew, since the standard counts segments from 1; shares
 /// that were rounded; what of the patient and the study cannot be read. Errors: no series of images; voxels that lie
-/// elsewhere; no label; those of write_whole_file; cancelled.
+/// elsewhere; no label; an element longer than DICOM allows; those of write_whole_file; cancelled.
 Result<std::vector<std::string>> write_dicom_segmentation(const VolumeRead& map, const std::filesystem::path& path,
                                                           const std::filesystem::path& series,
                                                           Progress* progress = nullptr,

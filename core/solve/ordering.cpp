@@ -16,14 +16,19 @@ namespace {
 
 /// METIS seeds the C library's rand() and draws from it. A process has one rand(), and graphics drivers and libraries
 /// draw from it too, on threads of their own: an order would depend on what they do meanwhile. So METIS gets a C
-/// library of its own. Where the system makes none (as under a sanitizer), it uses that of the process.
+/// library of its own. Under a sanitizer, which allows none, it uses that of the process. Throws std::runtime_error
+/// where the system makes none.
 decltype(&METIS_NodeND) node_nd() {
 #ifdef HOMOLOG_SANITIZED
   return &METIS_NodeND;
 #else
   static const auto own = reinterpret_cast<decltype(&METIS_NodeND)>(
       in_namespace_of_its_own(reinterpret_cast<const void*>(&METIS_NodeND), "METIS_NodeND"));
-  return own != nullptr ? own : &METIS_NodeND;
+  if (own == nullptr)
+    throw std::runtime_error(
+        "METIS cannot be loaded a second time (dlmopen), without which the same input would not give the same results; "
+        "run the program with the shared library of METIS, as its packages have it");
+  return own;
 #endif
 }
 

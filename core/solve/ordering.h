@@ -19,7 +19,8 @@ struct Ordering {
 /// A nested dissection [George 1973], which keeps the factor of a mesh's matrix sparse. The same graph gives the same
 /// order at any time and on any thread; threads that ask at the same time wait for each other. Meanwhile METIS catches
 /// SIGABRT and SIGTERM for the process; the process's own handlers are put back afterwards. Throws std::bad_alloc where
-/// memory runs out, and std::runtime_error where METIS gives up, as on a SIGTERM.
+/// memory runs out, and std::runtime_error where METIS gives up, as on a SIGTERM, or where the system makes no
+/// second copy of it, whose random numbers are its own.
 Ordering nested_dissection(SparsityGraph graph);
 
 }  // namespace homolog

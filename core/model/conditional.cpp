@@ -39,7 +39,7 @@ Prediction predict(const ShapeModel& model, const std::vector<Eigen::Index>& lan
   Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(modes, modes);
   Eigen::VectorXd seen = Eigen::VectorXd::Zero(modes);
   for (Eigen::Index k = 0; k < positions.rows(); ++k) {
-    const Eigen::Index row = 3 * landmarks[static_cast<std::size_t>(k)];
+    const Eigen::Index row = 3 * landmarks[k];
     const Eigen::MatrixXd part = model.basis.middleRows(row, 3) * deviation.asDiagonal();
     precision += part.transpose() * part / variance;
     seen += part.transpose() * (positions.row(k).transpose() - model.mean.segment(row, 3)) / variance;
@@ -92,7 +92,7 @@ Result<Completion> completed(const ShapeModel& posed, const Points& shape, const
     if (known[i] > 0) landmarks.push_back(i);
   Points positions(std::ssize(landmarks), 3);
   for (Eigen::Index k = 0; k < positions.rows(); ++k)
-    positions.row(k) = shape.row(landmarks[static_cast<std::size_t>(k)]);
+    positions.row(k) = shape.row(landmarks[k]);
   const Prediction prediction = predict(posed, landmarks, pose.inverse().apply(positions), noise_mm / pose.scale);
   const Points expected = pose.apply(shape_of(posed, clamped(posed, prediction.b)));
   const VertexScalars hold = firm_hold(*solver.topology(), stiffness, known);

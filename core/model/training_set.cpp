@@ -32,7 +32,7 @@ void find_twins(const TrainingSet& set, std::vector<std::string>& found) {
                                  static_cast<std::size_t>(set.shapes.rows()) * sizeof(double));
     const auto [twin, is_new] = seen.try_emplace(bytes, static_cast<std::size_t>(i));
     if (!is_new)
-      found.push_back(set.names[static_cast<std::size_t>(i)] + " is the same shape as " + set.names[twin->second] +
+      found.push_back(set.names[i] + " is the same shape as " + set.names[twin->second] +
                       "; it counts twice, so leave one of them out");
   }
 }
@@ -63,9 +63,9 @@ void find_half_turns(const TrainingSet& set, std::vector<std::string>& found) {
   for (Eigen::Index i = 0; i < set.shapes.cols(); ++i) {
     const Eigen::Quaterniond rotation = nearest_similarity(first, points_of(set.shapes, i), Similarity{}).rotation;
     if (rotation.angularDistance(Eigen::Quaterniond::Identity()) < near_rad)
-      upright.push_back(set.names[static_cast<std::size_t>(i)]);
+      upright.push_back(set.names[i]);
     else if (rotation.angularDistance(half_turn) < near_rad)
-      turned.push_back(set.names[static_cast<std::size_t>(i)]);
+      turned.push_back(set.names[i]);
   }
   const auto& fewer = turned.size() > upright.size() ? upright : turned;
   if (fewer.empty() || upright.size() + turned.size() < set.names.size()) return;  // they lie anyhow
@@ -95,7 +95,7 @@ std::optional<FacedNames> faced_by_all(const std::vector<std::string>& names,
                                        const std::vector<std::optional<FacedNames>>& said,
                                        const std::vector<Eigen::Index>& mirrored, std::vector<std::string>& warnings) {
   std::vector<char> is_mirrored(said.size());
-  for (const Eigen::Index i : mirrored) is_mirrored[static_cast<std::size_t>(i)] = 1;
+  for (const Eigen::Index i : mirrored) is_mirrored[i] = 1;
   std::optional<std::size_t> first;
   for (std::size_t i = 0; i < said.size(); ++i)
     if (said[i] && (!first || is_mirrored[i] < is_mirrored[*first])) first = i;
@@ -117,10 +117,10 @@ Result<void> check_order(const TrainingSet& set) {
   const OtherNumbering other = other_numbering(set.shapes, set.topology);
   if (other.shapes.empty()) return {};
   std::vector<std::string> names;
-  for (const Eigen::Index shape : other.shapes) names.push_back(set.names[static_cast<std::size_t>(shape)]);
+  for (const Eigen::Index shape : other.shapes) names.push_back(set.names[shape]);
   const std::string first = names.front();
   names.erase(names.begin());
-  return fail(first, "has its vertices in another order than " + set.names[static_cast<std::size_t>(other.example)] +
+  return fail(first, "has its vertices in another order than " + set.names[other.example] +
                          (names.empty() ? "" : " (so has " + some_of(names, 5) + ")") +
                          ": what lies side by side there lies far apart here; only shapes in correspondence make a "
                          "model, so leave it out or make it from the same template");
@@ -187,7 +187,7 @@ class TrainingSetBuilder::Majority {
     const Kind& most = kinds_[best];
     const auto of_most =
         std::find_if(of_file_.begin(), of_file_.end(), [&](const OfFile& one) { return one.kind == best; });
-    const std::string& example = names[static_cast<std::size_t>(of_most - of_file_.begin())];
+    const std::string& example = names[of_most - of_file_.begin()];
     for (std::size_t i = 0; i < names.size(); ++i) {
       const Kind& kind = kinds_[of_file_[i].kind];
       if (kind.vertices != most.vertices) {
@@ -275,7 +275,7 @@ Result<TrainingSetRead> TrainingSetBuilder::finish(bool flip_mirrored) {
   std::vector<std::string> inside_out = majority_->inside_out(read.set.names);
   const std::vector<Eigen::Index> mirrored = mirrored_shapes(read.set);
   for (const Eigen::Index i : mirrored) {
-    read.mirrored.push_back(read.set.names[static_cast<std::size_t>(i)]);
+    read.mirrored.push_back(read.set.names[i]);
     std::erase(inside_out, read.mirrored.back());  // as the mirror image of a template is
     if (flip_mirrored)
       for (Eigen::Index x = 0; x < read.set.shapes.rows(); x += 3) read.set.shapes(x, i) *= -1;

@@ -258,6 +258,13 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
         if (!is_count(size)) return fail(path.string(), "has sizes that are no whole numbers above 0; export it again");
       sized = true;
     }
+    dimensioned = dimensioned || field_value(*line, "dimension");
+    ended = line->empty();
+    const bool taken = take_over(*line, header);
+    if (is_remark(*line)) continue;
+    if (line->size() > longest_field)
+      return fail(path.string(), "has a header line of " + std::to_string(line->size()) +
+                                     " characters, which no field of NRRD needs; export it again");
     // The library reads "1.5x" as 1.5, and of "1 5" the 1.
     for (const char* field : {"space origin", "space directions", "measurement frame"}) {
       std::string key = field;
@@ -269,13 +276,6 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
     if (const auto spacings = field_value(*line, "spacings");
         spacings && !std::ranges::all_of(words_of(*spacings), is_number))
       return fail(path.string(), "has spacings that are no numbers (" + excerpt(*spacings) + "); export it again");
-    dimensioned = dimensioned || field_value(*line, "dimension");
-    ended = line->empty();
-    const bool taken = take_over(*line, header);
-    if (is_remark(*line)) continue;
-    if (line->size() > longest_field)
-      return fail(path.string(), "has a header line of " + std::to_string(line->size()) +
-                                     " characters, which no field of NRRD needs; export it again");
     if (!taken) header.fields += *line + "\n";
   }
   const bool whole = ended || (header.detached && text->size() < longest_header);

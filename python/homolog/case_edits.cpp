@@ -43,7 +43,7 @@ std::string news_of(EditSession& session) {
 
 }  // namespace
 
-py::dict apply(HeldCase& self, EditStep step) {
+py::dict apply(HeldCase& self, EditStep step, const std::shared_ptr<const Document>& since) {
   std::optional<Result<EditReport>> done;
   const bool is_stroke = std::holds_alternative<Stroke>(step.action);
   double moved_mm = 0;
@@ -51,6 +51,8 @@ py::dict apply(HeldCase& self, EditStep step) {
   {
     const InUse held(self);
     check_takes_edits(self);
+    if (since != nullptr && self.session.shared_document() != since)
+      refuse("case", "was edited by another call while this one was at work; call it again");
     const py::gil_scoped_release unlocked;
     const auto before = self.session.shared_document();
     done.emplace(self.session.apply(std::move(step)));

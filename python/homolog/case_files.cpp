@@ -126,7 +126,8 @@ template: a Mesh, a Fit, a file or a built-in name. image: a Volume, a file or a
 is there already is replaced.
 Errors: the file is there already; a template or an image that is in memory alone, where the case has a file.)")
       .def_property_readonly(
-          "source", [](const Held& self) { return text_of_system(self.source); }, "Its file, from the root; empty: it has none.")
+          "source", [](const Held& self) { return text_of_system(self.source); },
+          "Its file, from the root; empty: it has none.")
       .def_property_readonly("_is_in_file",
                              [](const Held& self) {
                                const InUse held(self);

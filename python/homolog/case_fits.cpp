@@ -17,8 +17,9 @@ namespace homolog::python {
 namespace {
 
 /// An automatic step as an edit: what the edit says, and what the verb reports of the step.
-py::dict apply_with_report(HeldCase& self, EditStep step, const Json& report) {
-  py::dict row = apply(self, std::move(step));
+py::dict apply_with_report(HeldCase& self, EditStep step, const Json& report,
+                           const std::shared_ptr<const Document>& since) {
+  py::dict row = apply(self, std::move(step), since);
   for (const auto& [key, value] : report.items()) row[py::str(key)] = to_python(value);
   return row;
 }
@@ -119,7 +120,7 @@ py::dict fit_into(HeldCase& self, const py::object& given, const py::object& ask
     return done;
   });
   warn(fitted.report.warnings);
-  return apply_with_report(self, {fitted.edit, of}, fitted.report.values);
+  return apply_with_report(self, {fitted.edit, of}, fitted.report.values, kept);
 }
 
 /// One file, or several.
@@ -153,9 +154,9 @@ py::dict fit_to_contours(HeldCase& self, const py::object& files, const std::str
   SetContours drawn{.id = free_contour_id(*kept), .name = organ.structures.front(), .curves = std::move(curves)};
   drawn.off_mm = off_mm;
   drawn.outside = outside;
-  apply(self, {std::move(drawn), of});
+  apply(self, {std::move(drawn), of}, kept);
+  const auto now = document_of(self);
   try {
-    const auto now = document_of(self);
     const ShapeView there = shown(*now, of);
     auto fitted = computed<ReportedFit>(self, progress, [&](Progress& own) -> Result<ReportedFit> {
       const auto started = FitClock::now();
@@ -177,10 +178,14 @@ py::dict fit_to_contours(HeldCase& self, const py::object& files, const std::str
       return done;
     });
     warn(fitted.report.warnings);
-    return apply_with_report(self, {std::move(fitted.edit), of, true}, fitted.report.values);
+    return apply_with_report(self, {std::move(fitted.edit), of, true}, fitted.report.values, now);
   } catch (...) {
-    apply(self, {Undo{}});  // the contours go with the fit
-    throw;
+    const std::exception_ptr why = std::current_exception();
+    try {
+      apply(self, {Undo{}}, now);  // the contours go with the fit
+    } catch (const Refusal&) {     // another call has edited the case since
+    }
+    std::rethrow_exception(why);
   }
 }
 
@@ -209,7 +214,7 @@ py::dict snap_into(HeldCase& self, const py::object& at, double sigma_mm, double
     return ReportedFit{std::move(edit->action), std::move(report)};
   });
   warn(snapped.report.warnings);
-  return apply_with_report(self, {std::move(snapped.edit), of}, snapped.report.values);
+  return apply_with_report(self, {std::move(snapped.edit), of}, snapped.report.values, kept);
 }
 
 py::dict refine_into(HeldCase& self, const std::string& of, const py::object& progress) {
@@ -217,7 +222,7 @@ py::dict refine_into(HeldCase& self, const std::string& of, const py::object& pr
   const ShapeView view = shown(*kept, of);
   auto edit = computed<RefineEdit>(self, progress, [&](Progress& own) { return refine_shape(view, &own); });
   warn(edit.warnings);
-  return apply(self, {std::move(edit.action), of});
+  return apply(self, {std::move(edit.action), of}, kept);
 }
 
 py::list propagate_into(HeldCase& self, double reach_mm, const std::string& of, const py::object& progress) {
@@ -233,10 +238,10 @@ py::list propagate_into(HeldCase& self, double reach_mm, const std::string& of, 
     if (carried) share_carried(*kept, {{view.structure.id, carried->actions}});
     return carried;
   });
-  bool joined = false;
+  auto since = kept;
   for (SetPoints& action : edit.actions) {
-    apply(self, {std::move(action), of, joined});
-    joined = true;
+    apply(self, {std::move(action), of, since != kept}, since);
+    since = document_of(self);
   }
   py::list frames;
   for (const PropagatedFrame& frame : edit.result.frames) {
@@ -281,7 +286,7 @@ void add_case_fits(CaseType& type) {
           [](HeldCase& self, const std::string& of) -> py::object {
             const auto document = document_of(self);
             auto edit = apart_from_others(*document, of);
-            return edit ? py::object(apply(self, {std::move(*edit), of})) : py::none();
+            return edit ? py::object(apply(self, {std::move(*edit), of}, document)) : py::none();
           },
           py::arg("of"), "Moves a structure out of its neighbours, as one edit; None where nothing meets.");
 }

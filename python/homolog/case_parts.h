@@ -18,8 +18,9 @@ using CaseType = py::class_<HeldCase, std::shared_ptr<HeldCase>>;
 ShapeView shown(const Document& document, const std::string& of);
 
 /// Does an edit. Gives moved_mm, stopped_by_guard, on (LPS mm or None) and message. Errors: the case is closed, or in
-/// use; the edit is refused.
-py::dict apply(HeldCase& self, EditStep step);
+/// use; the edit is refused. `since`: the case that the edit was computed of. It is refused where another call has
+/// edited it meanwhile, whose edit it would take back.
+py::dict apply(HeldCase& self, EditStep step, const std::shared_ptr<const Document>& since = nullptr);
 
 // Each source adds its part.
 void add_case_files(CaseType& type);

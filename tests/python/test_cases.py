@@ -2,6 +2,7 @@
 
 import json
 import os
+import warnings
 
 import numpy
 import pytest
@@ -409,3 +410,21 @@ def test_a_case_that_a_forked_process_edited_goes_on_elsewhere_and_says_so(tmp_p
     kept = str(told[0].message).split("The edits are in ")[1].rstrip(".")
     again = homolog.Case.open(kept, read_only=True)
     assert numpy.array_equal(again.points(), case.points())
+
+
+def test_what_another_call_did_while_a_step_was_at_work_is_not_taken_back(monkeypatch):
+    case = homolog.Case.create("built-in:kidney")
+    voxels = numpy.zeros((40, 40, 40), numpy.uint8)
+    voxels[18:22, 18:22, 2:38] = 1  # a rod is no kidney
+    edited = []
+
+    def edit(*_, **__):
+        if not edited:
+            at = case.points()[0]
+            case.grab(at, at + [0, 0, 3], sigma_mm=10)
+            edited.append(case.points())
+
+    monkeypatch.setattr(warnings, "warn", edit)  # a warning is said before the step is applied
+    with pytest.raises(homolog.Error, match="case: was edited by another call while this one was at work"):
+        case.fit(homolog.LabelMap(voxels, spacing_mm=(2, 2, 2)))
+    assert edited and numpy.array_equal(case.points(), edited[0])

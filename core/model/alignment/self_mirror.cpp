@@ -50,7 +50,7 @@ Points mirrored_in_itself(const SelfMirror& mirror, const Points& shape) {
   const Points normals = vertex_normals({mirror.topology, shape});
   Points image(shape.rows(), 3);
   for (Eigen::Index v = 0; v < shape.rows(); ++v)
-    image.row(v) = curved_place(mirror.counterparts[static_cast<std::size_t>(v)], *mirror.topology, shape, normals);
+    image.row(v) = curved_place(mirror.counterparts[v], *mirror.topology, shape, normals);
   image.col(0) *= -1;
   return image;
 }

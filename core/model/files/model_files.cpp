@@ -53,7 +53,7 @@ std::string score_table(const PrincipalComponents& components, const std::vector
   if (!sizes_mm.empty()) text += ",centroid_size_mm";
   text += groups.empty() ? "\n" : ",group\n";
   for (Eigen::Index i = 0; i < scores.cols(); ++i) {
-    text += csv_field(names[static_cast<std::size_t>(i)]) + ',';
+    text += csv_field(names[i]) + ',';
     append_row(scores.col(i), text);
     const auto shape = static_cast<std::size_t>(i);
     text.pop_back();  // the line goes on
@@ -153,7 +153,7 @@ Result<void> write_pose_table(const StructurePoses& poses, const std::vector<Str
       const bool is_completed = std::any_of(completed.begin(), completed.end(), [&](const CompletedStructure& one) {
         return one.shape == s && one.part == k;
       });
-      text += csv_field(names[static_cast<std::size_t>(s)]) + ',' + csv_field(parts[static_cast<std::size_t>(k)].name) +
+      text += csv_field(names[s]) + ',' + csv_field(parts[k].name) +
               ',';
       Eigen::VectorXd row(StructurePoses::numbers + 1);
       row << poses.values.block(StructurePoses::numbers * k, s, StructurePoses::numbers, 1), is_completed ? 1 : 0;
@@ -173,7 +173,7 @@ Result<void> write_aligned_shapes(const PrincipalComponents& components,
   for (Eigen::Index i = 0; i < components.shapes(); ++i) {
     const Eigen::VectorXd shape = components.mean + components.centred.col(i);
     file.points = points_of(shape);
-    const std::string& name = names[static_cast<std::size_t>(i)];
+    const std::string& name = names[i];
     if (auto done = write_mesh_file(file, folder / (name + ".particles")); !done) return done;
     if (!topology) continue;
     if (auto done = write_mesh_file(file, folder / (name + ".ply")); !done) return done;

@@ -36,8 +36,8 @@ class Completer {
     const Points mean = points_of(model_.mean);
     Points seen(std::ssize(known), 3), mean_seen(std::ssize(known), 3);
     for (Eigen::Index k = 0; k < seen.rows(); ++k) {
-      seen.row(k) = shape.row(known[static_cast<std::size_t>(k)]);
-      mean_seen.row(k) = mean.row(known[static_cast<std::size_t>(k)]);
+      seen.row(k) = shape.row(known[k]);
+      mean_seen.row(k) = mean.row(known[k]);
     }
     const Similarity pose = pose_onto(mean_seen, seen, alignment_);
     return pose.apply(predict(model_, known, pose.inverse().apply(seen), noise_mm / pose.scale).points);
@@ -76,7 +76,7 @@ CompletedShape completed_shape(const ShapeMatrix& complete, const std::vector<St
     const Points truth = points_of(complete, left_out);
     squares[s].setZero(tries + 1, std::ssize(parts));
     for (Eigen::Index j = 0; j <= tries; ++j) {
-      const double noise_mm = j < tries ? noises_mm[static_cast<std::size_t>(j)] : deaf_mm;
+      const double noise_mm = j < tries ? noises_mm[j] : deaf_mm;
       const Points found = others.expected(truth, known, noise_mm);
       for (std::size_t k = 0; k < parts.size(); ++k)
         if (!shape.has[k]) squares[s](j, static_cast<Eigen::Index>(k)) = square_mm2(parts[k], found, truth);
@@ -87,7 +87,7 @@ CompletedShape completed_shape(const ShapeMatrix& complete, const std::vector<St
   Eigen::Index best = 0;
   mean.topRows(tries).rowwise().sum().minCoeff(&best);
   CompletedShape result;
-  result.noise_mm = noises_mm[static_cast<std::size_t>(best)];
+  result.noise_mm = noises_mm[best];
   result.points = shape.points;
   const Points found = Completer(complete, alignment).expected(points_of(shape.points), known, result.noise_mm);
   for (std::size_t k = 0; k < parts.size(); ++k) {

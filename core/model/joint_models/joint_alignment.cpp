@@ -58,13 +58,13 @@ StructurePoses align_structures(ShapeMatrix& shapes, const std::vector<Structure
   poses.values.resize(StructurePoses::numbers * std::ssize(parts), shapes.cols());
   poses.radius_mm.resize(std::ssize(parts));
   for (Eigen::Index k = 0; k < std::ssize(parts); ++k) {
-    const StructurePart& part = parts[static_cast<std::size_t>(k)];
+    const StructurePart& part = parts[k];
     const StructureAligned alone = aligned_alone(rows_of(part, shapes), of_each);
     const Eigen::VectorXd mean = alone.shapes.rowwise().mean();
     poses.radius_mm[k] = alone.mean_place.scale * mean.norm() / std::sqrt(static_cast<double>(part.vertices));
     for (Eigen::Index s = 0; s < shapes.cols(); ++s) {
       poses.values.block(StructurePoses::numbers * k, s, StructurePoses::numbers, 1) =
-          pose_numbers(alone.places[static_cast<std::size_t>(s)], alone.mean_place);
+          pose_numbers(alone.places[s], alone.mean_place);
       if (!each) continue;
       const Points placed = alone.mean_place.apply(Points(points_of(alone.shapes, s)));
       shapes.block(3 * part.first_vertex, s, 3 * part.vertices, 1) =

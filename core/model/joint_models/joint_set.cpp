@@ -141,7 +141,7 @@ Result<void> settle(std::vector<OneCase> cases, const JointOptions& options, Joi
                     "; fit more cases, or name fewer structures");
   }
   ShapeMatrix complete(whole.front()->shape.points.size(), std::ssize(whole));
-  for (Eigen::Index s = 0; s < complete.cols(); ++s) complete.col(s) = whole[static_cast<std::size_t>(s)]->shape.points;
+  for (Eigen::Index s = 0; s < complete.cols(); ++s) complete.col(s) = whole[s]->shape.points;
   TrainingSet& set = joint.read.set;
   set.shapes.resize(complete.rows(), std::ssize(cases));
   for (const OneCase& one : cases) {

@@ -116,7 +116,7 @@ class Finder {
       const auto found = std::find(structures_.begin(), structures_.end(), lower_case(one.name));
       if (found == structures_.end() || one.frames.empty()) continue;
       if (!of.structure.empty() && of.structure != one.id) continue;
-      ShapeSource& there = files[static_cast<std::size_t>(found - structures_.begin())];
+      ShapeSource& there = files[found - structures_.begin()];
       if (!there.file.empty() && whole_path(there.file) != whole_path(of.file))
         return fail(of.file.string(), "has the name of " + there.file.string() + "; rename one of the cases");
       there = of;
@@ -176,7 +176,7 @@ class Finder {
     others_.insert(structure);
     const auto found = std::find(structures_.begin(), structures_.end(), lower_case(structure));
     if (found == structures_.end()) return {};
-    fs::path& there = files_of(case_name)[static_cast<std::size_t>(found - structures_.begin())].file;
+    fs::path& there = files_of(case_name)[found - structures_.begin()].file;
     if (!there.empty() && there.parent_path() != file.parent_path())
       return fail(file.string(),
                   "is of case " + case_name + " as " + there.string() + " is; rename one of the folders");
@@ -251,7 +251,7 @@ Result<void> write_structures(const ShapeMatrix& local, const ShapeMatrix& world
   const auto made = ResultFolder::make(folder);
   if (!made) return fail(made.error());
   for (Eigen::Index s = 0; s < world.cols(); ++s) {
-    const std::string& name = names[static_cast<std::size_t>(s)];
+    const std::string& name = names[s];
     for (const StructurePart& part : parts) {
       if (!is_file_name(name) || !is_file_name(part.name))
         return fail(name + "_" + part.name, "cannot be the name of a file; rename the case or the structure");

@@ -105,7 +105,7 @@ Eigen::VectorXd LeaveOneOut::squared_errors(Eigen::Index most_modes) const {
   const auto known = static_cast<Eigen::Index>(modes_.size());
   // From the last mode up: a sum of squares, in which nothing cancels.
   for (Eigen::Index m = std::max(known, most_modes); m >= 0; --m) {
-    if (m < known) error += modes_[static_cast<std::size_t>(m)].square;
+    if (m < known) error += modes_[m].square;
     if (m <= most_modes) errors[m] = error;
   }
   return errors;
@@ -115,7 +115,7 @@ Eigen::VectorXd LeaveOneOut::part_along(const Mode& mode) const {
   Eigen::VectorXd part = Eigen::VectorXd::Zero(z_.size());
   if (mode.near < 0) return part;
   for (Eigen::Index j = 0; j < z_.size(); ++j) {
-    const Eigen::Index pole = group_[static_cast<std::size_t>(j)];
+    const Eigen::Index pole = group_[j];
     if (pole >= 0) part[j] = z_[j] / distance(pole, mode) * mode.square;
   }
   return part;

@@ -13,7 +13,7 @@ namespace homolog {
 /// So every mode count comes from one set of roots, and no model is built M times.
 ///
 /// Where only the leading components are known, what y has beyond them counts as one more axis, with the variance that
-/// the axes there have in the mean, weighted by themselves. Distances in the leading modes then err by less than 1 %;
+/// the axes there have in the mean, weighted by themselves. Distances in the leading modes then err by about 1 %;
 /// `squared_errors` and `error` need all components.
 class LeaveOneOut {
  public:

@@ -33,14 +33,14 @@ struct TableFences {
     of_place.resize(static_cast<std::size_t>(table.rows()));
     in_parallel(table.rows(), [&](Eigen::Index first, Eigen::Index last) {
       for (Eigen::Index row = first; row < last; ++row)
-        of_place[static_cast<std::size_t>(row)] = fences_of(list_of(table.row(row)));
+        of_place[row] = fences_of(list_of(table.row(row)));
     });
     for (Eigen::Index column = 0; column < table.cols(); ++column)
       of_shape.push_back(fences_of(list_of(table.col(column))));
   }
   bool beyond(double value, Eigen::Index place, Eigen::Index shape) const {
-    return value > of_place[static_cast<std::size_t>(place)].outer &&
-           value > of_shape[static_cast<std::size_t>(shape)].outer;
+    return value > of_place[place].outer &&
+           value > of_shape[shape].outer;
   }
 };
 
@@ -133,7 +133,7 @@ std::vector<SuspiciousVertex> suspicious_vertices(const PrincipalComponents& com
   for (Eigen::Index i = 0; i < deviations.cols(); ++i) {
     for (Eigen::Index v = 0; v < deviations.rows(); ++v) {
       if (fences.beyond(deviations(v, i), v, i) && worst_of_its_ring(v, i))
-        list.push_back({i, v, deviations(v, i), fences.of_place[static_cast<std::size_t>(v)].median});
+        list.push_back({i, v, deviations(v, i), fences.of_place[v].median});
     }
   }
   sort_by(list, [](const SuspiciousVertex& one) { return one.deviation_mm; });
@@ -157,8 +157,8 @@ std::vector<SuspiciousTriangle> suspicious_triangles(const PrincipalComponents& 
   in_parallel(triangles.rows(), [&](Eigen::Index first, Eigen::Index last) {
     std::vector<double> stretches(static_cast<std::size_t>(components.shapes()));
     for (Eigen::Index t = first; t < last; ++t) {
-      for (Eigen::Index i = 0; i < components.shapes(); ++i) stretches[static_cast<std::size_t>(i)] = stretch(t, i);
-      of_triangle[static_cast<std::size_t>(t)] = fences_of(stretches);
+      for (Eigen::Index i = 0; i < components.shapes(); ++i) stretches[i] = stretch(t, i);
+      of_triangle[t] = fences_of(stretches);
     }
   });
   std::vector<std::vector<SuspiciousTriangle>> of_shape(static_cast<std::size_t>(components.shapes()));
@@ -172,7 +172,7 @@ std::vector<SuspiciousTriangle> suspicious_triangles(const PrincipalComponents& 
       const auto triangle = static_cast<Eigen::Index>(t);
       const auto& beside = topology.neighbours(triangle);
       const bool worst = std::none_of(beside.begin(), beside.end(), [&](std::int32_t other) {
-        return other >= 0 && stretches[static_cast<std::size_t>(other)] > stretches[t];
+        return other >= 0 && stretches[other] > stretches[t];
       });
       if (worst) of_shape[i].push_back({shape, triangle, stretches[t], of_triangle[t].median});
     }

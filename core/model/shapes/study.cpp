@@ -301,7 +301,7 @@ std::ptrdiff_t Study::next_case(std::ptrdiff_t from) const {
   std::ptrdiff_t next = -1;
   for (std::ptrdiff_t step = 1; step <= count; ++step) {
     const std::ptrdiff_t k = (from + step) % count;
-    const StudyCase& one = cases[static_cast<std::size_t>(k)];
+    const StudyCase& one = cases[k];
     if (one.state == CaseState::done) continue;
     if (!one.doubt.empty() && k != from) return k;
     if (next < 0) next = k;

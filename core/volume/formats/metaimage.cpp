@@ -36,7 +36,7 @@ struct Header {
     const std::string value = text(names);
     return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
   }
-  /// The numbers of a value; fewer where one of them is none.
+  /// The numbers of a value; none where one of them is none.
   std::vector<double> numbers(std::initializer_list<std::string_view> names) const {
     std::vector<double> result;
     const std::string value = text(names);
@@ -48,7 +48,7 @@ struct Header {
       }
       double number = 0;
       const auto [rest, error] = std::from_chars(c, end, number);
-      if (error != std::errc() || !std::isfinite(number)) break;
+      if (error != std::errc() || !std::isfinite(number)) return {};
       result.push_back(number);
       c = rest;
     }
@@ -115,20 +115,21 @@ Result<Layout> layout_of(const Header& header, const fs::path& path, std::vector
   const std::vector<double> sizes = header.numbers({"DimSize"});
   const auto n = static_cast<std::size_t>(std::clamp(header.number({"NDims"}, 0), 0.0, 100.0));
   const auto is_whole = [](double size) { return size == std::floor(size); };
-  if (n < 1 || sizes.size() < n || !std::all_of(sizes.begin(), sizes.end(), is_whole)) return damaged_header(path);
-  for (std::size_t d = 4; d < n; ++d)
-    if (sizes[d] != 1)
-      return fail(path.string(), "has more than four dimensions; export one volume or series of frames");
+  if (n < 1 || !std::all_of(sizes.begin(), sizes.end(), is_whole)) return damaged_header(path);
   // What is not said has a default; what is said must be whole.
   const auto check = [&](std::initializer_list<std::string_view> names, std::size_t count) -> Result<void> {
-    if (header.text(names).empty() || header.numbers(names).size() == count) return {};
+    if (header.text(names).empty() || header.numbers(names).size() >= count) return {};
     return fail(path.string(), std::string(*names.begin()) + " is \"" + excerpt(header.text(names)) + "\", and not " +
                                    std::to_string(count) + " numbers with blanks between them; export it again");
   };
   const std::initializer_list<std::string_view> spacings{"ElementSpacing", "ElementSize"},
       origins{"Offset", "Position", "Origin"}, matrices{"TransformMatrix", "Rotation", "Orientation"};
+  if (header.text({"DimSize"}).empty() || header.numbers(matrices).size() > n * n) return damaged_header(path);
   for (const auto& checked : {check({"DimSize"}, n), check(spacings, n), check(origins, n), check(matrices, n * n)})
     if (!checked) return fail(checked.error());
+  for (std::size_t d = 4; d < n; ++d)
+    if (sizes[d] != 1)
+      return fail(path.string(), "has more than four dimensions; export one volume or series of frames");
   std::vector<double> spacing = header.numbers(spacings), origin = header.numbers(origins);
   const std::vector<double> matrix = header.numbers(matrices);
   spacing.resize(std::max<std::size_t>(n, 4), 1);

@@ -32,7 +32,7 @@ void add_hued_glyphs(GlyphLayer& layer, const Points& points, const std::vector<
                      const std::vector<float>& hues, double radius_mm) {
   for (const std::int32_t i : vertices)
     layer.glyphs.push_back(
-        {points.row(i), hsv_to_rgb(hues[static_cast<std::size_t>(i)], 1, 1), static_cast<float>(radius_mm)});
+        {points.row(i), hsv_to_rgb(hues[i], 1, 1), static_cast<float>(radius_mm)});
 }
 
 }  // namespace homolog

@@ -33,7 +33,7 @@ std::vector<EGLDisplay> displays() {
     EGLint count = 0;
     eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count);
     for (EGLint i = 0; i < count; ++i) {
-      found.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr));
+      found.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr));
     }
   }
   found.push_back(eglGetDisplay(EGL_DEFAULT_DISPLAY));

@@ -20,13 +20,13 @@ std::vector<OutlineSegment> intersect_plane(const Topology& topology, const Poin
   assert(points.rows() == topology.vertices());
   const Eigen::VectorXd distance = points * normal - Eigen::VectorXd::Constant(points.rows(), normal.dot(on_plane));
   std::vector<std::uint8_t> above(static_cast<std::size_t>(points.rows()));
-  for (Eigen::Index i = 0; i < points.rows(); ++i) above[static_cast<std::size_t>(i)] = distance[i] >= 0;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) above[i] = distance[i] >= 0;
 
   std::vector<OutlineSegment> segments;
   const Triangles& triangles = topology.triangles();
   for (Eigen::Index face = 0; face < triangles.rows(); ++face) {
     const std::int32_t* corner = triangles.data() + 3 * face;
-    const auto side = [&](int k) { return above[static_cast<std::size_t>(corner[k])]; };
+    const auto side = [&](int k) { return above[corner[k]]; };
     if (side(0) == side(1) && side(1) == side(2)) continue;
     // The corner alone on its side; both edges from it are cut.
     const int lone = side(1) == side(2) ? 0 : side(0) == side(2) ? 1 : 2;

@@ -18,8 +18,8 @@ Rgb saturated(const Rgb& colour) {
 }
 
 std::array<float, 4> colour_at(const EdgeCrossing& crossing, const MeshLayer& mesh) {
-  const Rgb& low = mesh.colours ? (*mesh.colours)[static_cast<std::size_t>(crossing.low)] : mesh_colour;
-  const Rgb& high = mesh.colours ? (*mesh.colours)[static_cast<std::size_t>(crossing.high)] : mesh_colour;
+  const Rgb& low = mesh.colours ? (*mesh.colours)[crossing.low] : mesh_colour;
+  const Rgb& high = mesh.colours ? (*mesh.colours)[crossing.high] : mesh_colour;
   const auto share = static_cast<float>(crossing.share);
   Rgb between;
   for (std::size_t k = 0; k < 3; ++k) between[k] = low[k] + share * (high[k] - low[k]);

@@ -61,7 +61,7 @@ bool allocate_reduced(const Format& format, const std::array<int, 3>& voxels, Vo
     if (allocate(format, texture.dims)) return true;
     const auto longest = std::max_element(texture.dims.begin(), texture.dims.end());
     if (*longest == 1) return false;
-    ++texture.voxels_per_texel[static_cast<std::size_t>(longest - texture.dims.begin())];
+    ++texture.voxels_per_texel[longest - texture.dims.begin()];
   }
 }
 

@@ -61,7 +61,7 @@ Result<Mesh> interpolated_shape(const std::vector<DrawnContour>& contours, doubl
   grid.direction = frame;
   const Vec3 low = box.min() - Vec3(margin_mm, margin_mm, beyond_mm + 2 * voxel_mm);
   const Vec3 extent = box.max() + Vec3(margin_mm, margin_mm, beyond_mm + 2 * voxel_mm) - low;
-  for (int a = 0; a < 3; ++a) grid.dims[static_cast<std::size_t>(a)] = 1 + static_cast<int>(extent[a] / voxel_mm);
+  for (int a = 0; a < 3; ++a) grid.dims[a] = 1 + static_cast<int>(extent[a] / voxel_mm);
   grid.origin_mm = frame * low;
   const auto nx = static_cast<std::size_t>(grid.dims[0]), ny = static_cast<std::size_t>(grid.dims[1]);
   std::vector<std::vector<float>> maps;

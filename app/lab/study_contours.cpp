@@ -71,9 +71,9 @@ std::vector<DrawnContour> outlines_of_strokes(const Volume& strokes, int value) 
     for (int j = 0; j < dims[1]; ++j)
       for (int i = 0; i < dims[0]; ++i)
         if (is_stroke({i, j, k})) {
-          ++voxels_of[0][static_cast<std::size_t>(i)];
-          ++voxels_of[1][static_cast<std::size_t>(j)];
-          ++voxels_of[2][static_cast<std::size_t>(k)];
+          ++voxels_of[0][i];
+          ++voxels_of[1][j];
+          ++voxels_of[2][k];
         }
   std::size_t axis = 0;
   const auto used = [&](std::size_t a) {
@@ -84,7 +84,7 @@ std::vector<DrawnContour> outlines_of_strokes(const Volume& strokes, int value) 
   const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
   std::vector<DrawnContour> contours;
   for (int slice = 0; slice < dims[axis]; ++slice) {
-    if (voxels_of[axis][static_cast<std::size_t>(slice)] == 0) continue;
+    if (voxels_of[axis][slice] == 0) continue;
     // Inside is what cannot be reached from outside.
     const int nu = dims[u] + 2, nv = dims[v] + 2;
     std::vector<std::uint8_t> inside(static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv), 1);

@@ -152,7 +152,7 @@ std::pair<double, double> window_around(const Volume& volume, const Mesh& mesh, 
   if (values.size() < 100) return default_window(volume);
   const auto tail = static_cast<std::ptrdiff_t>(values.size() / 100);
   std::nth_element(values.begin(), values.begin() + tail, values.end());
-  const double low = values[static_cast<std::size_t>(tail)];
+  const double low = values[tail];
   std::nth_element(values.begin(), values.end() - 1 - tail, values.end());
   return {low, std::max(low + 1, values[values.size() - 1 - static_cast<std::size_t>(tail)])};
 }
@@ -232,7 +232,7 @@ Result<void> draw_cells(Studio& studio, const MontagePlan& plan, const MeshColou
     scene.background = background(plan.options);
     Camera3D camera;
     if (k < std::ssize(cells)) {
-      const MontageCell& one = cells[static_cast<std::size_t>(k)];
+      const MontageCell& one = cells[k];
       colouring.add_to(scene, one);
       const Vec3 centre = one.mesh.points.colwise().mean();
       camera = camera_on(centre + plan.seen_from(one.from).offset(), plan.radius_mm, one.from);
@@ -332,12 +332,12 @@ Result<MadePicture> case_picture(const Document& document, const MontageOptions&
                                                      {Vec3::UnitX(), -Vec3::UnitZ()}}};  // coronal
   std::vector<PictureCell> cells;
   for (int k = 0; k < 3; ++k) {
-    const auto& [right, down] = planes[static_cast<std::size_t>(k)];
+    const auto& [right, down] = planes[k];
     const Viewport target = room_of(k);
     const SliceView view = slice_on(mesh, centre, right, down, target);
     if (auto drawn = studio->renderer->draw(scene, view, target); !drawn) return fail(drawn.error());
     static constexpr std::array<const char*, 3> names{"Axial", "Sagittal", "Coronal"};
-    cells.push_back(named(cell(k, 2, 2, options, 0), options, names[static_cast<std::size_t>(k)], view.mm_per_px));
+    cells.push_back(named(cell(k, 2, 2, options, 0), options, names[k], view.mm_per_px));
   }
   scene.glyphs = glyphs;
   const Camera3D camera = camera_on(centre, 1.05 * radius_of(mesh, centre), options.from);

@@ -199,7 +199,7 @@ Result<Page> measure_plots(const TextTable& table, double width_mm) {
       return fail("", "has no column " + column + "; give a table that evaluate --csv wrote");
     std::vector<double> values;
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
-      const auto value = as_number<double>(table.rows[row][static_cast<std::size_t>(found - table.columns.begin())]);
+      const auto value = as_number<double>(table.rows[row][found - table.columns.begin()]);
       if (!value || !std::isfinite(*value))
         return fail("", "holds no number in line " + std::to_string(table.lines[row]) + ", column " + column);
       values.push_back(*value);

@@ -34,7 +34,7 @@ struct PinnedPlaces {
       : to(std::ssize(shape.pins), 3), weights(shape.mesh.points.rows(), std::ssize(shape.pins)) {
     const auto& triangles = shape.mesh.topology->triangles();
     for (Eigen::Index k = 0; k < to.rows(); ++k) {
-      const Pin& pin = shape.pins[static_cast<std::size_t>(k)];
+      const Pin& pin = shape.pins[k];
       to.row(k) = pin.place.transpose();
       for (int c = 0; c < 3; ++c) weights.coeffRef(triangles(pin.on.face, c), k) += pin.on.weights[c];
     }

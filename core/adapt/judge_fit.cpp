@@ -71,21 +71,21 @@ TargetDistance target_distance(const Mesh& target, const Mesh& mesh) {
   std::vector<double> off_mm(static_cast<std::size_t>(triangles.rows()));
   for (std::int32_t face = 0; face < triangles.rows(); ++face) {
     const Vec3 middle = target.points(triangles.row(face), Eigen::all).colwise().mean().transpose();
-    off_mm[static_cast<std::size_t>(face)] = (search.nearest(middle).position - middle).norm();
+    off_mm[face] = (search.nearest(middle).position - middle).norm();
   }
   std::vector<char> cut(off_mm.size());
   for (const auto& flat : flat_faces(target)) {
     double mean_mm = 0;
     for (const std::int32_t face : flat)
-      mean_mm += off_mm[static_cast<std::size_t>(face)] / static_cast<double>(flat.size());
+      mean_mm += off_mm[face] / static_cast<double>(flat.size());
     if (mean_mm > cut_share * bounds_of(mesh.points).diagonal().norm())
-      for (const std::int32_t face : flat) cut[static_cast<std::size_t>(face)] = 1;
+      for (const std::int32_t face : flat) cut[face] = 1;
   }
   std::vector<std::pair<double, double>> parts;  // distance, area
   double area = 0, sum = 0;
   for (std::int32_t face = 0; face < triangles.rows(); ++face) {
-    if (cut[static_cast<std::size_t>(face)] != 0) continue;
-    parts.emplace_back(off_mm[static_cast<std::size_t>(face)], area_normal(target, face).norm());
+    if (cut[face] != 0) continue;
+    parts.emplace_back(off_mm[face], area_normal(target, face).norm());
     area += parts.back().second;
     sum += parts.back().first * parts.back().second;
   }
@@ -156,11 +156,11 @@ double share_beyond_rim(const Boundary& boundary, const Mesh& mesh) {
 /// The mean doubt of the vertices that the scan shows; of all where it shows none. mm
 double mean_doubt_mm(const FitResult& fit) {
   std::vector<char> unseen(static_cast<std::size_t>(fit.doubt_mm.size()), 0);
-  for (const std::int32_t i : fit.unseen) unseen[static_cast<std::size_t>(i)] = 1;
+  for (const std::int32_t i : fit.unseen) unseen[i] = 1;
   double sum_mm = 0;
   int count = 0;
   for (Eigen::Index i = 0; i < fit.doubt_mm.size(); ++i)
-    if (unseen[static_cast<std::size_t>(i)] == 0) sum_mm += fit.doubt_mm[i], ++count;
+    if (unseen[i] == 0) sum_mm += fit.doubt_mm[i], ++count;
   return count > 0 ? sum_mm / count : fit.doubt_mm.mean();
 }
 
@@ -178,10 +178,10 @@ void judge_partial(const Boundary& boundary, const FitResult& fit, FitJudgement&
   const Points& points = fit.mesh.points;
   const SurfaceSearch search(boundary.surface);
   std::vector<char> missing(static_cast<std::size_t>(points.rows()), 0);
-  for (const std::int32_t i : fit.outliers) missing[static_cast<std::size_t>(i)] = 1;
+  for (const std::int32_t i : fit.outliers) missing[i] = 1;
   double sum_mm = 0;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
-    if (missing[static_cast<std::size_t>(i)] == 0)
+    if (missing[i] == 0)
       sum_mm += (search.nearest(points.row(i)).position - Vec3(points.row(i))).norm();
   const auto there = static_cast<double>(points.rows() - std::ssize(fit.outliers));
   judgement.sound_mm = there > 0 ? sum_mm / there : 0;
@@ -189,7 +189,7 @@ void judge_partial(const Boundary& boundary, const FitResult& fit, FitJudgement&
   // What is missing is in doubt by nature.
   double sound_doubt_mm = 0;
   for (Eigen::Index i = 0; i < fit.doubt_mm.size(); ++i)
-    if (missing[static_cast<std::size_t>(i)] == 0) sound_doubt_mm += fit.doubt_mm[i] / there;
+    if (missing[i] == 0) sound_doubt_mm += fit.doubt_mm[i] / there;
   const bool in_doubt = sound_doubt_mm > much_doubt_mm(surface_area_mm2(fit.mesh));
   const double diagonal_mm = bounds_of(boundary.surface.points).diagonal().norm();
   judgement.doubtful = fit.mirrored || fit.half_turned || in_doubt ||

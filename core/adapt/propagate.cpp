@@ -100,8 +100,8 @@ class Propagating {
     lost_.assign(result_.frames.size(), true);
     for (std::size_t k = 0; k < stretches.size(); ++k) meet(stretches[k], ways[2 * k], ways[2 * k + 1]);
     for (const auto& [frame, points] : known_) {
-      result_.frames[static_cast<std::size_t>(frame)] = {points, 0, 1, std::nullopt, ""};
-      lost_[static_cast<std::size_t>(frame)] = false;
+      result_.frames[frame] = {points, 0, 1, std::nullopt, ""};
+      lost_[frame] = false;
     }
     fill_lost();
     judge();
@@ -228,16 +228,16 @@ class Propagating {
       for (int k = 1; k < n; ++k) {
         const int f = from + direction * k;
         if (!result_.cycle && (f < 0 || f >= n)) return std::pair(-1, 0);
-        if (const int there = (f % n + n) % n; !lost_[static_cast<std::size_t>(there)]) return std::pair(there, k);
+        if (const int there = (f % n + n) % n; !lost_[there]) return std::pair(there, k);
       }
       return std::pair(-1, 0);
     };
-    const auto points = [&](int f) -> const Points& { return result_.frames[static_cast<std::size_t>(f)].points; };
+    const auto points = [&](int f) -> const Points& { return result_.frames[f].points; };
     for (int f = 0; f < n; ++f) {
-      if (!lost_[static_cast<std::size_t>(f)]) continue;
+      if (!lost_[f]) continue;
       const auto [before, back] = nearest(f, -1);
       const auto [after, on] = nearest(f, 1);
-      auto& frame = result_.frames[static_cast<std::size_t>(f)];
+      auto& frame = result_.frames[f];
       if (before < 0 || after < 0)
         frame.points = points(before < 0 ? after : before);
       else

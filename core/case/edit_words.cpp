@@ -40,7 +40,7 @@ std::string place_words(const ShapeView& before, const Vec3& at) {
   const Vec3 share = (at - box.center()).cwiseQuotient(box.sizes().cwiseMax(least_mm));
   Eigen::Index axis = 0;
   share.cwiseAbs().maxCoeff(&axis);
-  return std::string(", ") + sides[static_cast<std::size_t>(axis)][share[axis] > 0 ? 1 : 0];
+  return std::string(", ") + sides[axis][share[axis] > 0 ? 1 : 0];
 }
 
 /// How far a placement moves, turns or scales the mesh, whichever it does.

@@ -9,16 +9,16 @@ VertexScalars gaussian_falloff(const Topology& topology, const Points& points, c
   const double sigma = std::max(sigma_mm, edge_mm / 2);
   const Eigen::RowVector3d centre = q.interpolate(topology, points);
   VertexScalars g = (points.rowwise() - centre).rowwise().squaredNorm();
-  const std::int32_t sheet = topology.component()[static_cast<std::size_t>(topology.triangles()(q.face, 0))];
+  const std::int32_t sheet = topology.component()[topology.triangles()(q.face, 0)];
   const bool other_sheets = topology.components() > 1 && !through_space;
   double nearest = g.maxCoeff();
   for (Eigen::Index i = 0; i < g.size(); ++i) {
-    if (!other_sheets || topology.component()[static_cast<std::size_t>(i)] == sheet) nearest = std::min(nearest, g[i]);
+    if (!other_sheets || topology.component()[i] == sheet) nearest = std::min(nearest, g[i]);
   }
   g = (-(g.array() - nearest) / (2 * sigma * sigma)).exp();
   if (other_sheets) {
     for (Eigen::Index i = 0; i < g.size(); ++i) {
-      if (topology.component()[static_cast<std::size_t>(i)] != sheet) g[i] = 0;
+      if (topology.component()[i] != sheet) g[i] = 0;
     }
   }
   return g;

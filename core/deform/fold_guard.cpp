@@ -33,7 +33,7 @@ Points carried_normals(const Topology& topology, const Points& reference, const 
     const auto t = triangles.row(f);
     const Vec3 normal = face_normal(reference, t);
     Vec3 sum = Vec3::Zero();
-    for (int k = 0; k < 3; ++k) sum += rotations[static_cast<std::size_t>(t[k])] * normal;
+    for (int k = 0; k < 3; ++k) sum += rotations[t[k]] * normal;
     carried.row(f) = sum.transpose();
   }
   return carried;

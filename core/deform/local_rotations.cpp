@@ -37,7 +37,7 @@ std::vector<Mat3> local_rotations(const Topology& topology, const Points& refere
             (points.row(i) - points.row(j)).transpose() * (reference.row(i) - reference.row(j)).eval();
       }
       Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-      rotations[static_cast<std::size_t>(i)] =
+      rotations[i] =
           climb_to_rotation(covariance, q) ? q.toRotationMatrix() : nearest_rotation(covariance);
     }
   });
@@ -50,7 +50,7 @@ Points rotated_reference_force(const Topology& topology, const VertexScalars& w,
   for (const auto& [i, j] : topology.edges()) {
     const Vec3 edge = (reference.row(i) - reference.row(j)).transpose();
     const Vec3 force =
-        w[i] * (rotations[static_cast<std::size_t>(i)] * edge) + w[j] * (rotations[static_cast<std::size_t>(j)] * edge);
+        w[i] * (rotations[i] * edge) + w[j] * (rotations[j] * edge);
     b.row(i) += force.transpose();
     b.row(j) -= force.transpose();
   }
@@ -64,7 +64,7 @@ double strain_share(const Topology& topology, const Points& reference, const Poi
     for (const std::int32_t j : topology.one_ring(i)) {
       const Vec3 edge = (reference.row(i) - reference.row(j)).transpose();
       const Vec3 now = (points.row(i) - points.row(j)).transpose();
-      strain += (now - rotations[static_cast<std::size_t>(i)] * edge).squaredNorm();
+      strain += (now - rotations[i] * edge).squaredNorm();
       edges += edge.squaredNorm();
     }
   return strain / edges;

@@ -39,7 +39,7 @@ std::vector<Eigen::Matrix3d> stretches(const Mesh& from, const Points& to) {
   for (Eigen::Index i = 0; i < from.points.rows(); ++i) {
     Eigen::Matrix3d mean = Eigen::Matrix3d::Zero();
     const auto faces = from.topology->faces_of(i);
-    for (const std::int32_t f : faces) mean += of_face[static_cast<std::size_t>(f)] / static_cast<double>(faces.size());
+    for (const std::int32_t f : faces) mean += of_face[f] / static_cast<double>(faces.size());
     of_vertex.push_back(mean);
   }
   return of_vertex;
@@ -99,7 +99,7 @@ std::vector<Eigen::Index> elements_around(const Tetrahedra& tetrahedra, const st
   std::vector<Eigen::Index> rows;
   for (Eigen::Index t = 0; t < tetrahedra.rows(); ++t)
     for (int k = 0; k < 4; ++k)
-      if (chosen[static_cast<std::size_t>(tetrahedra(t, k))] != 0) {
+      if (chosen[tetrahedra(t, k)] != 0) {
         rows.push_back(t);
         break;
       }
@@ -121,7 +121,7 @@ Result<VolumeCarrier> VolumeCarrier::make(const VolumeMesh& mesh, const Mesh& th
   carrier.template_ = the_template;
   carrier.outside_ = on_outside(mesh);
   std::vector<char> used(static_cast<std::size_t>(mesh.points.rows()), 0);
-  for (const std::int32_t v : mesh.tetrahedra.reshaped<Eigen::RowMajor>()) used[static_cast<std::size_t>(v)] = 1;
+  for (const std::int32_t v : mesh.tetrahedra.reshaped<Eigen::RowMajor>()) used[v] = 1;
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     (carrier.outside_[k] != 0 || used[k] == 0 ? carrier.fixed_ : carrier.free_).push_back(i);
@@ -130,7 +130,7 @@ Result<VolumeCarrier> VolumeCarrier::make(const VolumeMesh& mesh, const Mesh& th
   const double diagonal = bounds_of(the_template.points).sizes().norm();
   Box outside;
   for (const Eigen::Index i : carrier.fixed_)
-    if (carrier.outside_[static_cast<std::size_t>(i)] != 0) outside.extend(Vec3(mesh.points.row(i)));
+    if (carrier.outside_[i] != 0) outside.extend(Vec3(mesh.points.row(i)));
   const double own_diagonal = outside.sizes().norm();
   if (auto usual = check_size(own_diagonal, diagonal, true); !usual) return fail(usual.error());
   std::int32_t likely = 0;
@@ -138,7 +138,7 @@ Result<VolumeCarrier> VolumeCarrier::make(const VolumeMesh& mesh, const Mesh& th
     const auto nearest = search.nearest(mesh.points.row(i), likely);
     likely = nearest.at.face;
     carrier.places_.push_back(nearest.at);
-    if (carrier.outside_[static_cast<std::size_t>(i)] != 0)
+    if (carrier.outside_[i] != 0)
       carrier.off_mm_ = std::max(carrier.off_mm_, nearest.distance_mm);
   }
   constexpr double too_far = 0.1;  // of the diagonal
@@ -168,11 +168,11 @@ void VolumeCarrier::prepare() {
   std::vector<Eigen::Index> index(static_cast<std::size_t>(mesh_.points.rows()));
   std::vector<char> is_free(index.size(), 0);
   for (std::size_t k = 0; k < free_.size(); ++k) {
-    index[static_cast<std::size_t>(free_[k])] = static_cast<Eigen::Index>(k);
-    is_free[static_cast<std::size_t>(free_[k])] = 1;
+    index[free_[k]] = static_cast<Eigen::Index>(k);
+    is_free[free_[k]] = 1;
   }
   for (std::size_t k = 0; k < fixed_.size(); ++k)
-    index[static_cast<std::size_t>(fixed_[k])] = static_cast<Eigen::Index>(k);
+    index[fixed_[k]] = static_cast<Eigen::Index>(k);
   std::vector<Eigen::Triplet<double>> within, across;
   for (Eigen::Index t = 0; t < mesh_.tetrahedra.rows(); ++t) {
     Eigen::Matrix3d edges;
@@ -209,7 +209,7 @@ Points VolumeCarrier::outside_in(const Points& shape) const {
     const SurfacePoint& at = places_[k];
     const auto corners = template_.topology->triangles().row(at.face);
     Eigen::Matrix3d map = Eigen::Matrix3d::Zero();
-    for (int c = 0; c < 3; ++c) map += at.weights[c] * stretched[static_cast<std::size_t>(corners[c])];
+    for (int c = 0; c < 3; ++c) map += at.weights[c] * stretched[corners[c]];
     const Vec3 off = mesh_.points.row(fixed_[k]) - at.interpolate(*template_.topology, template_.points);
     places.row(static_cast<Eigen::Index>(k)) = at.interpolate(*template_.topology, shape) + (map * off).transpose();
   }
@@ -233,7 +233,7 @@ Points VolumeCarrier::begin(const Points& outside) const {
 bool VolumeCarrier::settle_within(const Points& rest, Points& points, Progress* progress) const {
   if (free_.empty()) return true;
   std::vector<char> moves(outside_.size(), 0);
-  for (const Eigen::Index i : free_) moves[static_cast<std::size_t>(i)] = 1;
+  for (const Eigen::Index i : free_) moves[i] = 1;
   const VolumeEnergy energy(mesh_.tetrahedra(elements_around(mesh_.tetrahedra, moves), Eigen::all), rest);
   const auto guess = [this](const Points& slope) -> Points {
     const Eigen::MatrixX3d rows = slope;
@@ -261,7 +261,7 @@ Springs VolumeCarrier::springs_for(const std::vector<char>& moves, const Ground&
   Springs springs;
   std::vector<Eigen::Index> rows;
   for (std::size_t k = 0; k < fixed_.size(); ++k) {
-    if (moves[static_cast<std::size_t>(fixed_[k])] == 0) continue;
+    if (moves[fixed_[k]] == 0) continue;
     rows.push_back(static_cast<Eigen::Index>(k));
     springs.points.push_back(fixed_[k]);
   }
@@ -269,9 +269,9 @@ Springs VolumeCarrier::springs_for(const std::vector<char>& moves, const Ground&
   springs.feet.resize(std::ssize(rows), 3);
   springs.normals.resize(std::ssize(rows), 3);
   for (Eigen::Index r = 0; r < std::ssize(rows); ++r) {
-    const Eigen::Index row = rows[static_cast<std::size_t>(r)];
+    const Eigen::Index row = rows[r];
     const auto [foot, normal] =
-        ground.foot(points.row(springs.points[static_cast<std::size_t>(r)]), ground.heights[row]);
+        ground.foot(points.row(springs.points[r]), ground.heights[row]);
     springs.feet.row(r) = foot.transpose();
     springs.normals.row(r) = normal.transpose();
   }
@@ -282,7 +282,7 @@ Springs VolumeCarrier::springs_for(const std::vector<char>& moves, const Ground&
 std::vector<char> VolumeCarrier::around_poor(const VertexScalars& quality, int rings) const {
   std::vector<char> chosen(outside_.size(), 0);
   const auto choose = [&](Eigen::Index t) {
-    for (int k = 0; k < 4; ++k) chosen[static_cast<std::size_t>(mesh_.tetrahedra(t, k))] = 1;
+    for (int k = 0; k < 4; ++k) chosen[mesh_.tetrahedra(t, k)] = 1;
   };
   bool any = false;
   for (Eigen::Index t = 0; t < quality.size(); ++t) {
@@ -307,7 +307,7 @@ bool VolumeCarrier::mend_around(const std::vector<char>& moves, const VertexScal
   const auto here = [&](Eigen::Index i) { return std::lower_bound(used.begin(), used.end(), i) - used.begin(); };
   for (std::int32_t& v : elements.reshaped<Eigen::RowMajor>()) v = static_cast<std::int32_t>(here(v));
   for (std::size_t k = 0; k < used.size(); ++k)
-    if (moves[static_cast<std::size_t>(used[k])] != 0) moving.push_back(static_cast<Eigen::Index>(k));
+    if (moves[used[k]] != 0) moving.push_back(static_cast<Eigen::Index>(k));
   const double edge_mm = std::cbrt(sixfold_volumes(mesh_.tetrahedra, rest).mean() * std::numbers::sqrt2);
   Springs springs = springs_for(moves, ground, points);
   for (Eigen::Index& i : springs.points) i = here(i);

@@ -42,13 +42,13 @@ VolumeEnergy::VolumeEnergy(const Tetrahedra& tetrahedra, const Points& rest)
   std::vector<Eigen::Index> next(start_.begin(), start_.end() - 1);
   uses_.resize(static_cast<std::size_t>(tetrahedra.size()));
   for (Eigen::Index k = 0; k < tetrahedra.size(); ++k)
-    uses_[static_cast<std::size_t>(next[static_cast<std::size_t>(tetrahedra(k / 4, k % 4))]++)] = k;
+    uses_[next[tetrahedra(k / 4, k % 4)]++] = k;
 }
 
 void VolumeEnergy::rest_regular(Eigen::Index t) {
   Eigen::Matrix3d regular;  // edges of length 1, six times the volume of which is 1/√2
   regular << 1, 0.5, 0.5, 0, std::sqrt(0.75), std::sqrt(1.0 / 12), 0, 0, std::sqrt(2.0 / 3);
-  Eigen::Matrix3d& inverse = inverse_rest_[static_cast<std::size_t>(t)];
+  Eigen::Matrix3d& inverse = inverse_rest_[t];
   const double scale = std::cbrt(std::numbers::sqrt2 / std::abs(inverse.determinant()));
   inverse = (scale * regular).inverse();
 }
@@ -63,7 +63,7 @@ Eigen::Matrix3d VolumeEnergy::edges(Eigen::Index t, const Points& points) const 
 double VolumeEnergy::least_determinant(const Points& points) const {
   double least = std::numeric_limits<double>::infinity();
   for (Eigen::Index t = 0; t < tetrahedra_.rows(); ++t)
-    least = std::min(least, (edges(t, points) * inverse_rest_[static_cast<std::size_t>(t)]).determinant());
+    least = std::min(least, (edges(t, points) * inverse_rest_[t]).determinant());
   return least;
 }
 
@@ -81,7 +81,7 @@ double VolumeEnergy::value(const Points& points, double epsilon, Points* gradien
       [&](Eigen::Index from, Eigen::Index to) {
         Eigen::Matrix3d by_f;
         for (Eigen::Index t = from; t < to; ++t) {
-          const Eigen::Matrix3d& inverse = inverse_rest_[static_cast<std::size_t>(t)];
+          const Eigen::Matrix3d& inverse = inverse_rest_[t];
           energies[t] = of_element(edges(t, points) * inverse, epsilon, gradient != nullptr ? &by_f : nullptr);
           if (gradient == nullptr) continue;
           const Eigen::Matrix3d of_corners = by_f * inverse.transpose();
@@ -97,8 +97,8 @@ double VolumeEnergy::value(const Points& points, double epsilon, Points* gradien
       [&](Eigen::Index from, Eigen::Index to) {
         for (Eigen::Index i = from; i < to; ++i) {
           Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-          for (Eigen::Index u = start_[static_cast<std::size_t>(i)]; u < start_[static_cast<std::size_t>(i) + 1]; ++u)
-            sum += forces.row(uses_[static_cast<std::size_t>(u)]);
+          for (Eigen::Index u = start_[i]; u < start_[static_cast<std::size_t>(i) + 1]; ++u)
+            sum += forces.row(uses_[u]);
           gradient->row(i) = sum;
         }
       },

@@ -39,7 +39,7 @@ Points Sight::with_cap_centres(const Points& points) const {
 }
 
 Deviation Sight::to_target(const Points& points, std::int32_t vertex) {
-  std::int32_t& likely_face = target_faces_[static_cast<std::size_t>(vertex)];
+  std::int32_t& likely_face = target_faces_[vertex];
   const auto nearest = target_.nearest(points.row(vertex), likely_face);
   likely_face = nearest.at.face;
   return {points.row(vertex), nearest.position, nearest.distance_mm, vertex};

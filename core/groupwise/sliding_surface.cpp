@@ -52,7 +52,7 @@ std::vector<Eigen::Matrix<double, 3, 6>> gradients_of(const Topology& topology, 
                                               up.cross(a - c) * features.row(t[1]) +
                                               up.cross(b - a) * features.row(t[2]);
     for (const std::int32_t v : t) {
-      gradients[static_cast<std::size_t>(v)] += steep;
+      gradients[v] += steep;
       areas[v] += area;
     }
   }
@@ -89,7 +89,7 @@ SlidingSurface::SlidingSurface(std::shared_ptr<const Topology> topology, Points 
 SurfaceFeatures SlidingSurface::features() const {
   SurfaceFeatures there(points_.rows(), 6);
   for (Eigen::Index i = 0; i < there.rows(); ++i)
-    there.row(i) = at_[static_cast<std::size_t>(i)].interpolate(*topology_, features_);
+    there.row(i) = at_[i].interpolate(*topology_, features_);
   return there;
 }
 
@@ -98,10 +98,10 @@ Points SlidingSurface::drawn(const ExpectedShape& expected) const {
   const double near = 1 / (reach_edges * edge_mm_ * reach_edges * edge_mm_) + expected.per_mm * expected.per_mm;
   Points target = points_;
   for (Eigen::Index i = 0; i < points_.rows(); ++i) {
-    const SurfacePoint& at = at_[static_cast<std::size_t>(i)];
+    const SurfacePoint& at = at_[i];
     const auto corners = topology_->triangles().row(at.face);
     Eigen::Matrix<double, 3, 6> gradient = Eigen::Matrix<double, 3, 6>::Zero();
-    for (int k = 0; k < 3; ++k) gradient += at.weights[k] * gradients_[static_cast<std::size_t>(corners[k])];
+    for (int k = 0; k < 3; ++k) gradient += at.weights[k] * gradients_[corners[k]];
     const Eigen::Matrix<double, 6, 1> lacking =
         (expected.features.row(i) - at.interpolate(*topology_, features_)).transpose();
     const Mat3 bend = gradient * gradient.transpose() + near * Mat3::Identity();
@@ -138,7 +138,7 @@ std::set<std::int32_t> SlidingSurface::faulty_vertices(const std::set<std::int32
     for (const std::int32_t j : topology_->one_ring(i)) {
       if (j < i && moved.contains(j)) continue;
       const Vec3 middle = (place.points.row(i) + place.points.row(j)).transpose() / 2;
-      SurfacePoint near = place.at[static_cast<std::size_t>(i)];
+      SurfacePoint near = place.at[i];
       if (!comes_near(*topology_, start_, middle, most_mm, near)) vertices.insert({i, j});
     }
   }

@@ -36,7 +36,7 @@ class DirectedDistances {
       found_in_face_.push_back(found_.position);
     }
     for (Eigen::Index f = 0; f < faces; ++f)
-      for (int k = 0; k < 3; ++k) look_at_corner(corner(f, k), found_in_face_[static_cast<std::size_t>(f)]);
+      for (int k = 0; k < 3; ++k) look_at_corner(corner(f, k), found_in_face_[f]);
   }
 
   double area_mm2() const { return area_mm2_; }

@@ -25,8 +25,8 @@ class PlaneCut {
     for (Eigen::Index f = 0; f < triangles.rows(); ++f)
       for (int k = 0; k < 3; ++k) {
         const bool from = above(f, k), to = above(f, (k + 1) % 3);
-        if (from && !to) faces_[static_cast<std::size_t>(f)].in = k;
-        if (!from && to) faces_[static_cast<std::size_t>(f)].out = k;
+        if (from && !to) faces_[f].in = k;
+        if (!from && to) faces_[f].out = k;
       }
   }
 
@@ -36,15 +36,15 @@ class PlaneCut {
     // Open lines begin where no face comes before; what is left then is closed.
     for (const bool open : {true, false})
       for (Eigen::Index f = 0; f < std::ssize(faces_); ++f) {
-        const SectionFace& face = faces_[static_cast<std::size_t>(f)];
-        if (face.in < 0 || seen[static_cast<std::size_t>(f)]) continue;
+        const SectionFace& face = faces_[f];
+        if (face.in < 0 || seen[f]) continue;
         if (open && across(f, face.in) >= 0) continue;
         SectionLine line;
         line.closed = !open;
         if (open) line.points.push_back(crossing(f, face.in));
-        for (Eigen::Index at = f; at >= 0 && !seen[static_cast<std::size_t>(at)];) {
-          seen[static_cast<std::size_t>(at)] = 1;
-          const int out = faces_[static_cast<std::size_t>(at)].out;
+        for (Eigen::Index at = f; at >= 0 && !seen[at];) {
+          seen[at] = 1;
+          const int out = faces_[at].out;
           line.points.push_back(crossing(at, out));
           at = across(at, out);
         }
@@ -56,7 +56,7 @@ class PlaneCut {
  private:
   bool above(Eigen::Index face, int corner) const { return height_mm_[mesh_.topology->triangles()(face, corner)] >= 0; }
   Eigen::Index across(Eigen::Index face, int edge) const {
-    return mesh_.topology->neighbours(face)[static_cast<std::size_t>(edge)];
+    return mesh_.topology->neighbours(face)[edge];
   }
   Vec3 crossing(Eigen::Index face, int edge) const {
     std::int32_t a = mesh_.topology->triangles()(face, edge), b = mesh_.topology->triangles()(face, (edge + 1) % 3);

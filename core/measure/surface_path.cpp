@@ -31,7 +31,7 @@ std::vector<std::int32_t> faces_at(const Topology& topology, const SurfacePoint&
   std::vector<std::int32_t> faces{point.face};
   for (int k = 0; k < 3; ++k)  // edge k is opposite to corner k + 2
     if (point.weights[(k + 2) % 3] <= none)
-      if (const std::int32_t other = topology.neighbours(point.face)[static_cast<std::size_t>(k)]; other >= 0)
+      if (const std::int32_t other = topology.neighbours(point.face)[k]; other >= 0)
         faces.push_back(other);
   return faces;
 }
@@ -73,7 +73,7 @@ class PathSearch {
         std::array<std::int32_t, 2> ends{triangles(f, k), triangles(f, (k + 1) % 3)};
         if (ends[0] > ends[1]) std::swap(ends[0], ends[1]);
         const auto edge = static_cast<std::size_t>(std::ranges::lower_bound(edges, ends) - edges.begin());
-        edges_of_face_[static_cast<std::size_t>(f)][static_cast<std::size_t>(k)] = static_cast<std::int32_t>(edge);
+        edges_of_face_[f][k] = static_cast<std::int32_t>(edge);
         auto& faces = faces_of_edge_[edge];
         faces[faces[0] < 0 ? 0 : 1] = static_cast<std::int32_t>(f);
       }
@@ -81,7 +81,7 @@ class PathSearch {
 
   Vec3 vertex(std::int32_t v) const { return mesh_.points.row(v); }
   Vec3 place(const EdgeCrossing& crossing) const {
-    const auto& [a, b] = topology_.edges()[static_cast<std::size_t>(crossing.edge)];
+    const auto& [a, b] = topology_.edges()[crossing.edge];
     return vertex(a) + crossing.share * (vertex(b) - vertex(a));
   }
   static EdgeCrossing crossing_of(std::int32_t node) {
@@ -97,14 +97,14 @@ class PathSearch {
     using Reached = std::pair<double, std::int32_t>;
     std::priority_queue<Reached, std::vector<Reached>, std::greater<>> waiting;
     const auto reach = [&](std::int32_t node, const Vec3& at, double mm, std::int32_t from) {
-      double& known = way_mm[static_cast<std::size_t>(node)];
+      double& known = way_mm[node];
       if (mm >= known) return;
       known = mm;
-      before[static_cast<std::size_t>(node)] = from;
+      before[node] = from;
       waiting.emplace(mm + (end_ - at).norm(), node);
     };
     const auto reach_over = [&](std::int32_t face, const Vec3& at, double mm, std::int32_t from) {
-      for (const std::int32_t edge : edges_of_face_[static_cast<std::size_t>(face)]) {
+      for (const std::int32_t edge : edges_of_face_[face]) {
         if (from >= 0 && from / places_an_edge == edge) continue;
         for (int k = 0; k < places_an_edge; ++k) {
           const std::int32_t node = edge * places_an_edge + k;
@@ -119,17 +119,17 @@ class PathSearch {
       waiting.pop();
       if (node == last) break;
       const Vec3 at = place(crossing_of(node));
-      const double mm = way_mm[static_cast<std::size_t>(node)];
+      const double mm = way_mm[node];
       if (bound > mm + (end_ - at).norm()) continue;  // a shorter way came later
-      for (const std::int32_t face : faces_of_edge_[static_cast<std::size_t>(node / places_an_edge)]) {
+      for (const std::int32_t face : faces_of_edge_[node / places_an_edge]) {
         if (face < 0) continue;
         if (std::ranges::find(end_faces_, face) != end_faces_.end()) reach(last, end_, mm + (end_ - at).norm(), node);
         reach_over(face, at, mm, node);
       }
     }
-    if (before[static_cast<std::size_t>(last)] < 0) return false;
-    for (std::int32_t node = before[static_cast<std::size_t>(last)]; node >= 0;
-         node = before[static_cast<std::size_t>(node)])
+    if (before[last] < 0) return false;
+    for (std::int32_t node = before[last]; node >= 0;
+         node = before[node])
       crossings_.push_back(crossing_of(node));
     std::ranges::reverse(crossings_);
     return true;
@@ -146,7 +146,7 @@ class PathSearch {
       double moved = 0;
       for (std::size_t k = 0; k < crossings_.size(); ++k) {
         EdgeCrossing& crossing = crossings_[k];
-        const auto& [a, b] = topology_.edges()[static_cast<std::size_t>(crossing.edge)];
+        const auto& [a, b] = topology_.edges()[crossing.edge];
         const Vec3 along = vertex(b) - vertex(a);
         const double length2 = along.squaredNorm();
         const Vec3 from = at[k] - vertex(a), to = at[k + 2] - vertex(a);

@@ -18,7 +18,7 @@ namespace {
 std::vector<std::int32_t> edge_steps(const Topology& topology, const std::vector<std::int32_t>& number) {
   std::vector<std::int32_t> steps;
   steps.reserve(topology.edges().size());
-  for (const auto& [a, b] : topology.edges()) steps.push_back(std::abs(number[index(a)] - number[index(b)]));
+  for (const auto& [a, b] : topology.edges()) steps.push_back(std::abs(number[a] - number[b]));
   return steps;
 }
 
@@ -49,8 +49,8 @@ std::vector<std::int32_t> breadth_first_rank(const Topology& topology, std::int3
   std::vector<std::int32_t> rank(index(topology.vertices()), -1), queue;
   queue.reserve(rank.size());
   const auto visit = [&](std::int32_t v) {
-    if (rank[index(v)] >= 0) return;
-    rank[index(v)] = static_cast<std::int32_t>(queue.size());
+    if (rank[v] >= 0) return;
+    rank[v] = static_cast<std::int32_t>(queue.size());
     queue.push_back(v);
   };
   std::size_t next = 0;
@@ -73,9 +73,9 @@ Mesh renumbered(const Mesh& mesh, Eigen::Index first) {
   Mesh result;
   result.points.resize(mesh.points.rows(), 3);
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
-    result.points.row(rank[static_cast<std::size_t>(v)]) = mesh.points.row(v);
+    result.points.row(rank[v]) = mesh.points.row(v);
   Triangles triangles =
-      mesh.topology->triangles().unaryExpr([&](std::int32_t v) { return rank[static_cast<std::size_t>(v)]; });
+      mesh.topology->triangles().unaryExpr([&](std::int32_t v) { return rank[v]; });
   result.topology = Topology::make(mesh.points.rows(), std::move(triangles)).value();
   return result;
 }

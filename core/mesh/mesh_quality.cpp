@@ -106,9 +106,9 @@ Mesh largest_part(const Mesh& mesh) {
   if (mesh.topology->components() == 1) return mesh;
   const auto& part = mesh.topology->component();
   const Triangles& triangles = mesh.topology->triangles();
-  const auto part_of = [&](Eigen::Index f) { return part[index(triangles(f, 0))]; };
+  const auto part_of = [&](Eigen::Index f) { return part[triangles(f, 0)]; };
   std::vector<double> area(index(mesh.topology->components()), 0);
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f) area[index(part_of(f))] += area_normal(mesh, f).norm();
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) area[part_of(f)] += area_normal(mesh, f).norm();
   const auto largest = static_cast<std::int32_t>(std::max_element(area.begin(), area.end()) - area.begin());
 
   std::vector<std::int32_t> number(part.size(), -1), kept;
@@ -121,7 +121,7 @@ Mesh largest_part(const Mesh& mesh) {
   Eigen::Index count = 0;
   for (Eigen::Index f = 0; f < triangles.rows(); ++f)
     if (part_of(f) == largest)
-      faces.row(count++) = triangles.row(f).unaryExpr([&](std::int32_t v) { return number[index(v)]; });
+      faces.row(count++) = triangles.row(f).unaryExpr([&](std::int32_t v) { return number[v]; });
   faces.conservativeResize(count, 3);
   Points points = mesh.points(kept, Eigen::all);
   return {Topology::make(points.rows(), std::move(faces)).value(), std::move(points)};

@@ -49,7 +49,7 @@ std::vector<HalfEdge> sorted_half_edges(Eigen::Index vertices, const Triangles& 
   for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
     for (int k = 0; k < 3; ++k) {
       const std::int32_t from = triangles(f, k), to = triangles(f, (k + 1) % 3);
-      half_edges[next[index(std::min(from, to))]++] = {
+      half_edges[next[std::min(from, to)]++] = {
           std::min(from, to), std::max(from, to), static_cast<std::int32_t>(f), static_cast<std::int8_t>(k), from < to};
     }
   }
@@ -100,7 +100,7 @@ void Topology::gather_faces() {
   faces_.resize(face_start_.back());
   std::vector<std::size_t> next(face_start_.begin(), face_start_.end() - 1);
   for (Eigen::Index f = 0; f < triangles_.rows(); ++f)
-    for (int k = 0; k < 3; ++k) faces_[next[index(triangles_(f, k))]++] = static_cast<std::int32_t>(f);
+    for (int k = 0; k < 3; ++k) faces_[next[triangles_(f, k)]++] = static_cast<std::int32_t>(f);
 }
 
 Result<void> Topology::join_faces() {
@@ -119,8 +119,8 @@ Result<void> Topology::join_faces() {
       if (a.ascending == b.ascending)
         return fail("", "faces " + std::to_string(a.face) + " and " + std::to_string(b.face) + " at " + edge_name(a) +
                             " are oriented against each other; orient the faces of the mesh coherently");
-      neighbours_[index(a.face)][static_cast<std::size_t>(a.corner)] = b.face;
-      neighbours_[index(b.face)][static_cast<std::size_t>(b.corner)] = a.face;
+      neighbours_[a.face][a.corner] = b.face;
+      neighbours_[b.face][b.corner] = a.face;
     }
     edges_.push_back({a.low, a.high});
     i = end;
@@ -132,11 +132,11 @@ std::size_t Topology::fan_size(std::int32_t vertex) const {
   const auto corner_of = [&](std::int32_t face) {
     return static_cast<std::size_t>(triangles_(face, 1) == vertex ? 1 : triangles_(face, 2) == vertex ? 2 : 0);
   };
-  const std::int32_t start = faces_[face_start_[index(vertex)]];
+  const std::int32_t start = faces_[face_start_[vertex]];
   std::size_t size = 1;
   for (const std::size_t side : {std::size_t{2}, std::size_t{0}}) {  // round to the left, then to the right
     std::int32_t face = start;
-    while ((face = neighbours_[index(face)][(corner_of(face) + side) % 3]) >= 0) {
+    while ((face = neighbours_[face][(corner_of(face) + side) % 3]) >= 0) {
       if (face == start) return size;
       ++size;
     }
@@ -167,8 +167,8 @@ void Topology::gather_rings() {
   ring_.resize(ring_start_.back());
   std::vector<std::size_t> next(ring_start_.begin(), ring_start_.end() - 1);
   // The edges are sorted: taking the lower neighbours of every vertex first leaves each ring ascending.
-  for (const auto& [low, high] : edges_) ring_[next[index(high)]++] = low;
-  for (const auto& [low, high] : edges_) ring_[next[index(low)]++] = high;
+  for (const auto& [low, high] : edges_) ring_[next[high]++] = low;
+  for (const auto& [low, high] : edges_) ring_[next[low]++] = high;
 }
 
 void Topology::trace_boundary() {
@@ -176,15 +176,15 @@ void Topology::trace_boundary() {
   std::vector<std::int32_t> after(static_cast<std::size_t>(vertices_), -1);  // one fan a vertex: one way on
   for (Eigen::Index f = 0; f < triangles_.rows(); ++f) {
     for (int k = 0; k < 3; ++k) {
-      if (neighbours(f)[static_cast<std::size_t>(k)] >= 0) continue;
-      after[index(triangles_(f, k))] = triangles_(f, (k + 1) % 3);
-      on_rim_[index(triangles_(f, k))] = 1;
+      if (neighbours(f)[k] >= 0) continue;
+      after[triangles_(f, k)] = triangles_(f, (k + 1) % 3);
+      on_rim_[triangles_(f, k)] = 1;
     }
   }
   for (std::int32_t v = 0; v < vertices_; ++v) {
-    if (after[index(v)] < 0) continue;
+    if (after[v] < 0) continue;
     std::vector<std::int32_t> loop;
-    for (std::int32_t w = v; after[index(w)] >= 0; w = std::exchange(after[index(w)], -1)) loop.push_back(w);
+    for (std::int32_t w = v; after[w] >= 0; w = std::exchange(after[w], -1)) loop.push_back(w);
     rims_.push_back(std::move(loop));
   }
 }
@@ -193,15 +193,15 @@ void Topology::number_components() {
   component_.assign(static_cast<std::size_t>(vertices_), -1);
   std::vector<std::int32_t> queue;
   for (std::int32_t first = 0; first < vertices_; ++first) {
-    if (component_[index(first)] >= 0) continue;
-    component_[index(first)] = components_;
+    if (component_[first] >= 0) continue;
+    component_[first] = components_;
     queue.assign(1, first);
     while (!queue.empty()) {
       const std::int32_t v = queue.back();
       queue.pop_back();
       for (const std::int32_t w : one_ring(v)) {
-        if (component_[index(w)] >= 0) continue;
-        component_[index(w)] = components_;
+        if (component_[w] >= 0) continue;
+        component_[w] = components_;
         queue.push_back(w);
       }
     }

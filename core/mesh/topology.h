@@ -30,22 +30,22 @@ class Topology {
   const std::vector<std::array<std::int32_t, 2>>& edges() const { return edges_; }
   /// The vertices joined to `vertex` by an edge: its one-ring N(i), ascending.
   std::span<const std::int32_t> one_ring(Eigen::Index vertex) const {
-    return {ring_.data() + ring_start_[static_cast<std::size_t>(vertex)],
+    return {ring_.data() + ring_start_[vertex],
             ring_.data() + ring_start_[static_cast<std::size_t>(vertex) + 1]};
   }
   /// The faces around `vertex`.
   std::span<const std::int32_t> faces_of(Eigen::Index vertex) const {
-    return {faces_.data() + face_start_[static_cast<std::size_t>(vertex)],
+    return {faces_.data() + face_start_[vertex],
             faces_.data() + face_start_[static_cast<std::size_t>(vertex) + 1]};
   }
   /// The face across each edge of `face`: entry k is across the edge from corner k to corner k+1; −1 at a boundary.
   const std::array<std::int32_t, 3>& neighbours(Eigen::Index face) const {
-    return neighbours_[static_cast<std::size_t>(face)];
+    return neighbours_[face];
   }
   /// Each boundary loop as vertices in the direction of its faces' edges; empty for a closed mesh.
   const std::vector<std::vector<std::int32_t>>& rims() const { return rims_; }
   bool closed() const { return rims_.empty(); }
-  bool on_rim(Eigen::Index vertex) const { return on_rim_[static_cast<std::size_t>(vertex)] != 0; }
+  bool on_rim(Eigen::Index vertex) const { return on_rim_[vertex] != 0; }
   /// Connected component (sheet) of each vertex, numbered from 0 by first vertex.
   const std::vector<std::int32_t>& component() const { return component_; }
   int components() const { return components_; }

@@ -28,7 +28,7 @@ VolumeGeometry grid_over(const Box& box, double spacing_mm, double usual_mm) {
   const double spacing = spacing_mm > 0 ? std::max(spacing_mm, 0.25) : usual_mm;
   grid.spacing_mm.setConstant(spacing);
   for (int axis = 0; axis < 3; ++axis)
-    grid.dims[static_cast<std::size_t>(axis)] = std::max(1, static_cast<int>(std::lround(box.sizes()[axis] / spacing)));
+    grid.dims[axis] = std::max(1, static_cast<int>(std::lround(box.sizes()[axis] / spacing)));
   grid.origin_mm = box.min().array() + spacing / 2;
   return grid;
 }

@@ -60,7 +60,7 @@ std::vector<double> ring_heights(const BeatingVentricle::Dimensions& dimensions)
     length_mm.push_back(length_mm.back() + (wall_point(step) - wall_point(step - 1)).norm());
   std::vector<double> heights;
   for (int step = 0; step <= steps && std::ssize(heights) < rings; ++step)
-    if (length_mm[static_cast<std::size_t>(step)] * rings >= length_mm.back() * static_cast<double>(heights.size()))
+    if (length_mm[step] * rings >= length_mm.back() * static_cast<double>(heights.size()))
       heights.push_back(wall_point(step).y() / dimensions.length_mm);
   return heights;
 }
@@ -71,7 +71,7 @@ Points endocardium(const BeatingVentricle& ventricle, const std::vector<double>&
   for (int ring = 0; ring < rings; ++ring)
     for (int sector = 0; sector < sectors; ++sector)
       points.row(ring * sectors + sector) =
-          ventricle.endocardium(heights[static_cast<std::size_t>(ring)], 2 * std::numbers::pi * sector / sectors);
+          ventricle.endocardium(heights[ring], 2 * std::numbers::pi * sector / sectors);
   points.row(rings * sectors) = ventricle.endocardium(0, 0);
   return points;
 }
@@ -173,7 +173,7 @@ std::vector<std::int16_t> cine(const VolumeGeometry& grid, const std::vector<Hea
     for (int frame = 0; frame < frames && !is_cancelled(progress); ++frame) {
       const auto slice = static_cast<std::size_t>(frame * slices + k);
       const auto grain = slice_grain(grid.dims[0], grid.dims[1], seed, slice);
-      const Heart& heart = hearts[static_cast<std::size_t>(frame)];
+      const Heart& heart = hearts[frame];
       for (std::size_t n = 0; n < slice_voxels; ++n) {
         double sum = 0;
         for (std::size_t s = n * samples_per_slice; s < (n + 1) * samples_per_slice; ++s) {
@@ -238,7 +238,7 @@ PhantomSubject ventricle_subject(int number, double spacing_mm, const Progress* 
   for (int frame = 0; frame < frames; ++frame) {
     if (is_cancelled(progress)) return {};
     hearts.emplace_back(dimensions, time_of(frame));
-    const auto here = labels_of_frame(grid, subject.truth[static_cast<std::size_t>(frame)], hearts.back(), centres);
+    const auto here = labels_of_frame(grid, subject.truth[frame], hearts.back(), centres);
     labels.insert(labels.end(), here.begin(), here.end());
   }
   subject.landmarks = subject.truth.front().landmarks;

@@ -43,7 +43,7 @@ std::optional<Reflection> mirror_symmetry(const SurfaceSearch& surface, const Re
     Eigen::Index pairs = 0, looked_at = 0;
     double squares_mm2 = 0;
     for (Eigen::Index i = 0; i < mesh.points.rows(); i += stride) {
-      std::int32_t& face = likely[static_cast<std::size_t>(looked_at++)];
+      std::int32_t& face = likely[looked_at++];
       const auto nearest = surface.nearest(found.apply(mesh.points.row(i)), face);
       face = nearest.at.face;
       squares_mm2 += nearest.distance_mm * nearest.distance_mm;

@@ -29,7 +29,7 @@ Result<void> ShapeSolver::factorise(const VertexScalars& w, const VertexScalars&
   const auto& edges = topology_->edges();
   VertexScalars of_edges(static_cast<Eigen::Index>(edges.size()));
   for (Eigen::Index k = 0; k < of_edges.size(); ++k) {
-    const auto [i, j] = edges[static_cast<std::size_t>(k)];
+    const auto [i, j] = edges[k];
     of_edges[k] = w[i] + w[j];
   }
   VertexScalars force = VertexScalars::Ones(w.size());

@@ -27,7 +27,7 @@ bool is_row_of_model(const std::vector<std::string>& columns, const std::vector<
   if (name != "model") return false;
   return std::ranges::all_of(std::array{"mode", "sd"}, [&](const char* word) {
     const auto column = std::find(columns.begin(), columns.end(), word);
-    return column != columns.end() && as_number<double>(cells[static_cast<std::size_t>(column - columns.begin())]);
+    return column != columns.end() && as_number<double>(cells[column - columns.begin()]);
   });
 }
 

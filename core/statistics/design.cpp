@@ -165,7 +165,7 @@ Result<Eigen::VectorXd> numbers_of(const CovariateTable& table, const std::vecto
     values[static_cast<Eigen::Index>(i)] = *number;
   }
   return transformed(variable, std::move(values),
-                     [&](Eigen::Index i) { return table.cases[rows[static_cast<std::size_t>(i)]]; });
+                     [&](Eigen::Index i) { return table.cases[rows[i]]; });
 }
 
 Result<CodedVariable> coded_column(const CovariateTable& table, const std::vector<std::size_t>& rows,

@@ -211,7 +211,7 @@ LinearTest test_terms(const Design& design, const Eigen::MatrixXd& responses, co
     in_parallel(permutations.rows(), [&](Eigen::Index first, Eigen::Index last) {
       for (Eigen::Index row = first; row < last; ++row) {
         if (progress != nullptr && progress->cancelled()) return;
-        permuted[static_cast<std::size_t>(row)] = tester.found(permutations, row);
+        permuted[row] = tester.found(permutations, row);
       }
     });
     if (progress != nullptr) {

@@ -37,10 +37,10 @@ Result<std::vector<int>> read_line(std::string_view line, Eigen::Index cases, co
                             " cases are tested");
   std::vector<bool> seen(numbers.size());
   for (const int number : numbers) {
-    if (number < 0 || number >= cases || seen[static_cast<std::size_t>(number)])
+    if (number < 0 || number >= cases || seen[number])
       return fail(source, where + " is no permutation: it has to hold each number from 0 to " +
                               std::to_string(cases - 1) + " once");
-    seen[static_cast<std::size_t>(number)] = true;
+    seen[number] = true;
   }
   return numbers;
 }

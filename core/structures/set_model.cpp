@@ -52,7 +52,7 @@ std::optional<Points> said_by_model(const SetModel& model, const SetOfTemplates&
       if (k == of) return std::nullopt;
       continue;
     }
-    const StructurePart& own = model.parts[static_cast<std::size_t>(part)];
+    const StructurePart& own = model.parts[part];
     const Eigen::Index first = complete.rows() / 3, rows = 3 * own.vertices;
     parts.push_back({own.name, first, own.vertices, 0, 0});
     shape.has.push_back(k != of);

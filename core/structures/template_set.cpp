@@ -31,7 +31,7 @@ std::optional<Vec3> three_numbers(const Json& json, const char* key) {
   if (found == json.end() || !found->is_array() || found->size() != 3) return std::nullopt;
   Vec3 numbers;
   for (int k = 0; k < 3; ++k) {
-    const Json& one = (*found)[static_cast<std::size_t>(k)];
+    const Json& one = (*found)[k];
     if (!one.is_number()) return std::nullopt;
     numbers[k] = one.get<double>();
   }
@@ -257,7 +257,7 @@ Result<void> rename_structure(TemplateSet& set, const std::string& name, const s
   if (found == nullptr) return fail("", "has no structure \"" + excerpt(name) + "\"; it has " + names_in_set(set));
   if (trimmed(new_name).empty() || !is_utf8(new_name) || printable(new_name) != new_name)
     return fail("", "cannot call a structure \"" + excerpt(new_name) + "\"; give a name in letters and digits");
-  TemplateOfSet& one = set.structures[static_cast<std::size_t>(found - set.structures.data())];
+  TemplateOfSet& one = set.structures[found - set.structures.data()];
   const auto of_file = [](const std::string& text) { return lower_case(file_name_of_structure(text)); };
   for (const TemplateOfSet& other : set.structures)
     if (&other != &one && of_file(other.name) == of_file(new_name))

@@ -101,7 +101,7 @@ std::vector<std::pair<std::vector<std::int32_t>, double>> patches_with_areas(con
                                                                              const VertexScalars& area_mm2,
                                                                              const VertexScalars& values, bool cut) {
   std::vector<char> marked(static_cast<std::size_t>(values.size()));
-  for (Eigen::Index i = 0; i < values.size(); ++i) marked[static_cast<std::size_t>(i)] = (values[i] >= 0) == cut;
+  for (Eigen::Index i = 0; i < values.size(); ++i) marked[i] = (values[i] >= 0) == cut;
   std::vector<std::pair<std::vector<std::int32_t>, double>> patches;
   for (auto& patch : patches_of(*surface.topology, std::move(marked))) {
     double mm2 = 0;

@@ -89,7 +89,7 @@ LabelExtent label_extent(const Volume& mask, int label, int frame) {
           for (std::size_t axis = 0; axis < 3; ++axis) {
             extent.first[axis] = std::min(extent.first[axis], at[axis]);
             extent.last[axis] = std::max(extent.last[axis], at[axis]);
-            const auto same = [&](std::ptrdiff_t n) { return has_label(voxels[static_cast<std::size_t>(n)], label); };
+            const auto same = [&](std::ptrdiff_t n) { return has_label(voxels[n], label); };
             if (at[axis] == 0 || !same(v - stride[axis])) extent.area_mm2 += face_mm2[axis];
             if (at[axis] + 1 == dims[axis] || !same(v + stride[axis])) extent.area_mm2 += face_mm2[axis];
           }

@@ -161,7 +161,7 @@ LevelSet smoothed(const LevelSet& surface, const Vec3& sigma_mm) {
       for (std::size_t ia = 0; ia < index(dims[a]); ++ia) {
         float* start = values.data() + ia * stride[a] + ib * stride[b];
         for (std::size_t n = 0; n < size; ++n) line[n + index(reach)] = start[n * stride[axis]];
-        std::fill_n(line.begin(), reach, line[index(reach)]);
+        std::fill_n(line.begin(), reach, line[reach]);
         std::fill_n(line.end() - reach, reach, line[size - 1 + index(reach)]);
         for (std::size_t n = 0; n < size; ++n) {
           float total = 0;

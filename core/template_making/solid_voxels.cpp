@@ -70,7 +70,7 @@ std::vector<std::uint8_t> inside_along(const Mesh& mesh, const VolumeGeometry& g
     const Eigen::Index from = (axis + k) % 3;
     turned.points.col(k) = mesh.points.col(from);
     other.origin_mm[k] = grid.origin_mm[from];
-    other.dims[index(k)] = grid.dims[index(from)];
+    other.dims[k] = grid.dims[from];
   }
   return voxelise(turned, other);
 }

@@ -26,7 +26,7 @@ std::array<std::uint32_t, 27> touching_masks(int most_steps) {
       const int steps = std::abs(a % 3 - b % 3) + std::abs(a / 3 % 3 - b / 3 % 3) + std::abs(a / 9 - b / 9);
       const int farthest =
           std::max({std::abs(a % 3 - b % 3), std::abs(a / 3 % 3 - b / 3 % 3), std::abs(a / 9 - b / 9)});
-      if (a != b && farthest == 1 && steps <= most_steps) masks[static_cast<std::size_t>(a)] |= 1U << b;
+      if (a != b && farthest == 1 && steps <= most_steps) masks[a] |= 1U << b;
     }
   return masks;
 }
@@ -36,7 +36,7 @@ const std::array<std::uint32_t, 27> by_faces = touching_masks(1), by_edges = tou
 std::uint32_t grown(std::uint32_t set, const std::array<std::uint32_t, 27>& touching) {
   std::uint32_t result = set;
   for (std::uint32_t rest = set; rest != 0; rest &= rest - 1)
-    result |= touching[static_cast<std::size_t>(std::countr_zero(rest))];
+    result |= touching[std::countr_zero(rest)];
   return result;
 }
 
@@ -169,7 +169,7 @@ std::vector<std::vector<std::size_t>> separators(const Solid& body, Solid from, 
   const auto parts = connected_components(left, body.dims(), Touching::faces_and_edges);
   std::vector<std::vector<std::size_t>> voxels(parts.sizes.size());
   for (std::size_t v = 0; v < parts.part.size(); ++v)
-    if (parts.part[v] >= 0) voxels[static_cast<std::size_t>(parts.part[v])].push_back(v);
+    if (parts.part[v] >= 0) voxels[parts.part[v]].push_back(v);
   return voxels;
 }
 

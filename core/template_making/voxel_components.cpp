@@ -14,9 +14,9 @@ struct Run {
 };
 
 std::int32_t root_of(std::vector<Run>& runs, std::int32_t run) {
-  while (runs[static_cast<std::size_t>(run)].parent != run) {
-    auto& parent = runs[static_cast<std::size_t>(run)].parent;
-    parent = runs[static_cast<std::size_t>(parent)].parent;
+  while (runs[run].parent != run) {
+    auto& parent = runs[run].parent;
+    parent = runs[parent].parent;
     run = parent;
   }
   return run;
@@ -26,14 +26,14 @@ std::int32_t root_of(std::vector<Run>& runs, std::int32_t run) {
 void join(std::vector<Run>& runs, std::int32_t a, std::int32_t b) {
   a = root_of(runs, a);
   b = root_of(runs, b);
-  runs[static_cast<std::size_t>(std::max(a, b))].parent = std::min(a, b);
+  runs[std::max(a, b)].parent = std::min(a, b);
 }
 
 /// Joins the runs of two rows that overlap when one is made longer by `reach` at both ends.
 void join_rows(std::vector<Run>& runs, std::int32_t a, std::int32_t a_end, std::int32_t b, std::int32_t b_end,
                int reach) {
   while (a < a_end && b < b_end) {
-    const Run &left = runs[static_cast<std::size_t>(a)], &right = runs[static_cast<std::size_t>(b)];
+    const Run &left = runs[a], &right = runs[b];
     const bool a_ends_first = left.end < right.end;
     if (left.first - reach < right.end && right.first < left.end + reach) join(runs, a, b);
     ++(a_ends_first ? a : b);
@@ -82,7 +82,7 @@ VoxelComponents connected_components(const std::vector<std::uint8_t>& set, const
       }
       const std::int32_t part = part_of_run[r] = part_of_run[root];
       const auto length = static_cast<std::size_t>(runs[r].end - runs[r].first);
-      components.sizes[static_cast<std::size_t>(part)] += length;
+      components.sizes[part] += length;
       std::fill_n(components.part.begin() + static_cast<std::ptrdiff_t>(row * width) + runs[r].first, length, part);
     }
   return components;
@@ -96,9 +96,9 @@ OneBody make_one_body(std::vector<std::uint8_t>& set, const std::array<int, 3>& 
     const auto largest = std::max_element(parts.sizes.begin(), parts.sizes.end()) - parts.sizes.begin();
     for (std::size_t v = 0; v < set.size(); ++v) set[v] = parts.part[v] == largest;
     for (std::ptrdiff_t part = 0; part < std::ssize(parts.sizes); ++part)
-      if (part != largest) result.islands.push_back(parts.sizes[static_cast<std::size_t>(part)]);
+      if (part != largest) result.islands.push_back(parts.sizes[part]);
     std::sort(result.islands.begin(), result.islands.end(), std::greater<>());
-    result.body = parts.sizes[static_cast<std::size_t>(largest)];
+    result.body = parts.sizes[largest];
   }
   std::vector<std::uint8_t> outside(set.size());
   std::transform(set.begin(), set.end(), outside.begin(), [](std::uint8_t voxel) { return voxel == 0; });
@@ -111,7 +111,7 @@ OneBody make_one_body(std::vector<std::uint8_t>& set, const std::array<int, 3>& 
       const bool rim_row = j == 0 || k == 0 || j + 1 == size_j || k + 1 == size_k;
       for (int i = 0; i < size_i; ++i, ++v) {
         const bool rim = rim_row || i == 0 || i + 1 == size_i;
-        if (rim && parts.part[v] >= 0) open[static_cast<std::size_t>(parts.part[v])] = 1;
+        if (rim && parts.part[v] >= 0) open[parts.part[v]] = 1;
       }
     }
   for (std::size_t part = 0; part < open.size(); ++part)
@@ -122,7 +122,7 @@ OneBody make_one_body(std::vector<std::uint8_t>& set, const std::array<int, 3>& 
   result.body += result.cavity_voxels;
   if (result.cavities == 0) return result;
   for (v = 0; v < set.size(); ++v)
-    if (parts.part[v] >= 0 && open[static_cast<std::size_t>(parts.part[v])] == 0) set[v] = 1;
+    if (parts.part[v] >= 0 && open[parts.part[v]] == 0) set[v] = 1;
   return result;
 }
 

@@ -73,7 +73,7 @@ class ResampledPlanes {
       return reach.first >= old.height - off_slice && reach.second <= old.height + off_slice;
     });
     if (on == slices_.end()) return {};
-    for (const auto& [k, way] : nearest_[static_cast<std::size_t>(on - slices_.begin())]) {
+    for (const auto& [k, way] : nearest_[on - slices_.begin()]) {
       Polygon moved = polygon;
       for (Vec3& point : moved) point += way;
       roi.slices[k].emplace_back(std::move(moved), cuts_out);
@@ -231,8 +231,8 @@ void draw_slice(const VolumeGeometry& grid, int axis, int slice, const std::vect
   const std::array<std::size_t, 3> stride{
       1, static_cast<std::size_t>(grid.dims[0]),
       static_cast<std::size_t>(grid.dims[0]) * static_cast<std::size_t>(grid.dims[1])};
-  const auto dims = [&](int a) { return grid.dims[static_cast<std::size_t>(a)]; };
-  const auto step = [&](int a) { return stride[static_cast<std::size_t>(a)]; };
+  const auto dims = [&](int a) { return grid.dims[a]; };
+  const auto step = [&](int a) { return stride[a]; };
   bool nested = false;
   std::vector<std::uint8_t> times(static_cast<std::size_t>(dims(along)));
   for (int line = 0; line < dims(across); ++line) {
@@ -275,9 +275,9 @@ DrawnMask drawn_mask(const VolumeGeometry& grid, const SlicedRoi& roi) {
     for (const auto& [polygon, cuts_out] : polygons)
       for (const Vec3& point : polygon)
         for (int a = 0; a < 3; ++a)
-          if (const double last = grid.dims[static_cast<std::size_t>(a)] - 1; point[a] < -0.5 || point[a] > last + 0.5)
+          if (const double last = grid.dims[a] - 1; point[a] < -0.5 || point[a] > last + 0.5)
             mask.leaves_image = true;
-    if (slice >= 0 && slice < grid.dims[static_cast<std::size_t>(roi.axis)])
+    if (slice >= 0 && slice < grid.dims[roi.axis])
       draw_slice(grid, roi.axis, slice, polygons, mask);
   }
   return mask;

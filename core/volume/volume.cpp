@@ -17,10 +17,10 @@ std::array<Vec3, 8> corners(const VolumeGeometry& geometry, double margin_vox) {
   for (int c = 0; c < 8; ++c) {
     Vec3 voxel;
     for (int a = 0; a < 3; ++a) {
-      const double last = geometry.dims[static_cast<std::size_t>(a)] - 1;
+      const double last = geometry.dims[a] - 1;
       voxel[a] = (c >> a & 1) ? last + margin_vox : -margin_vox;
     }
-    result[static_cast<std::size_t>(c)] = geometry.to_mm(voxel);
+    result[c] = geometry.to_mm(voxel);
   }
   return result;
 }
@@ -37,7 +37,7 @@ template <class T>
 std::map<int, std::size_t> count_integers(const T* begin, std::size_t count) {
   constexpr int lowest = std::numeric_limits<T>::min();
   std::vector<std::size_t> counts(static_cast<std::size_t>(std::numeric_limits<T>::max() - lowest) + 1, 0);
-  for (std::size_t i = 0; i < count; ++i) ++counts[static_cast<std::size_t>(begin[i] - lowest)];
+  for (std::size_t i = 0; i < count; ++i) ++counts[begin[i] - lowest];
   std::map<int, std::size_t> labels;
   for (std::size_t c = 0; c < counts.size(); ++c) {
     const int value = static_cast<int>(c) + lowest;

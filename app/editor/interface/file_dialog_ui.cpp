@@ -112,7 +112,7 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
   clipper.Begin(static_cast<int>(visible.size()), theme.px(26));
   while (clipper.Step()) {
     for (int shown = clipper.DisplayStart; shown < clipper.DisplayEnd; ++shown) {
-      const auto& entry = browser.entries[static_cast<std::size_t>(visible[static_cast<std::size_t>(shown)])];
+      const auto& entry = browser.entries[visible[shown]];
       const Part part(entry.name, "file");
       const auto state = row(theme,
                              {entry.folder ? icon::folder : icon::file, entry.name, date_text(entry.changed),
@@ -163,7 +163,7 @@ std::string refusal_of(const FileBrowser& browser) {
 bool enters_folder(const FileBrowser& browser) {
   const auto shown = browser.visible();
   const auto at = static_cast<std::size_t>(browser.selected);
-  return browser.selected >= 0 && at < shown.size() && browser.entries[static_cast<std::size_t>(shown[at])].folder;
+  return browser.selected >= 0 && at < shown.size() && browser.entries[shown[at]].folder;
 }
 
 /// The button that opens, saves or adds what is chosen.

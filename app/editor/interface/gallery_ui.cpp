@@ -39,7 +39,7 @@ void draw_marker(ImDrawList& draw, const Theme& theme, const ModelsState& state,
   const Eigen::Vector2d px = cell_px(camera, cell, points.row(vertex));
   const ImVec2 at{static_cast<float>(px.x()), static_cast<float>(px.y())};
   const bool seen = faces_viewer(camera, {state.made.model->topology, points}, vertex);
-  const ImU32 colour = to_im(hsv_to_rgb((*state.made.model->hues)[static_cast<std::size_t>(vertex)], 1, 1));
+  const ImU32 colour = to_im(hsv_to_rgb((*state.made.model->hues)[vertex], 1, 1));
   const float radius = theme.px(lit ? 6 : 5), alpha = seen ? 1.0f : 0.35f;
   draw.AddCircleFilled(at, radius, with_alpha(colour, alpha));
   draw.AddCircle(at, radius, with_alpha(IM_COL32_BLACK, 0.8f * alpha), 0, theme.scale * 3);

@@ -24,7 +24,7 @@ std::string read_out(const UiContext& ui) {
   const Vec3 voxel = volume->geometry.to_voxel(p_mm).array().round();
   const auto& dims = volume->geometry.dims;
   for (int axis = 0; axis < 3; ++axis)
-    if (voxel[axis] < 0 || voxel[axis] >= dims[static_cast<std::size_t>(axis)]) return text + "    outside the image";
+    if (voxel[axis] < 0 || voxel[axis] >= dims[axis]) return text + "    outside the image";
   const auto i = static_cast<int>(voxel.x()), j = static_cast<int>(voxel.y()), k = static_cast<int>(voxel.z());
   const double value = volume->at(i, j, k, shown_frame(ui.state, ui.document()));
   text += format("    voxel %d %d %d    %.4g", i, j, k, value);

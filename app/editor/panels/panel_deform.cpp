@@ -55,7 +55,7 @@ bool draw_region_to_paint(const UiContext& ui, BrushSettings& brush) {
   int chosen = brush.erases ? erase : found == names.end() - 1 ? 0 : static_cast<int>(found - names.begin());
   if (!combo(ui.theme, "region", names, chosen)) return false;
   brush.erases = chosen == erase;
-  if (!brush.erases) brush.region = names[static_cast<std::size_t>(chosen)];
+  if (!brush.erases) brush.region = names[chosen];
   return true;
 }
 

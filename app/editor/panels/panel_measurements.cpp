@@ -22,7 +22,7 @@ void draw_recipe_choice(const UiContext& ui, Outbox& out) {
     options.push_back(std::filesystem::path(source).filename().string());
   int chosen = source.empty() ? -1 : static_cast<int>(std::ranges::find(shipped, source) - shipped.begin());
   if (combo(theme, "recipe", options, chosen) && chosen < static_cast<int>(shipped.size()))
-    out.send(ChooseRecipe{shipped[static_cast<std::size_t>(chosen)]});
+    out.send(ChooseRecipe{shipped[chosen]});
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
   if (button(theme, "Recipe\xe2\x80\xa6",
              "Opens a file that says what to measure: NAME.recipe.json. One beside the template, of its name, is taken "

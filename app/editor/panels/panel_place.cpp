@@ -44,7 +44,7 @@ class PlacementNumbers {
     caption(theme, "Centre (L, P, S)");
     row(
         "centre", centre_, 0.1, "mm", {Vec3::Constant(1e5), "The centre"},
-        [](int axis) { return std::string("mm towards the patient's ") + towards[static_cast<std::size_t>(axis)]; },
+        [](int axis) { return std::string("mm towards the patient's ") + towards[axis]; },
         [this](int axis, double value) {
           Similarity change;
           change.translation[axis] = value - centre_[axis];

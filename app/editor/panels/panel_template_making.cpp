@@ -203,7 +203,7 @@ bool label_list(const UiContext& ui, int& label, bool& all_labels) {
   int chosen = all_labels ? all : static_cast<int>(now - known.begin());
   const bool changed = combo(ui.theme, "label", names, chosen, swatches);
   all_labels = chosen == all;
-  if (!all_labels) label = known[static_cast<std::size_t>(chosen)];
+  if (!all_labels) label = known[chosen];
   return absent || changed;
 }
 
@@ -320,7 +320,7 @@ int label_there(const UiContext& ui, const Vec3& p_mm) {
   const Vec3 voxel = ui.labels().volume->geometry.to_voxel(p_mm).array().round();
   const auto& dims = ui.labels().volume->geometry.dims;
   for (int axis = 0; axis < 3; ++axis)
-    if (voxel[axis] < 0 || voxel[axis] >= dims[static_cast<std::size_t>(axis)]) return 0;
+    if (voxel[axis] < 0 || voxel[axis] >= dims[axis]) return 0;
   return rounded_label(ui.labels().volume->at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()),
                                               static_cast<int>(voxel.z()), frame_of_map(*ui.labels().volume, frame)));
 }

@@ -16,7 +16,7 @@ std::array<int, 3> nearest_axes(const Mat3& direction) {
   do {
     double sum = 0;
     for (int patient = 0; patient < 3; ++patient)
-      sum += std::abs(direction(patient, order[static_cast<std::size_t>(patient)]));
+      sum += std::abs(direction(patient, order[patient]));
     if (sum > best_sum + 1e-9) {
       best_sum = sum;
       best = order;
@@ -32,7 +32,7 @@ Mat3 slice_axes(const VolumeGeometry& geometry, bool own_planes) {
   const auto axes = nearest_axes(geometry.direction);
   Mat3 result;
   for (int patient = 0; patient < 3; ++patient) {
-    const Vec3 axis = geometry.direction.col(axes[static_cast<std::size_t>(patient)]);
+    const Vec3 axis = geometry.direction.col(axes[patient]);
     result.col(patient) = axis[patient] < 0 ? Vec3(-axis) : axis;
   }
   if (result.determinant() < 0) result.col(2) = -result.col(2);
@@ -56,7 +56,7 @@ std::string view_title(ViewKind kind, const VolumeGeometry& geometry, bool own_p
   if (kind == ViewKind::space) return "3D";
   if (!own_planes) return kind == ViewKind::axial ? "Axial" : kind == ViewKind::sagittal ? "Sagittal" : "Coronal";
   const int patient = kind == ViewKind::axial ? 2 : kind == ViewKind::sagittal ? 0 : 1;
-  const char letter = "ijk"[nearest_axes(geometry.direction)[static_cast<std::size_t>(patient)]];
+  const char letter = "ijk"[nearest_axes(geometry.direction)[patient]];
   return std::string("Plane across ") + letter;
 }
 
@@ -68,7 +68,7 @@ std::string direction_letters(const Vec3& direction) {
   std::sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(direction[a]) > std::abs(direction[b]); });
   std::string letters;
   for (int place = 0; place < 2; ++place) {
-    const int axis = order[static_cast<std::size_t>(place)];
+    const int axis = order[place];
     if (place == 1 && std::abs(direction[axis]) < second_letter_from) break;
     letters += direction[axis] > 0 ? positive[axis] : negative[axis];
   }

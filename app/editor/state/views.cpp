@@ -32,7 +32,7 @@ VolumeGeometry geometry_of(const Document& document) {
   const Vec3 margin = 0.25 * box.sizes();
   geometry.origin_mm = box.min() - margin;
   for (int axis = 0; axis < 3; ++axis)
-    geometry.dims[static_cast<std::size_t>(axis)] = std::max(1, static_cast<int>(std::lround(1.5 * box.sizes()[axis])));
+    geometry.dims[axis] = std::max(1, static_cast<int>(std::lround(1.5 * box.sizes()[axis])));
   return geometry;
 }
 
@@ -42,7 +42,7 @@ namespace {
 double reach_mm(const VolumeGeometry& geometry, const Vec3& direction) {
   double reach = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double length_mm = geometry.dims[static_cast<std::size_t>(axis)] * geometry.spacing_mm[axis];
+    const double length_mm = geometry.dims[axis] * geometry.spacing_mm[axis];
     reach += std::abs(direction.dot(geometry.direction.col(axis))) * length_mm / 2;
   }
   return reach;

@@ -92,7 +92,7 @@ void Models::check(const ModelsState& models) {
     const auto file = models.shapes.files.find(one.file);
     if (shape < 0 || file == models.shapes.files.end()) continue;
     if (auto mesh = file->second.shapes.shape({one.structure, one.frame}, one.name))
-      meshes[index(shape)] = std::move(*mesh);
+      meshes[shape] = std::move(*mesh);
   }
   const auto look = [model = models.made.model, meshes = std::move(meshes),
                      known = known_doubts_](Progress& progress) mutable -> Result<Checked> {

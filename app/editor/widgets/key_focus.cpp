@@ -101,11 +101,11 @@ void KeyFocus::go_to_group(bool next) {
   const std::ptrdiff_t at = (now - groups.begin()) % count;  // the last is none of them
   const std::ptrdiff_t to = (at + (next ? 1 : -1) + count) % count;
   if (to == count - 1) return leave();
-  group_ = groups[static_cast<std::size_t>(to)].group;
+  group_ = groups[to].group;
   if (const auto before = stop())
     go_to(*before);
   else
-    go_to(groups[static_cast<std::size_t>(to)]);
+    go_to(groups[to]);
 }
 
 void KeyFocus::go(Way way) {
@@ -116,8 +116,8 @@ void KeyFocus::go(Way way) {
   const auto index = now - all.begin(), count = static_cast<std::ptrdiff_t>(all.size());
   if (way == Way::first) return go_to(all.front());
   if (way == Way::last) return go_to(all.back());
-  if (way == Way::next) return go_to(all[static_cast<std::size_t>((index + 1) % count)]);
-  if (way == Way::previous) return go_to(all[static_cast<std::size_t>((index + count - 1) % count)]);
+  if (way == Way::next) return go_to(all[(index + 1) % count]);
+  if (way == Way::previous) return go_to(all[(index + count - 1) % count]);
   const Stop* nearest = nullptr;
   float least = 0;
   for (const bool same_window : {true, false}) {

@@ -102,7 +102,7 @@ bool is_searched(const std::string& entry) {
 bool combo(const Theme& theme, const char* name, const std::vector<std::string>& options, int& chosen,
            const std::vector<ImU32>& swatches) {
   const bool known = chosen >= 0 && chosen < static_cast<int>(options.size());
-  const std::string shown = known ? options[static_cast<std::size_t>(chosen)] : std::string();
+  const std::string shown = known ? options[chosen] : std::string();
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 clip_low = ImGui::GetWindowDrawList()->GetClipRectMin(),
                clip_high = ImGui::GetWindowDrawList()->GetClipRectMax();
@@ -120,7 +120,7 @@ bool combo(const Theme& theme, const char* name, const std::vector<std::string>&
   key_focus().offer(id, {at.x, at.y, width, ImGui::GetFrameHeight()}, {});
   const bool open = ImGui::BeginCombo("##list", (room + fitting).c_str());
   if (coloured && known)
-    draw_swatch(theme, below, {at.x + side, at.y}, ImGui::GetFrameHeight(), swatches[static_cast<std::size_t>(chosen)]);
+    draw_swatch(theme, below, {at.x + side, at.y}, ImGui::GetFrameHeight(), swatches[chosen]);
   if (!open && fitting != shown && is_explained()) tooltip(theme, shown);
   note_box({.kind = Kind::list,
             .label = name,

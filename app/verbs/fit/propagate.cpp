@@ -169,7 +169,7 @@ Report report_of(const PropagateVerb& verb, const Topology& topology, const Prop
     report.warnings.push_back(verb.image.string() + ": frame " + std::to_string(f) + " " + frame.doubt +
                               "; look at it in the editor");
   }
-  const auto volume = [&](int f) { return propagation.frames[static_cast<std::size_t>(f)].volume_ml; };
+  const auto volume = [&](int f) { return propagation.frames[f].volume_ml; };
   report.values = {{"frames", std::move(frames)},
                    {"cycle", propagation.cycle},
                    {"end_diastole", propagation.ejection.end_diastole},

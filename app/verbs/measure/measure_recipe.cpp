@@ -177,7 +177,7 @@ class RecipeWork {
       file.values[step.name] = profile.mean();
       for (int at = 0; at < offsets; ++at) {
         char offset[40];
-        std::snprintf(offset, sizeof offset, " at %+.2f mm", profile.offsets_mm[static_cast<std::size_t>(at)]);
+        std::snprintf(offset, sizeof offset, " at %+.2f mm", profile.offsets_mm[at]);
         file.values[step.name + offset] = profile.values.col(at);
       }
     }

@@ -149,8 +149,8 @@ Json json_of(const std::vector<CompletedStructure>& completed, const std::vector
              const std::vector<StructurePart>& parts) {
   Json list = Json::array();
   for (const CompletedStructure& one : completed)
-    list.push_back({{"name", names[static_cast<std::size_t>(one.shape)]},
-                    {"structure", parts[static_cast<std::size_t>(one.part)].name},
+    list.push_back({{"name", names[one.shape]},
+                    {"structure", parts[one.part].name},
                     {"expected_error_mm", one.expected_error_mm},
                     {"mean_error_mm", one.mean_error_mm}});
   return list;

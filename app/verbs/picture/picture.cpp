@@ -58,7 +58,7 @@ std::optional<PictureOptions> part_of(const PictureVerb& verb) {
   part.captions = verb.captions;
   const auto view = std::find(view_names.begin(), view_names.end(), verb.only);
   if (view != view_names.end())
-    part.view = all_views[static_cast<std::size_t>(view - view_names.begin())];
+    part.view = all_views[view - view_names.begin()];
   else
     part.study = verb.only == "modes" ? StudyPicture::modes : StudyPicture::gallery;
   return part;
@@ -88,8 +88,8 @@ std::vector<std::string> settle_mirrored(const PictureVerb& verb, const std::vec
         Eigen::Map<const Eigen::VectorXd>(shapes[k].points.data(), shapes[k].points.size());
   std::vector<std::string> found;
   for (const Eigen::Index k : mirrored_shapes(all)) {
-    Mesh& shape = shapes[static_cast<std::size_t>(k)];
-    found.push_back(names[static_cast<std::size_t>(k)] +
+    Mesh& shape = shapes[k];
+    found.push_back(names[k] +
                     ": a mirror image of the other shapes (left and right exchanged); " +
                     (verb.flip_mirrored ? "flipped" : "use --flip-mirrored to flip it"));
     if (verb.flip_mirrored) {

@@ -125,7 +125,7 @@ Result<void> put_doubts(const ReportVerb& verb, const Training& training, PageCo
   if (!sources) return fail(sources.error());
   std::map<std::string, PageCase*> of_name;
   for (PageCase& one : content.cases)
-    if (one.shape >= 0) of_name[training.names[static_cast<std::size_t>(one.shape)]] = &one;
+    if (one.shape >= 0) of_name[training.names[one.shape]] = &one;
   VertexScalars squares = VertexScalars::Zero(training.components.vertices());
   const auto take = [&](const ReadShape& shape) {
     const auto& doubt = shape.mesh->doubt_mm;

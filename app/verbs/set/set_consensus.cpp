@@ -43,7 +43,7 @@ StructuresOfAll united(const std::vector<std::vector<Segment>>& asked) {
       const auto found = std::ranges::max_element(all.set.structures, {}, likeness);
       if (found != all.set.structures.end() && likeness(*found) != NameLikeness::none) {
         // Of two labels of one map that are called alike, the first counts.
-        auto& maps = all.maps[static_cast<std::size_t>(found - all.set.structures.begin())];
+        auto& maps = all.maps[found - all.set.structures.begin()];
         if (maps.back() != m) maps.push_back(m);
         continue;
       }

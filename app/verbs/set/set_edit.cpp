@@ -118,7 +118,7 @@ Result<Report> share_in_set(const SetEdit& edit, Progress& progress) {
     if (one == nullptr)
       return fail(edit.set, "has no structure \"" + excerpt(*name) + "\"; it has " + names_in_set(set));
     which[name == &edit.first ? 0 : 1] = static_cast<std::size_t>(one - set.structures.data());
-    if (loaded->templates[static_cast<std::size_t>(one - set.structures.data())] == nullptr)
+    if (loaded->templates[one - set.structures.data()] == nullptr)
       return fail(edit.set, "has no template of \"" + one->name + "\" that can be read; bring its file back");
   }
   if (which[0] == which[1])

@@ -127,7 +127,7 @@ Result<void> take_direction_out(const std::vector<fs::path>& two, const Training
   const Eigen::VectorXd mean = shapes.rowwise().mean();
   ShapeMatrix ends(shapes.rows(), 2);
   for (Eigen::Index k = 0; k < 2; ++k) {
-    const fs::path& file = two[static_cast<std::size_t>(k)];
+    const fs::path& file = two[k];
     const auto read = read_shape(ShapeSource{file, {}});
     if (!read) return fail(read.error());
     if ((*read)->points.size() != shapes.rows())
@@ -258,9 +258,9 @@ Result<void> add_mirror_images(const TestCasesAsked& asked, TestCases& cases) {
   for (Eigen::Index i = 0; i < 2 * count; ++i) {
     const bool is_image = i >= count;
     const Eigen::Index of = is_image ? i - count : i;
-    const std::string name = cases.names[static_cast<std::size_t>(of)];
+    const std::string name = cases.names[of];
     table.cases.push_back(is_image ? name + " mirrored" : name);
-    table.cells.push_back(cases.table.cells[cases.rows[static_cast<std::size_t>(of)]]);
+    table.cells.push_back(cases.table.cells[cases.rows[of]]);
     table.cells.back().emplace_back(is_image ? "yes" : "no");
     if (!has_whose) table.cells.back().push_back(name);
     if (!is_image) continue;
@@ -295,10 +295,10 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& rea
   cases.sizes_mm.resize(count);
   cases.topology = set.topology;
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Partner& one = partners[static_cast<std::size_t>(i)];
+    const Partner& one = partners[i];
     // Of several frames of a case each has its own name.
     cases.names.push_back(times[one.row] == 1 ? cases.table.cases[one.row]
-                                              : names[static_cast<std::size_t>(one.shape)]);
+                                              : names[one.shape]);
     cases.rows.push_back(one.row);
     cases.shapes.col(i) = set.shapes.col(one.shape);
     cases.sizes_mm[i] = centroid_size_mm(points_of(cases.shapes, i));
@@ -314,8 +314,8 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& rea
   VertexScalars squares = VertexScalars::Zero(vertices);
   double known = 0;
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Partner& one = partners[static_cast<std::size_t>(i)];
-    const auto doubt = read.vertex_doubts.find(set.names[static_cast<std::size_t>(one.shape)]);
+    const Partner& one = partners[i];
+    const auto doubt = read.vertex_doubts.find(set.names[one.shape]);
     const bool is_known = doubt != read.vertex_doubts.end() && doubt->second.size() == vertices;
     const VertexScalars scaled = is_known ? VertexScalars(scales[i] * doubt->second) : VertexScalars();
     cases.doubt_mm.push_back(is_known ? std::sqrt(scaled.cwiseAbs2().mean())

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string case_named(const TestCases& cases, Eigen::Index k) {
-  return cases.names[static_cast<std::size_t>(k)];
+  return cases.names[k];
 }
 
 std::string number(double value) {
@@ -172,7 +172,7 @@ std::vector<SubjectPair> subject_pairs(const TestJob& job) {
                     subjects = *job.cases.table.column(asked.paired);
   std::map<std::string, std::array<std::vector<Eigen::Index>, 2>> of_subject;
   for (Eigen::Index k = 0; k < job.design.cases(); ++k) {
-    const auto& cells = job.cases.table.cells[job.cases.rows[static_cast<std::size_t>(k)]];
+    const auto& cells = job.cases.table.cells[job.cases.rows[k]];
     of_subject[cells[subjects]][cells[groups] == term->levels[1] ? 1 : 0].push_back(k);
   }
   std::vector<SubjectPair> pairs;

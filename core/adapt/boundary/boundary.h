@@ -60,7 +60,7 @@ struct Boundary {
   /// face lies that the cut leaves.
   bool shows(const Vec3& p) const;
   /// Whether a face of the surface is the organ's own.
-  bool is_own(std::int32_t face) const { return cut.empty() || cut[static_cast<std::size_t>(face)] == 0; }
+  bool is_own(std::int32_t face) const { return cut.empty() || cut[face] == 0; }
 };
 
 /// The boundary of a label: its largest part (or `parts`) with cavities filled, and with everything that a ball of

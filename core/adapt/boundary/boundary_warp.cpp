@@ -82,7 +82,7 @@ class Regression {
     Points along(count, 3);
     Eigen::VectorXd offset_mm(count), noise_mm(count);
     for (Eigen::Index k = 0; k < count; ++k) {
-      const Known& one = known_[static_cast<std::size_t>(k)];
+      const Known& one = known_[k];
       at.push_back(one.place);
       along.row(k) = one.direction;
       offset_mm[k] = one.offset_mm;
@@ -90,11 +90,11 @@ class Regression {
     }
     Eigen::MatrixXd covariance = along * along.transpose();
     for (Eigen::Index k = 0; k < count; ++k)
-      covariance.col(k).array() *= among_(at, at[static_cast<std::size_t>(k)]).array();
+      covariance.col(k).array() *= among_(at, at[k]).array();
     covariance.diagonal() += noise_mm.cwiseAbs2();
     const Eigen::VectorXd weights = covariance.llt().solve(offset_mm);
     Points pull = Points::Zero(among_.rows(), 3);
-    for (Eigen::Index k = 0; k < count; ++k) pull.row(at[static_cast<std::size_t>(k)]) += weights[k] * along.row(k);
+    for (Eigen::Index k = 0; k < count; ++k) pull.row(at[k]) += weights[k] * along.row(k);
     return towards_ * pull;
   }
 

@@ -60,7 +60,7 @@ class FlatFaces {
     const auto count = static_cast<Eigen::Index>(faces());
     const double smallest = smallest_share * areas_.sum();
     for (Eigen::Index seed = 0; seed < count; seed += 1 + count / seeds) {
-      if (taken_[static_cast<std::size_t>(seed)] != 0) continue;
+      if (taken_[seed] != 0) continue;
       // The seed's own plane is that of a few faces; the second one is that of all around it.
       auto flat = grown(seed, middles_.row(seed), normals_.row(seed));
       Vec3 normal;
@@ -72,7 +72,7 @@ class FlatFaces {
       if (area_of(flat) < smallest || sharp_edge_share(flat, normal) < sharp_share) {
         continue;
       }
-      for (const std::int32_t f : flat) taken_[static_cast<std::size_t>(f)] = 1;
+      for (const std::int32_t f : flat) taken_[f] = 1;
       std::sort(flat.begin(), flat.end());
       found.push_back(std::move(flat));
     }
@@ -90,8 +90,8 @@ class FlatFaces {
     std::vector<std::int32_t> flat;
     ++growth_;
     const auto visit = [&](std::int32_t f) {
-      if (f < 0 || seen_[static_cast<std::size_t>(f)] == growth_ || taken_[static_cast<std::size_t>(f)] != 0) return;
-      seen_[static_cast<std::size_t>(f)] = growth_;
+      if (f < 0 || seen_[f] == growth_ || taken_[f] != 0) return;
+      seen_[f] = growth_;
       if (is_flat(f)) flat.push_back(f);
     };
     visit(static_cast<std::int32_t>(seed));
@@ -118,15 +118,15 @@ class FlatFaces {
   /// The share of the faces a little way beyond the rim that have turned away. An opening counts as an edge.
   double sharp_edge_share(const std::vector<std::int32_t>& flat, const Vec3& normal) const {
     std::vector<char> seen(faces(), 0);
-    for (const std::int32_t f : flat) seen[static_cast<std::size_t>(f)] = 1;
+    for (const std::int32_t f : flat) seen[f] = 1;
     std::vector<std::int32_t> front = flat;
     const int layers = std::max(2, static_cast<int>(edge_width * diagonal_mm_ / (edge_mm_ / 2)));
     for (int layer = 0; layer < layers; ++layer) {
       std::vector<std::int32_t> next;
       for (const std::int32_t f : front)
         for (const std::int32_t g : topology_.neighbours(f))
-          if (g >= 0 && seen[static_cast<std::size_t>(g)] == 0) {
-            seen[static_cast<std::size_t>(g)] = 1;
+          if (g >= 0 && seen[g] == 0) {
+            seen[g] = 1;
             next.push_back(g);
           }
       front = std::move(next);
@@ -154,7 +154,7 @@ class TemplateSurface {
         normals_(vertex_normals({on_surface.topology, placed})),
         flat_(static_cast<std::size_t>(on_surface.topology->triangles().rows()), 0) {
     for (const auto& face : FlatFaces({on_surface.topology, placed}).all(large_face_share))
-      for (const std::int32_t f : face) flat_[static_cast<std::size_t>(f)] = 1;
+      for (const std::int32_t f : face) flat_[f] = 1;
   }
 
   bool is_cut(const Mesh& surface, const std::vector<std::int32_t>& flat_face) const {
@@ -165,7 +165,7 @@ class TemplateSurface {
       const Vec3 middle = (surface.points.row(t[0]) + surface.points.row(t[1]) + surface.points.row(t[2])) / 3;
       const SurfacePoint at = search_.nearest(middle).at;
       const Vec3 normal = at.interpolate(*search_.mesh().topology, normals_).transpose().stableNormalized();
-      natural += flat_[static_cast<std::size_t>(at.face)];
+      natural += flat_[at.face];
       cosines += normal.dot(area_normal(surface, f).stableNormalized());
       area_mm2 += area_normal(surface, f).norm() / 2;
       sum += normal;
@@ -195,7 +195,7 @@ std::vector<std::uint8_t> cut_faces(const Mesh& surface, const std::vector<std::
   for (const auto& face : flat) {
     if (!the_template.is_cut(surface, face)) continue;
     cut.resize(static_cast<std::size_t>(surface.topology->triangles().rows()), 0);
-    for (const std::int32_t f : face) cut[static_cast<std::size_t>(f)] = 1;
+    for (const std::int32_t f : face) cut[f] = 1;
   }
   return cut;
 }

@@ -13,7 +13,7 @@ std::vector<ScanBorder> cut_borders(const Template& the_template, const Points& 
   constexpr double least_share = 0.01;      ///< share of the vertices: a smaller face hardly draws a fit aside
   std::vector<ScanBorder> borders;
   std::vector<char> marked(static_cast<std::size_t>(points.rows()), 0);
-  for (const std::int32_t i : vertices_in(the_template.regions, cut_region)) marked[static_cast<std::size_t>(i)] = 1;
+  for (const std::int32_t i : vertices_in(the_template.regions, cut_region)) marked[i] = 1;
   const Topology& topology = *the_template.topology;
   const Points normals = vertex_normals({the_template.topology, points});
   const double edge_mm = mean_edge_mm(topology, points);

@@ -97,7 +97,7 @@ std::vector<Mat3> axis_turns() {
   do {
     for (int signs = 0; signs < 8; ++signs) {
       Mat3 turn = Mat3::Zero();
-      for (int k = 0; k < 3; ++k) turn(order[static_cast<std::size_t>(k)], k) = (signs >> k & 1) != 0 ? -1 : 1;
+      for (int k = 0; k < 3; ++k) turn(order[k], k) = (signs >> k & 1) != 0 ? -1 : 1;
       if (turn.determinant() > 0) turns.push_back(turn);
     }
   } while (std::next_permutation(order.begin(), order.end()));

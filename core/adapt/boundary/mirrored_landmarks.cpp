@@ -51,7 +51,7 @@ void add_mirrored(const std::vector<MirroredLandmark>& mirrored, const Mesh& pla
   known.to.conservativeResize(all, Eigen::NoChange);
   known.noise_mm.conservativeResize(all);
   for (Eigen::Index row = before; row < all; ++row) {
-    const auto& [of, place, there] = mirrored[static_cast<std::size_t>(row - before)];
+    const auto& [of, place, there] = mirrored[row - before];
     known.from.row(row) = place.interpolate(*placed.topology, placed.points);
     known.to.row(row) = there.transpose();
     known.noise_mm[row] = std::hypot(known.noise_mm[of], asymmetry_mm);

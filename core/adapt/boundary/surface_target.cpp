@@ -69,7 +69,7 @@ void SurfaceTarget::know_rims(const Mesh& mesh) {
   on_mesh_rim_.assign(static_cast<std::size_t>(mesh.points.rows()), 0);
   for (const Rim& rim : mesh_rims_) {
     rim_rest_mm_.push_back(rim_edges_mm(rim, mesh.points));
-    for (const std::int32_t i : rim) on_mesh_rim_[static_cast<std::size_t>(i)] = 1;
+    for (const std::int32_t i : rim) on_mesh_rim_[i] = 1;
   }
 }
 
@@ -126,7 +126,7 @@ TargetPull SurfaceTarget::nearest(const Mesh& mesh) {
   in_parallel(mesh.points.rows(), [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
       if (on_mesh_rim(i)) continue;
-      const auto there = counterpart(mesh.points.row(i), normals.row(i), likely_faces_[static_cast<std::size_t>(i)]);
+      const auto there = counterpart(mesh.points.row(i), normals.row(i), likely_faces_[i]);
       if (!there) continue;
       pull.targets.row(i) = there->position.transpose();
       pull.normals.row(i) = there->normal.transpose();

@@ -60,7 +60,7 @@ class SurfaceTarget : public Target {
   /// Before a mesh is looked at: which of its vertices belong to the rim. They stay the same from call to call.
   void know_rims(const Mesh& mesh);
   bool rims_count() const { return !mesh_rims_.empty(); }
-  bool on_mesh_rim(Eigen::Index i) const { return rims_count() && on_mesh_rim_[static_cast<std::size_t>(i)] != 0; }
+  bool on_mesh_rim(Eigen::Index i) const { return rims_count() && on_mesh_rim_[i] != 0; }
   void nearest_on_rim(const Mesh& mesh, TargetPull& pull) const;
   void pull_rims(const Mesh& mesh, Points& sum, VertexScalars& weights) const;
   struct Counterpart {

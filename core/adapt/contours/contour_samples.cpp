@@ -138,7 +138,7 @@ std::vector<DrawnContour> without_keyhole(const DrawnContour& drawn) {
 Points ContourSamples::likely() const {
   Points places(std::ssize(samples), 3);
   for (Eigen::Index k = 0; k < places.rows(); ++k)
-    places.row(k) = samples[static_cast<std::size_t>(k)].likely.transpose();
+    places.row(k) = samples[k].likely.transpose();
   return places;
 }
 
@@ -165,7 +165,7 @@ ContourSamples sampled_contours(const std::vector<DrawnContour>& drawn, std::siz
   for (std::size_t c = 0; c < contours.size(); ++c) {
     const DrawnContour& one = contours[c];
     const int plane = plane_of_curve[c];
-    const Vec3 normal = plane >= 0 ? all.planes[static_cast<std::size_t>(plane)].normal : Vec3(Vec3::Zero());
+    const Vec3 normal = plane >= 0 ? all.planes[plane].normal : Vec3(Vec3::Zero());
     const bool closed = one.curve.closed && plane >= 0;
     const double area_mm2 = closed ? signed_area_mm2(one.curve, normal) : 0;
     bool hole = false;

@@ -92,7 +92,7 @@ std::vector<ContourMeeting> ContourTarget::meetings(const Mesh& mesh) const {
     ContourMeeting met{k, {}, Vec3::Zero(), Vec3::Zero()};
     double least = std::numeric_limits<double>::infinity();
     if (sample.plane >= 0)
-      for (const SectionPiece& piece : sections[static_cast<std::size_t>(sample.plane)]) {
+      for (const SectionPiece& piece : sections[sample.plane]) {
         const double facing = sample.outward.isZero() ? 1 : piece.outward.dot(sample.outward);
         if (facing < facing_alike) continue;
         const double along = nearest_on_segment(sample.likely, piece.from, piece.to);
@@ -156,7 +156,7 @@ VertexScalars ContourTarget::off_pieces_mm(const Mesh& mesh) const {
   const SurfaceSearch search(mesh);
   VertexScalars off_mm(std::ssize(contours_.samples));
   for (Eigen::Index k = 0; k < off_mm.size(); ++k) {
-    const ContourSample& sample = contours_.samples[static_cast<std::size_t>(k)];
+    const ContourSample& sample = contours_.samples[k];
     const auto nearest = search.nearest(sample.at);
     const bool within = sample.outside && (sample.at - nearest.position).dot(area_normal(mesh, nearest.at.face)) > 0;
     off_mm[k] = within ? 0 : nearest.distance_mm;

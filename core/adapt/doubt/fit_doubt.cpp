@@ -26,11 +26,11 @@ VertexScalars fit_doubt_mm(const Mesh& mesh, const ReasonsForDoubt& reasons) {
       reasons.spread_mm2.array() +
       everywhere.square().sum() * area_mm2 * (1 - slides_share + slides_share * reasons.sliding.array());
   std::vector<char> lacking(index(mesh.points.rows()), 0);
-  for (const std::int32_t i : reasons.missing) lacking[index(i)] = 1;
+  for (const std::int32_t i : reasons.missing) lacking[i] = 1;
   for (const std::int32_t i : reasons.missing) {
     double nearest_mm2 = std::numeric_limits<double>::infinity();
     for (Eigen::Index j = 0; j < mesh.points.rows(); ++j)
-      if (lacking[index(j)] == 0)
+      if (lacking[j] == 0)
         nearest_mm2 = std::min(nearest_mm2, (mesh.points.row(i) - mesh.points.row(j)).squaredNorm());
     doubt_mm2[i] += std::isfinite(nearest_mm2) ? reasons.strain * std::pow(std::sqrt(nearest_mm2) + farther_mm, 2)
                                                : area_mm2;  // nothing is there, so it may be anywhere

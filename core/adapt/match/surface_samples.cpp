@@ -79,7 +79,7 @@ std::vector<Index> spread_vertices(const Points& points, Index count) {
   const Eigen::ArrayXd x = places.col(0), y = places.col(1), z = places.col(2);
   Eigen::ArrayXd away = Eigen::ArrayXd::Constant(places.rows(), std::numeric_limits<double>::infinity());
   for (Index next = 0; std::ssize(picked) < std::min(count, places.rows()) && away[next] > 0; away.maxCoeff(&next)) {
-    picked.push_back(candidates[static_cast<std::size_t>(next)]);
+    picked.push_back(candidates[next]);
     const auto from_next2 = (x - x[next]).square() + ((y - y[next]).square() + (z - z[next]).square());
     away = away.min((from_next2 * (steps / radius2)).floor());
   }
@@ -169,7 +169,7 @@ DrawnSamples drawn(const SurfaceSamples& own, const SurfaceSamples& there, doubl
                   of_there = Eigen::VectorXf::Constant(b.rows(), none);
   Eigen::VectorXf likely(pairs);  // each sample's near ones, one sample after the other
   for (Index i = 0, at = 0; i < a.rows(); ++i) {
-    const auto [first, count] = near_ones[static_cast<std::size_t>(i)];
+    const auto [first, count] = near_ones[i];
     auto row = likely.segment(at, count);
     row.noalias() = b.middleRows(first, count) * a.row(i).transpose();
     row = (row - b2.segment(first, count)).array() - a2[i];
@@ -183,7 +183,7 @@ DrawnSamples drawn(const SurfaceSamples& own, const SurfaceSamples& there, doubl
   DrawnSamples drawn{own.points, VertexScalars(a.rows())};
   Eigen::VectorXf pulls(most);
   for (Index i = 0, at = 0; i < a.rows(); ++i) {
-    const auto [first, count] = near_ones[static_cast<std::size_t>(i)];
+    const auto [first, count] = near_ones[i];
     auto pull = pulls.head(count);
     pull = likely.segment(at, count).cwiseProduct(forth[i] * there.area_mm2.segment(first, count) +
                                                   own.area_mm2[i] * back.segment(first, count));

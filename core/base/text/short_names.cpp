@@ -100,7 +100,7 @@ std::string with_short_words(const std::string& name, const std::vector<std::str
     const auto longest = std::max_element(kept.begin(), kept.end());
     if (*longest <= least) return {};
     // A dot takes the place of a letter.
-    const bool whole = *longest == letters_to_cut(words[static_cast<std::size_t>(longest - kept.begin())]);
+    const bool whole = *longest == letters_to_cut(words[longest - kept.begin()]);
     *longest = std::max(least, *longest - (whole ? 2 : 1));
     std::vector<std::string> cut;
     std::string text;

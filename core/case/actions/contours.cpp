@@ -57,7 +57,7 @@ Result<EditReport> apply_contours(const SetContours& action, StructureEdit& edit
   set.off_mm = action.off_mm.value_or(set.off_mm);
   set.outside = action.outside.value_or(set.outside);
   auto& all = edit.after.contours;
-  if (action.curve) set.curves[static_cast<std::size_t>(*action.curve)] = action.curves->front();
+  if (action.curve) set.curves[*action.curve] = action.curves->front();
   if (known == nullptr) {
     set.curves = *action.curves;
     all.push_back(std::make_shared<const ContourSet>(std::move(set)));

@@ -58,7 +58,7 @@ Result<EditReport> apply_painting(const PaintRegion& action, StructureEdit& edit
   const int touched =
       brush(*edit.shape().points, action.at, action.radius_mm, action.soft, [&](Eigen::Index i, double b) {
         (*factors)[i] += b * (factor - (*factors)[i]);
-        if (b >= 0.5) regions->of_vertex[static_cast<std::size_t>(i)] = *number;
+        if (b >= 0.5) regions->of_vertex[i] = *number;
       });
   edit.after.paint.stiffness = std::move(factors);
   edit.after.paint.regions = std::move(regions);
@@ -82,7 +82,7 @@ Result<EditReport> apply_filling(const FillRegion& action, StructureEdit& edit) 
   (mesh.points.rowwise() - action.at.transpose()).rowwise().squaredNorm().minCoeff(&seed);
   auto factors = std::make_shared<VertexScalars>(*edit.before.paint.stiffness);
   auto regions = regions_to_paint(edit.before.paint);
-  const auto region_of = [&](Eigen::Index i) { return regions->of_vertex[static_cast<std::size_t>(i)]; };
+  const auto region_of = [&](Eigen::Index i) { return regions->of_vertex[i]; };
   const std::uint8_t here = region_of(seed);
   std::vector<std::int32_t> filled;
   if (action.by == FillRegion::By::region) {
@@ -97,7 +97,7 @@ Result<EditReport> apply_filling(const FillRegion& action, StructureEdit& edit) 
   }
   for (const std::int32_t i : filled) {
     (*factors)[i] = factor_of(*regions, *number);
-    regions->of_vertex[static_cast<std::size_t>(i)] = *number;
+    regions->of_vertex[i] = *number;
   }
   edit.after.paint.stiffness = std::move(factors);
   edit.after.paint.regions = std::move(regions);
@@ -133,7 +133,7 @@ Result<EditReport> apply_region(const SetRegion& action, StructureEdit& edit) {
   if (change != 1) {
     auto factors = std::make_shared<VertexScalars>(*edit.before.paint.stiffness);
     for (Eigen::Index i = 0; i < factors->size(); ++i)
-      if (regions->of_vertex[static_cast<std::size_t>(i)] == *number) {
+      if (regions->of_vertex[i] == *number) {
         (*factors)[i] *= change;
         ++touched;
       }

@@ -16,7 +16,7 @@ WeighedPoints weighed(Measuring& measuring, const PartValue& part) {
   MeasuredSurface& surface = measuring.surface(part.structure);
   WeighedPoints all{Points(std::ssize(part.vertices), 3), VertexScalars(std::ssize(part.vertices))};
   for (Eigen::Index k = 0; k < all.points.rows(); ++k) {
-    const std::int32_t v = part.vertices[static_cast<std::size_t>(k)];
+    const std::int32_t v = part.vertices[k];
     all.points.row(k) = surface.mesh().points.row(v);
     all.weights[k] = surface.areas()[v];
   }

@@ -127,7 +127,7 @@ NormalProfile profile_along_normals(const Mesh& mesh, const Volume& image, int f
   profile.values.resize(mesh.points.rows(), steps);
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
     for (int k = 0; k < steps; ++k) {
-      const double offset_mm = profile.offsets_mm[static_cast<std::size_t>(k)];
+      const double offset_mm = profile.offsets_mm[k];
       profile.values(v, k) = image.sample((mesh.points.row(v) + offset_mm * normals.row(v)).transpose(),
                                           std::numeric_limits<double>::quiet_NaN(), frame);
     }

@@ -102,7 +102,7 @@ Result<StepValue> sheet(Measuring& measuring, const RecipeStep& step) {
     return lacks("has " + std::to_string(topology.components()) + (topology.components() == 1 ? " sheet" : " sheets") +
                  " and none of number " + std::to_string(number));
   return filtered(measuring.part(step, "of"),
-                  [&](std::int32_t v) { return topology.component()[static_cast<std::size_t>(v)] == number - 1; });
+                  [&](std::int32_t v) { return topology.component()[v] == number - 1; });
 }
 
 Result<StepValue> joined(Measuring& measuring, const RecipeStep& step) {

@@ -14,7 +14,7 @@ namespace {
 /// Which vertices of a mesh are in a part.
 std::vector<char> in_part(const PartValue& part, const Mesh& mesh) {
   std::vector<char> in(static_cast<std::size_t>(mesh.points.rows()), 0);
-  for (const std::int32_t v : part.vertices) in[static_cast<std::size_t>(v)] = 1;
+  for (const std::int32_t v : part.vertices) in[v] = 1;
   return in;
 }
 
@@ -24,8 +24,8 @@ std::vector<Eigen::Index> faces_of_part(const PartValue& part, const Mesh& mesh)
   const Triangles& triangles = mesh.topology->triangles();
   std::vector<Eigen::Index> faces;
   for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-    if (in[static_cast<std::size_t>(triangles(f, 0))] && in[static_cast<std::size_t>(triangles(f, 1))] &&
-        in[static_cast<std::size_t>(triangles(f, 2))])
+    if (in[triangles(f, 0)] && in[triangles(f, 1)] &&
+        in[triangles(f, 2)])
       faces.push_back(f);
   return faces;
 }
@@ -139,7 +139,7 @@ std::optional<double> other_wall_mm(const SurfaceSearch& search, const std::vect
   for (std::size_t passed = 0; passed <= faces.size(); ++passed) {
     const auto hit = search.first_hit(at + skip_mm * direction, direction);
     if (!hit) return std::nullopt;
-    if (faces[static_cast<std::size_t>(hit->at.face)] != 0) return (hit->position - from).norm();
+    if (faces[hit->at.face] != 0) return (hit->position - from).norm();
     at = hit->position;
   }
   return std::nullopt;
@@ -156,7 +156,7 @@ Result<StepValue> thickness(Measuring& measuring, const RecipeStep& step) {
     const Mesh& mesh = measuring.surface(other).mesh();
     to_faces.resize(static_cast<std::size_t>(mesh.topology->triangles().rows()));
     for (const Eigen::Index f : faces_of_part(measuring.as<PartValue>(step, "to"), mesh))
-      to_faces[static_cast<std::size_t>(f)] = 1;
+      to_faces[f] = 1;
   }
   MeasuredSurface& surface = measuring.surface(part->structure);
   const bool outward =

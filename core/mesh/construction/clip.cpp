@@ -14,7 +14,7 @@ std::optional<Mesh> clipped(const Mesh& mesh, const VertexScalars& values) {
   std::vector<std::int32_t> kept(static_cast<std::size_t>(mesh.points.rows()), -1);
   std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> cut_edges;
   const auto keep = [&](std::int32_t i) {
-    std::int32_t& there = kept[static_cast<std::size_t>(i)];
+    std::int32_t& there = kept[i];
     if (there < 0) {
       there = static_cast<std::int32_t>(points.size());
       points.emplace_back(mesh.points.row(i));

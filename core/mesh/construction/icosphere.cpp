@@ -22,7 +22,7 @@ Mesh icosphere(int level, double radius_mm, const Vec3& centre) {
       const auto [at, added] = halves.try_emplace(std::minmax(a, b), static_cast<std::int32_t>(points.size()));
       if (added)
         points.push_back(
-            (points[static_cast<std::size_t>(a)].normalized() + points[static_cast<std::size_t>(b)].normalized()));
+            (points[a].normalized() + points[b].normalized()));
       return at->second;
     };
     std::vector<std::array<std::int32_t, 3>> finer;

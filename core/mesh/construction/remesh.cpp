@@ -141,7 +141,7 @@ void relax_tangentially(HalfEdgeMesh& mesh, const SurfaceProjection& project) {
   std::vector<Vec3d> moved(mesh.n_vertices());
   for (const auto v : mesh.vertices()) {
     if (mesh.is_boundary(v)) {
-      moved[static_cast<std::size_t>(v.idx())] = relaxed_on_rim(mesh, v);
+      moved[v.idx()] = relaxed_on_rim(mesh, v);
       continue;
     }
     Vec3d normal(0, 0, 0), centre(0, 0, 0);
@@ -154,10 +154,10 @@ void relax_tangentially(HalfEdgeMesh& mesh, const SurfaceProjection& project) {
     }
     const Vec3d step = centre / area - mesh.point(v);
     normal.normalize();
-    moved[static_cast<std::size_t>(v.idx())] = mesh.point(v) + step - normal * normal.dot(step);
+    moved[v.idx()] = mesh.point(v) + step - normal * normal.dot(step);
   }
   for (const auto v : mesh.vertices()) {
-    const Vec3d& p = moved[static_cast<std::size_t>(v.idx())];
+    const Vec3d& p = moved[v.idx()];
     const Vec3 at(p[0], p[1], p[2]), on_surface = mesh.is_boundary(v) ? project.rim(at) : project.surface(at);
     mesh.set_point(v, Vec3d(on_surface.x(), on_surface.y(), on_surface.z()));
   }

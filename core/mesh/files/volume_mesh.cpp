@@ -63,7 +63,7 @@ void append_points(const VolumeFile& file, const formats::PointsPlace& place, co
 
 std::array<Vec3, 4> corners_of(const Tetrahedra& tetrahedra, const Points& points, Eigen::Index t) {
   std::array<Vec3, 4> corners;
-  for (int k = 0; k < 4; ++k) corners[static_cast<std::size_t>(k)] = points.row(tetrahedra(t, k));
+  for (int k = 0; k < 4; ++k) corners[k] = points.row(tetrahedra(t, k));
   return corners;
 }
 
@@ -163,7 +163,7 @@ std::vector<std::int32_t> outer_corners(const VolumeMesh& mesh) {
 
 std::vector<char> on_outside(const VolumeMesh& mesh) {
   std::vector<char> outside(static_cast<std::size_t>(mesh.points.rows()), 0);
-  for (const std::int32_t v : outer_corners(mesh)) outside[static_cast<std::size_t>(v)] = 1;
+  for (const std::int32_t v : outer_corners(mesh)) outside[v] = 1;
   return outside;
 }
 
@@ -173,7 +173,7 @@ std::optional<Mesh> outside_of(const VolumeMesh& mesh) {
   std::vector<std::int32_t> index(static_cast<std::size_t>(mesh.points.rows()), -1);
   Triangles triangles(std::ssize(corners) / 3, 3);
   for (std::size_t c = 0; c < corners.size(); ++c) {
-    std::int32_t& own = index[static_cast<std::size_t>(corners[c])];
+    std::int32_t& own = index[corners[c]];
     if (own < 0) {
       own = static_cast<std::int32_t>(rows.size());
       rows.push_back(corners[c]);

@@ -335,7 +335,7 @@ void write_ply(const MeshFile& mesh, std::ostream& out) {
       if (values && value.is_mark) store(static_cast<std::uint8_t>((*values)[i] > 0), std::endian::little, bytes);
       if (values && !value.is_mark) store(static_cast<float>((*values)[i]), std::endian::little, bytes);
     }
-    if (regions) store(mesh.regions.of_vertex[static_cast<std::size_t>(i)], std::endian::little, bytes);
+    if (regions) store(mesh.regions.of_vertex[i], std::endian::little, bytes);
     for (const auto& [name, values] : mesh.values) store(static_cast<float>(values[i]), std::endian::little, bytes);
   }
   for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {

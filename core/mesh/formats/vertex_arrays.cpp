@@ -11,7 +11,7 @@ std::vector<std::pair<std::string, VertexScalars>> vertex_arrays(const MeshFile&
     if (const auto& values = mesh.*value.of) arrays.emplace_back(value.name, *values);
   if (!mesh.regions.list.empty()) {
     VertexScalars regions(mesh.points.rows());
-    for (Eigen::Index i = 0; i < regions.size(); ++i) regions[i] = mesh.regions.of_vertex[static_cast<std::size_t>(i)];
+    for (Eigen::Index i = 0; i < regions.size(); ++i) regions[i] = mesh.regions.of_vertex[i];
     arrays.emplace_back("region", std::move(regions));
   }
   for (const auto& [name, values] : mesh.values) arrays.emplace_back(name, values);

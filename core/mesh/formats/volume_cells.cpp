@@ -23,14 +23,14 @@ bool is_turned(const std::int32_t* t, const std::vector<double>& x) {
 void keep_used_points(VolumeCells& cells, std::vector<std::int32_t>& corners, MeshFile& mesh) {
   const std::size_t all = cells.coordinates.size() / 3;
   std::vector<std::int32_t> new_index(all, -1);
-  for (const std::int32_t v : corners) new_index[static_cast<std::size_t>(v)] = 0;
+  for (const std::int32_t v : corners) new_index[v] = 0;
   std::vector<Eigen::Index> kept;
   for (std::size_t i = 0; i < all; ++i) {
     if (new_index[i] < 0) continue;
     new_index[i] = static_cast<std::int32_t>(kept.size());
     kept.push_back(static_cast<Eigen::Index>(i));
   }
-  for (std::int32_t& v : corners) v = new_index[static_cast<std::size_t>(v)];
+  for (std::int32_t& v : corners) v = new_index[v];
   mesh.points = to_points(std::move(cells.coordinates))(kept, Eigen::all);
   mesh.triangles = Eigen::Map<const Triangles>(corners.data(), std::ssize(corners) / 3, 3);
   for (auto& [name, values] : cells.arrays)

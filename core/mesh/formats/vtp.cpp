@@ -65,7 +65,7 @@ class VtpReader {
       if (end < from || end > all) return fail(damaged_vtk_xml());
       auto& line = lines.emplace_back();
       for (; from < end; ++from) {
-        const std::int64_t v = (*connectivity)[static_cast<std::size_t>(from)];
+        const std::int64_t v = (*connectivity)[from];
         if (v < 0 || v >= vertices - first_vertex)
           return fail("", "has a line through a point that it does not hold; export it again");
         line.push_back(v + first_vertex);

@@ -34,7 +34,7 @@ VertexScalars mean_curvature(const Mesh& mesh) {
     const Vec3 normal = area_normal(mesh, f);
     for (int k = 0; k < 3; ++k) {
       area[triangles(f, k)] += normal.norm() / 2;
-      const std::int32_t across = topology.neighbours(f)[static_cast<std::size_t>(k)];
+      const std::int32_t across = topology.neighbours(f)[k];
       if (across < f) continue;  // every edge once; none at a boundary
       const Vec3 other = area_normal(mesh, across);
       const Vec3 edge = at(triangles(f, (k + 1) % 3)) - at(triangles(f, k));

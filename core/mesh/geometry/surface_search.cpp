@@ -21,9 +21,9 @@ class Stack {
  public:
   void push(Entry entry) {
     assert(size_ < stack_depth);
-    entries_[static_cast<std::size_t>(size_++)] = entry;
+    entries_[size_++] = entry;
   }
-  Entry pop() { return entries_[static_cast<std::size_t>(--size_)]; }
+  Entry pop() { return entries_[--size_]; }
   bool empty() const { return size_ == 0; }
 
  private:
@@ -218,9 +218,9 @@ SurfaceSearch::Nearest SurfaceSearch::nearest(const Vec3& p, std::int32_t likely
   while (!stack.empty()) {
     const Visit visit = stack.pop();
     if (visit.key >= best2) continue;
-    const Node& node = nodes_[static_cast<std::size_t>(visit.node)];
+    const Node& node = nodes_[visit.node];
     if (node.count == 0) {
-      Visit near{node.first, squared_distance(nodes_[static_cast<std::size_t>(node.first)].box, p)};
+      Visit near{node.first, squared_distance(nodes_[node.first].box, p)};
       Visit far{node.first + 1, squared_distance(nodes_[static_cast<std::size_t>(node.first) + 1].box, p)};
       if (far.key < near.key) std::swap(near, far);
       stack.push(far);
@@ -241,9 +241,9 @@ std::optional<SurfaceSearch::Nearest> SurfaceSearch::first_hit(const Vec3& from,
   while (!stack.empty()) {
     const Visit visit = stack.pop();
     if (visit.key >= best_t) continue;
-    const Node& node = nodes_[static_cast<std::size_t>(visit.node)];
+    const Node& node = nodes_[visit.node];
     if (node.count == 0) {
-      Visit near{node.first, ray.enters(nodes_[static_cast<std::size_t>(node.first)].box)};
+      Visit near{node.first, ray.enters(nodes_[node.first].box)};
       Visit far{node.first + 1, ray.enters(nodes_[static_cast<std::size_t>(node.first) + 1].box)};
       if (far.key < near.key) std::swap(near, far);
       stack.push(far);
@@ -268,7 +268,7 @@ void SurfaceSearch::for_each_near_pair(const std::function<bool(std::int32_t, st
   std::vector<Box> boxes(order_.size());
   for (std::size_t f = 0; f < boxes.size(); ++f) boxes[f] = face_box(static_cast<std::int32_t>(f));
   const auto visit_meeting = [&](std::int32_t f, std::int32_t g) {
-    const Box &a = boxes[static_cast<std::size_t>(f)], &b = boxes[static_cast<std::size_t>(g)];
+    const Box &a = boxes[f], &b = boxes[g];
     return !a.intersects(b) || visit(std::min(f, g), std::max(f, g));
   };
   // Two nodes whose faces are to be compared; a node with itself at first.
@@ -276,7 +276,7 @@ void SurfaceSearch::for_each_near_pair(const std::function<bool(std::int32_t, st
   while (!stack.empty()) {
     const auto [a, b] = stack.back();
     stack.pop_back();
-    const Node &one = nodes_[static_cast<std::size_t>(a)], &other = nodes_[static_cast<std::size_t>(b)];
+    const Node &one = nodes_[a], &other = nodes_[b];
     if (a != b && !one.box.intersects(other.box)) continue;
     if (a == b && one.count == 0) {
       stack.push_back({one.first, one.first});

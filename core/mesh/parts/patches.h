@@ -12,11 +12,11 @@ template <class Joins>
 std::vector<std::int32_t> flood(const Topology& topology, std::int32_t seed, const Joins& joins) {
   std::vector<char> seen(static_cast<std::size_t>(topology.vertices()), 0);
   std::vector<std::int32_t> reached{seed};
-  seen[static_cast<std::size_t>(seed)] = 1;
+  seen[seed] = 1;
   for (std::size_t next = 0; next < reached.size(); ++next)
     for (const std::int32_t n : topology.one_ring(reached[next])) {
-      if (seen[static_cast<std::size_t>(n)] != 0 || !joins(n)) continue;
-      seen[static_cast<std::size_t>(n)] = 1;
+      if (seen[n] != 0 || !joins(n)) continue;
+      seen[n] = 1;
       reached.push_back(n);
     }
   return reached;

@@ -21,7 +21,7 @@ void add_region(Regions& regions, Region region, const std::vector<std::int32_t>
   regions.of_vertex.resize(of_vertices, 0);
   regions.list.push_back(std::move(region));
   for (const std::int32_t i : vertices)
-    regions.of_vertex[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(regions.list.size());
+    regions.of_vertex[i] = static_cast<std::uint8_t>(regions.list.size());
 }
 
 }  // namespace homolog

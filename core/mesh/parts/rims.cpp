@@ -43,10 +43,10 @@ std::vector<double> smooth_on_circle(const std::vector<double>& values) {
     double sum = 0, weights = 0;
     for (std::ptrdiff_t d = -reach; d <= reach; ++d) {
       const double weight = std::pow(decay, static_cast<double>(std::abs(d)));
-      sum += weight * values[static_cast<std::size_t>(((k + d) % n + n) % n)];
+      sum += weight * values[((k + d) % n + n) % n];
       weights += weight;
     }
-    smooth[static_cast<std::size_t>(k)] = sum / weights;
+    smooth[k] = sum / weights;
   }
   return smooth;
 }

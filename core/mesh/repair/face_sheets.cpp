@@ -28,7 +28,7 @@ std::vector<Side> sorted_sides(const std::vector<Corners3>& faces) {
   sides.reserve(3 * faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (int k = 0; k < 3; ++k) {
-      const std::int32_t from = faces[f][index(k)], to = faces[f][index((k + 1) % 3)];
+      const std::int32_t from = faces[f][k], to = faces[f][(k + 1) % 3];
       sides.push_back({std::min(from, to), std::max(from, to), static_cast<std::int32_t>(f), k, from < to});
     }
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
@@ -72,8 +72,8 @@ class Sheets {
 
  private:
   void join(const Side& a, const Side& b) {
-    across_[index(a.face)][index(a.corner)] = 3 * b.face + b.corner;
-    across_[index(b.face)][index(b.corner)] = 3 * a.face + a.corner;
+    across_[a.face][a.corner] = 3 * b.face + b.corner;
+    across_[b.face][b.corner] = 3 * a.face + a.corner;
   }
 
   /// The angle of each face about the edge that they share, from that of the first, in [0, 2π).
@@ -81,7 +81,7 @@ class Sheets {
     const Vec3 from = soup_.points.row(sides[0].low), to = soup_.points.row(sides[0].high);
     const Vec3 along = (to - from).stableNormalized();
     const auto outward = [&](const Side& side) {
-      const std::int32_t third = soup_.faces[index(side.face)][index((side.corner + 2) % 3)];
+      const std::int32_t third = soup_.faces[side.face][(side.corner + 2) % 3];
       const Vec3 way = Vec3(soup_.points.row(third)) - from;
       return Vec3(way - way.dot(along) * along);
     };
@@ -151,8 +151,8 @@ class Sheets {
   }
 
   bool runs_up(std::int32_t side) const {
-    const Corners3& face = soup_.faces[index(side / 3)];
-    return face[index(side % 3)] < face[index((side % 3 + 1) % 3)];
+    const Corners3& face = soup_.faces[side / 3];
+    return face[side % 3] < face[(side % 3 + 1) % 3];
   }
 
   /// Turns faces so that neighbours agree, the fewer of each part; cuts where that cannot be.
@@ -167,23 +167,23 @@ class Sheets {
       for (std::size_t next = 0; next < part.size(); ++next) {
         const std::int32_t f = part[next];
         for (int k = 0; k < 3; ++k) {
-          const std::int32_t other = across_[index(f)][index(k)];
+          const std::int32_t other = across_[f][k];
           if (other < 0) continue;
           const std::int32_t g = other / 3;
-          const char wanted = (runs_up(3 * f + k) == runs_up(other)) != (turned[index(f)] != 0);
-          if (seen[index(g)] == 0) {
-            seen[index(g)] = 1;
-            turned[index(g)] = wanted;
+          const char wanted = (runs_up(3 * f + k) == runs_up(other)) != (turned[f] != 0);
+          if (seen[g] == 0) {
+            seen[g] = 1;
+            turned[g] = wanted;
             turns += wanted != 0;
             part.push_back(g);
-          } else if (turned[index(g)] != wanted) {  // a surface with one side only
-            across_[index(g)][index(other % 3)] = across_[index(f)][index(k)] = -1;
+          } else if (turned[g] != wanted) {  // a surface with one side only
+            across_[g][other % 3] = across_[f][k] = -1;
           }
         }
       }
       const bool most = 2 * turns > part.size();
       mended_.turned_faces += most ? part.size() - turns : turns;
-      for (const std::int32_t f : part) turned[index(f)] = (turned[index(f)] != 0) != most;
+      for (const std::int32_t f : part) turned[f] = (turned[f] != 0) != most;
     }
     turned_ = std::move(turned);
   }
@@ -193,36 +193,36 @@ class Sheets {
     std::vector<std::int32_t> root(3 * soup_.faces.size());
     std::iota(root.begin(), root.end(), 0);
     const auto find = [&](std::int32_t c) {
-      while (root[index(c)] != c) c = root[index(c)] = root[index(root[index(c)])];
+      while (root[c] != c) c = root[c] = root[root[c]];
       return c;
     };
     for (std::int32_t side = 0; side < std::ssize(root); ++side) {
-      const std::int32_t other = across_[index(side / 3)][index(side % 3)];
+      const std::int32_t other = across_[side / 3][side % 3];
       if (other < side) continue;
       const std::int32_t next = side / 3 * 3 + (side + 1) % 3, after = other / 3 * 3 + (other + 1) % 3;
       const bool along = vertex_at(side) == vertex_at(other);
       for (const auto& [a, b] : {std::pair(side, along ? other : after), std::pair(next, along ? after : other)}) {
         const std::int32_t ra = find(a), rb = find(b);
-        root[index(std::max(ra, rb))] = std::min(ra, rb);
+        root[std::max(ra, rb)] = std::min(ra, rb);
       }
     }
-    for (std::int32_t c = 0; c < std::ssize(root); ++c) root[index(c)] = find(c);
+    for (std::int32_t c = 0; c < std::ssize(root); ++c) root[c] = find(c);
     return root;
   }
 
-  std::int32_t vertex_at(std::int32_t corner) const { return soup_.faces[index(corner / 3)][index(corner % 3)]; }
+  std::int32_t vertex_at(std::int32_t corner) const { return soup_.faces[corner / 3][corner % 3]; }
 
   /// One vertex for each fan, in the order of the vertices that they were.
   void number_vertices(const std::vector<std::int32_t>& root, Soup& result) {
     std::vector<std::pair<std::int32_t, std::int32_t>> fans;  // the vertex, the first corner
     for (std::int32_t c = 0; c < std::ssize(root); ++c)
-      if (root[index(c)] == c) fans.emplace_back(vertex_at(c), c);
+      if (root[c] == c) fans.emplace_back(vertex_at(c), c);
     std::sort(fans.begin(), fans.end());
     std::sort(crowded_.begin(), crowded_.end());
     std::vector<std::int32_t> number(root.size());
     result.points.resize(std::ssize(fans), 3);
     for (std::size_t n = 0; n < fans.size(); ++n) {
-      number[index(fans[n].second)] = static_cast<std::int32_t>(n);
+      number[fans[n].second] = static_cast<std::int32_t>(n);
       result.points.row(static_cast<Eigen::Index>(n)) = soup_.points.row(fans[n].first);
       const bool again = n > 0 && fans[n].first == fans[n - 1].first;
       const bool first_time = again && (n < 2 || fans[n].first != fans[n - 2].first);
@@ -234,8 +234,8 @@ class Sheets {
           first_time && !std::binary_search(crowded_.begin(), crowded_.end(), fans[n].first);
     }
     for (std::int32_t c = 0; c < std::ssize(root); c += 3) {
-      Corners3 face{number[index(root[index(c)])], number[index(root[index(c + 1)])],
-                    number[index(root[index(c + 2)])]};
+      Corners3 face{number[root[c]], number[root[c + 1]],
+                    number[root[c + 2]]};
       result.faces.push_back(face);
     }
   }
@@ -248,14 +248,14 @@ class Sheets {
     for_each_edge(sorted_sides(result.faces), [&](std::span<const Side> sides) {
       bool first = true;
       for (const Side& side : sides) {
-        const std::int32_t self = 3 * side.face + side.corner, other = across_[index(side.face)][index(side.corner)];
+        const std::int32_t self = 3 * side.face + side.corner, other = across_[side.face][side.corner];
         if (other >= 0 && other < self) continue;
         if (!std::exchange(first, false)) {
           const auto vertex = static_cast<std::int32_t>(result.points.rows() + std::ssize(added));
           added.push_back((result.points.row(side.low) + result.points.row(side.high)) / 2);
           apart_.push_back(vertex);
-          middle[index(side.face)][index(side.corner)] = vertex;
-          if (other >= 0) middle[index(other / 3)][index(other % 3)] = vertex;
+          middle[side.face][side.corner] = vertex;
+          if (other >= 0) middle[other / 3][other % 3] = vertex;
         }
       }
     });
@@ -289,13 +289,13 @@ class Sheets {
     for (const Corners3& face : result.faces)
       for (std::size_t k = 0; k < 3; ++k)
         for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3}) {
-          sum[index(face[k])] += result.points.row(face[other]);
-          ++count[index(face[k])];
+          sum[face[k]] += result.points.row(face[other]);
+          ++count[face[k]];
         }
     std::vector<char> done(sum.size(), 0);
     for (const std::int32_t v : apart_) {
-      if (std::exchange(done[index(v)], 1) != 0) continue;
-      result.points.row(v) += drawn_apart * (sum[index(v)] / count[index(v)] - result.points.row(v));
+      if (std::exchange(done[v], 1) != 0) continue;
+      result.points.row(v) += drawn_apart * (sum[v] / count[v] - result.points.row(v));
     }
   }
 

@@ -27,14 +27,14 @@ constexpr int flip_rounds = 5;
 /// Leaves out vertices that are no numbers and the faces that name them.
 void leave_out_unfinite(Soup& soup, MendedFaults& mended) {
   std::vector<char> finite(index(soup.points.rows()));
-  for (Eigen::Index v = 0; v < soup.points.rows(); ++v) finite[index(v)] = soup.points.row(v).allFinite();
+  for (Eigen::Index v = 0; v < soup.points.rows(); ++v) finite[v] = soup.points.row(v).allFinite();
   mended.not_finite = static_cast<std::size_t>(std::count(finite.begin(), finite.end(), 0));
   if (mended.not_finite == 0) return;
   std::erase_if(soup.faces, [&](const Corners3& face) {
-    return std::any_of(face.begin(), face.end(), [&](std::int32_t v) { return finite[index(v)] == 0; });
+    return std::any_of(face.begin(), face.end(), [&](std::int32_t v) { return finite[v] == 0; });
   });
   for (Eigen::Index v = 0; v < soup.points.rows(); ++v)
-    if (finite[index(v)] == 0) soup.points.row(v).setZero();  // it belongs to no face now
+    if (finite[v] == 0) soup.points.row(v).setZero();  // it belongs to no face now
 }
 
 /// Calls `meet(v, w)` for these vertices of a surface of `size_mm` that lie at one place: for so many pairs that they
@@ -65,14 +65,14 @@ void weld(Soup& soup, MendedFaults& mended) {
   used.erase(std::unique(used.begin(), used.end()), used.end());
   std::iota(first.begin(), first.end(), 0);
   const auto first_of = [&](std::int32_t v) {
-    while (first[index(v)] != v) v = first[index(v)] = first[index(first[index(v)])];
+    while (first[v] != v) v = first[v] = first[first[v]];
     return v;
   };
   Box box;
   for (const std::int32_t v : used) box.extend(Vec3(soup.points.row(v)));
   at_one_place(soup.points, used, box.diagonal().norm(), [&](std::int32_t v, std::int32_t w) {
     const std::int32_t a = first_of(v), b = first_of(w);
-    first[index(std::max(a, b))] = std::min(a, b);
+    first[std::max(a, b)] = std::min(a, b);
   });
   for (const std::int32_t v : used) mended.duplicate_vertices += first_of(v) != v;
   for (Corners3& face : soup.faces)
@@ -190,8 +190,8 @@ Mesh without_flat_faces(Mesh mesh, MendedFaults& mended) {
     std::set<std::pair<std::int32_t, std::int32_t>> made;  // edges
     for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
       const int k = flat_corner(mesh, f);
-      const std::int32_t g = k < 0 ? -1 : mesh.topology->neighbours(f)[index((k + 1) % 3)];
-      if (g < 0 || touched[index(f)] != 0 || touched[index(g)] != 0) continue;
+      const std::int32_t g = k < 0 ? -1 : mesh.topology->neighbours(f)[(k + 1) % 3];
+      if (g < 0 || touched[f] != 0 || touched[g] != 0) continue;
       const std::int32_t p = triangles(f, k), a = triangles(f, (k + 1) % 3), b = triangles(f, (k + 2) % 3);
       std::int32_t d = -1;
       for (int c = 0; c < 3; ++c)
@@ -201,7 +201,7 @@ Mesh without_flat_faces(Mesh mesh, MendedFaults& mended) {
         continue;
       triangles.row(f) << p, a, d;
       triangles.row(g) << p, d, b;
-      touched[index(f)] = touched[index(g)] = 1;
+      touched[f] = touched[g] = 1;
     }
     if (made.empty()) break;
     auto topology = Topology::make(mesh.points.rows(), std::move(triangles));
@@ -231,9 +231,9 @@ Result<Mesh> parted(const MeshFile& surface, MendedFaults& mended) {
   for (Eigen::Index f = 0; f < surface.triangles.rows(); ++f)
     soup.faces.push_back({surface.triangles(f, 0), surface.triangles(f, 1), surface.triangles(f, 2)});
   std::vector<char> named(index(soup.points.rows()), 0);
-  for (const std::int32_t v : surface.triangles->reshaped()) named[index(v)] = 1;
+  for (const std::int32_t v : surface.triangles->reshaped()) named[v] = 1;
   for (Eigen::Index v = 0; v < soup.points.rows(); ++v)
-    mended.unused_vertices += named[index(v)] == 0 && soup.points.row(v).allFinite();
+    mended.unused_vertices += named[v] == 0 && soup.points.row(v).allFinite();
   leave_out_unfinite(soup, mended);
   weld(soup, mended);
   leave_out_broken_faces(soup, mended);
@@ -249,14 +249,14 @@ std::vector<Mesh> parts_of(const Mesh& mesh) {
   std::vector<std::vector<std::int32_t>> vertices(index(mesh.topology->components()));
   std::vector<std::int32_t> number(part.size());
   for (std::size_t v = 0; v < part.size(); ++v) {
-    auto& own = vertices[index(part[v])];
+    auto& own = vertices[part[v]];
     number[v] = static_cast<std::int32_t>(own.size());
     own.push_back(static_cast<std::int32_t>(v));
   }
   std::vector<Soup> soups(vertices.size());
   for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f) {
     const auto t = mesh.topology->triangles().row(f);
-    soups[index(part[index(t[0])])].faces.push_back({number[index(t[0])], number[index(t[1])], number[index(t[2])]});
+    soups[part[t[0]]].faces.push_back({number[t[0]], number[t[1]], number[t[2]]});
   }
   std::vector<Mesh> parts;
   for (std::size_t p = 0; p < soups.size(); ++p) {

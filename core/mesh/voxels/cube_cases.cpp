@@ -83,13 +83,13 @@ CubeCases derive() {
     auto next = next_edges(cube);
     for (std::uint8_t start = 0; start < 12; ++start) {
       Loop loop;
-      for (int edge = start; next[static_cast<std::size_t>(edge)] >= 0;) {
+      for (int edge = start; next[edge] >= 0;) {
         loop.push_back(static_cast<std::uint8_t>(edge));
-        edge = std::exchange(next[static_cast<std::size_t>(edge)], -1);
+        edge = std::exchange(next[edge], -1);
       }
       if (loop.empty()) continue;
       [[maybe_unused]] const bool done =
-          triangulate(loop, 0, loop.size() - 1, cases.triangles[static_cast<std::size_t>(cube)]);
+          triangulate(loop, 0, loop.size() - 1, cases.triangles[cube]);
       assert(done);
     }
   }

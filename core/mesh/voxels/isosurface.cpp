@@ -29,8 +29,8 @@ struct Slice {
   }
   void set(int i, int j) {
     inside[index(j) * index(width) + index(i)] = 1;
-    first[index(j)] = std::min(first[index(j)], i);
-    last[index(j)] = i;
+    first[j] = std::min(first[j], i);
+    last[j] = i;
   }
   void clear() {
     for (std::size_t j = 0; j < last.size(); ++j) {
@@ -63,9 +63,9 @@ class Marcher {
     for (int j = 0; j + 1 < height_; ++j) {
       const std::array rows{below.row(j), below.row(j + 1), above.row(j), above.row(j + 1)};
       const int first = std::min(
-          {below.first[index(j)], below.first[index(j + 1)], above.first[index(j)], above.first[index(j + 1)]});
+          {below.first[j], below.first[j + 1], above.first[j], above.first[j + 1]});
       const int last =
-          std::max({below.last[index(j)], below.last[index(j + 1)], above.last[index(j)], above.last[index(j + 1)]});
+          std::max({below.last[j], below.last[j + 1], above.last[j], above.last[j + 1]});
       unsigned cube = 0;
       for (int i = first - 1; i <= last; ++i) {
         cube = cube >> 1 & 0x55u;  // the far corners of the cube before are the near ones of this
@@ -84,7 +84,7 @@ class Marcher {
     const std::size_t axis = edge / 4;
     at[(axis + 1) % 3] += static_cast<int>(edge & 1u);
     at[(axis + 2) % 3] += static_cast<int>(edge >> 1 & 1u);
-    auto& layer = axis == 2 ? along_k_ : (axis == 0 ? along_i_ : along_j_)[index(at[2] % 2)];
+    auto& layer = axis == 2 ? along_k_ : (axis == 0 ? along_i_ : along_j_)[at[2] % 2];
     return layer[index(at[1]) * index(width_) + index(at[0])];
   }
 
@@ -125,7 +125,7 @@ Result<Mesh> marched(const VolumeGeometry& grid, FillSlice fill_slice, Crossing 
   Mesh mesh;
   mesh.points.resize(static_cast<Eigen::Index>(marcher.vertices().size()), 3);
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
-    mesh.points.row(v) = grid.to_mm(marcher.vertices()[static_cast<std::size_t>(v)]);
+    mesh.points.row(v) = grid.to_mm(marcher.vertices()[v]);
   Triangles triangles =
       Eigen::Map<const Triangles>(marcher.corners().data(), static_cast<Eigen::Index>(marcher.corners().size() / 3), 3);
   if (grid.direction.determinant() < 0) triangles.col(1).swap(triangles.col(2));

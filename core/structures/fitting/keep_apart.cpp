@@ -23,7 +23,7 @@ struct Sample {
 
   Vec3 at(const Points& points) const {
     Vec3 sum = Vec3::Zero();
-    for (int k = 0; k < count; ++k) sum += points.row(vertices[index(k)]).transpose();
+    for (int k = 0; k < count; ++k) sum += points.row(vertices[k]).transpose();
     return sum / count;
   }
 };
@@ -83,7 +83,7 @@ class Depths {
     }
     if (corners == 3) return own;
     if (corners == 2) {
-      const std::int32_t across = topology.neighbours(at.face)[index((apart + 1) % 3)];
+      const std::int32_t across = topology.neighbours(at.face)[(apart + 1) % 3];
       return across < 0 ? own : Vec3(own + normals_.row(across).transpose());
     }
     const Points& points = search_.mesh().points;
@@ -123,7 +123,7 @@ Push push_out(const Mesh& mesh, const std::vector<Sample>& samples, const Depths
     if (excess_mm <= 0 || share <= 0) continue;
     const double way_mm = share * (excess_mm + slack_mm);
     for (int k = 0; k < sample.count; ++k) {
-      const std::int32_t v = sample.vertices[index(k)];
+      const std::int32_t v = sample.vertices[k];
       if (way_mm <= push.mm[v]) continue;
       push.mm[v] = way_mm;
       push.by.row(v) = way_mm * depth.out;
@@ -171,15 +171,15 @@ class UnfoldedSteps {
   void slow_down(const Topology& topology, const std::vector<std::int32_t>& faces, int rings, double by) {
     std::vector<char> near(index(topology.vertices()));
     for (const std::int32_t f : faces)
-      for (int c = 0; c < 3; ++c) near[index(topology.triangles()(f, c))] = 1;
+      for (int c = 0; c < 3; ++c) near[topology.triangles()(f, c)] = 1;
     for (int ring = 0; ring < rings; ++ring) {
       const std::vector<char> inner = near;
       for (std::int32_t v = 0; v < topology.vertices(); ++v)
-        if (inner[index(v)] != 0)
-          for (const std::int32_t n : topology.one_ring(v)) near[index(n)] = 1;
+        if (inner[v] != 0)
+          for (const std::int32_t n : topology.one_ring(v)) near[n] = 1;
     }
     for (std::int32_t v = 0; v < topology.vertices(); ++v)
-      if (near[index(v)] != 0) pace_[v] *= by;
+      if (near[v] != 0) pace_[v] *= by;
   }
 
   Points start_;

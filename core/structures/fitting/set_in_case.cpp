@@ -81,7 +81,7 @@ class FittedRelations {
   const std::string* id_of(const std::string& name) const {
     const TemplateOfSet* found = name.empty() ? nullptr : set_.find(name);
     const std::string* id =
-        found != nullptr ? &ids_[static_cast<std::size_t>(found - set_.structures.data())] : nullptr;
+        found != nullptr ? &ids_[found - set_.structures.data()] : nullptr;
     return id != nullptr && !id->empty() ? id : nullptr;
   }
   /// As the set says, and what the case knows of structures that were not fitted.

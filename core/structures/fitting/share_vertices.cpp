@@ -29,7 +29,7 @@ std::vector<std::int32_t> nearest_vertices(const Points& points, const Points& o
         std::ranges::lower_bound(by_x, points(v, 0) - within_mm, {}, [&](std::int32_t o) { return others(o, 0); });
     for (; it != by_x.end() && others(*it, 0) <= points(v, 0) + within_mm; ++it) {
       const double mm = (others.row(*it) - points.row(v)).norm();
-      std::int32_t& known = nearest[index(v)];
+      std::int32_t& known = nearest[v];
       if (mm > best_mm || (mm == best_mm && known >= 0 && known < *it)) continue;
       best_mm = mm;
       known = *it;
@@ -74,7 +74,7 @@ class SharedGroups {
       const auto at_a = static_cast<std::size_t>(a - names.begin()), at_b = static_cast<std::size_t>(b - names.begin());
       for (const auto& [of_a, of_b] : one.vertices) {
         groups_.unite(groups_.of(at_a, of_a), groups_.of(at_b, of_b));
-        is_shared_[at_a][index(of_a)] = is_shared_[at_b][index(of_b)] = 1;
+        is_shared_[at_a][of_a] = is_shared_[at_b][of_b] = 1;
         any_ = true;
       }
     }
@@ -124,7 +124,7 @@ std::vector<VertexPair> coinciding_vertices(const Points& a, const Points& b, do
   const auto of_a = nearest_vertices(a, b, within_mm), of_b = nearest_vertices(b, a, within_mm);
   std::vector<VertexPair> pairs;
   for (std::size_t v = 0; v < of_a.size(); ++v)
-    if (of_a[v] >= 0 && of_b[index(of_a[v])] == static_cast<std::int32_t>(v))
+    if (of_a[v] >= 0 && of_b[of_a[v]] == static_cast<std::int32_t>(v))
       pairs.push_back({static_cast<std::int32_t>(v), of_a[v]});
   return pairs;
 }

@@ -102,7 +102,7 @@ void drop_shared_beyond(SetOfTemplates& all) {
   const auto vertices_of = [&](const std::string& name) -> Eigen::Index {
     const TemplateOfSet* one = all.set.find(name);
     const std::shared_ptr<const Template> read =
-        one == nullptr ? nullptr : all.templates[static_cast<std::size_t>(one - all.set.structures.data())];
+        one == nullptr ? nullptr : all.templates[one - all.set.structures.data()];
     return read == nullptr ? 0 : read->points.rows();
   };
   std::erase_if(all.set.shared, [&](const SharedVertices& shared) {

@@ -56,7 +56,7 @@ std::vector<LevelTries> tries_of(const SetOfTemplates& set, const SetInMap& subj
     const int level = *level_of_name(set.set.structures[k].name) + apart;
     for (int by = -1; by <= 1; ++by)
       if (const auto other = chain.by_level.find(level + by); other != chain.by_level.end())
-        tries[c][static_cast<std::size_t>(by + 1)] = placed_on(*set.templates[other->second], *boundary);
+        tries[c][by + 1] = placed_on(*set.templates[other->second], *boundary);
   });
   return tries;
 }
@@ -71,7 +71,7 @@ LevelEvidence level_evidence_of_shapes(const SetOfTemplates& set, const SetInMap
   const auto usual_scale = [&](int by) {
     std::vector<double> scales;
     for (const LevelTries& one : tries)
-      if (const double scale = one[static_cast<std::size_t>(by + 1)].scale; scale > 0) scales.push_back(scale);
+      if (const double scale = one[by + 1].scale; scale > 0) scales.push_back(scale);
     return scales.empty() ? 1 : median_of(scales);
   };
   LevelEvidence evidence;
@@ -79,7 +79,7 @@ LevelEvidence level_evidence_of_shapes(const SetOfTemplates& set, const SetInMap
     double sum = 0, squares = 0;
     int count = 0;
     for (const LevelTries& one : tries) {
-      const OnLabel &own = one[1], &other = one[static_cast<std::size_t>(by + 1)];
+      const OnLabel &own = one[1], &other = one[by + 1];
       if (!(own.scale > 0 && other.scale > 0)) continue;
       const double own_cost = cost_of(own, usual_scale(0)), more = cost_of(other, usual_scale(by)) - own_cost;
       // A vertebra that is ill, or a template of one, has no larger say than others.

@@ -97,7 +97,7 @@ class Signs {
       if (fit_.inside[v] != 0) continue;
       signs_.islands += share(1);
       specks.insert(parts.part[v]);
-      change(v, around[index(parts.part[v])], signs_.without_islands);
+      change(v, around[parts.part[v]], signs_.without_islands);
     }
     signs_.specks = specks.size();
   }
@@ -136,7 +136,7 @@ class Signs {
     for (std::size_t v = 0; v < parts.part.size(); ++v)
       if (parts.part[v] >= 0)
         for_each_beside(v, [&](std::size_t other) {
-          if (parts.part[other] != parts.part[v]) ++beside[index(parts.part[v])][there_.labels[other]];
+          if (parts.part[other] != parts.part[v]) ++beside[parts.part[v]][there_.labels[other]];
         });
     std::vector<int> around(beside.size());
     for (std::size_t part = 0; part < beside.size(); ++part) {
@@ -196,8 +196,8 @@ class Signs {
     std::vector<char> is_outside(rooms.sizes.size()), is_wide(rooms.sizes.size());
     for (std::size_t v = 0; v < hole.size(); ++v) {
       if (rooms.part[v] < 0) continue;
-      if (for_each_beside(v, [](std::size_t) {})) is_outside[index(rooms.part[v])] = 1;
-      if (empty.depth[v] >= narrow * size_mm_) is_wide[index(rooms.part[v])] = 1;
+      if (for_each_beside(v, [](std::size_t) {})) is_outside[rooms.part[v]] = 1;
+      if (empty.depth[v] >= narrow * size_mm_) is_wide[rooms.part[v]] = 1;
     }
     const auto parts = connected_components(hole, there_.grid.dims, Touching::faces);
     const auto through = go_through(parts);
@@ -206,7 +206,7 @@ class Signs {
       const std::size_t room = index(rooms.part[v]);
       if (is_outside[room] == 0 && is_wide[room] == 0) hole[v] = 0;
       if (is_outside[room] == 0) continue;
-      if (!expected_[of_] || through[index(parts.part[v])] == 0) hole[v] = 0;
+      if (!expected_[of_] || through[parts.part[v]] == 0) hole[v] = 0;
     }
   }
 
@@ -290,11 +290,11 @@ class Signs {
     std::vector<double> reach(parts.sizes.size());
     for (std::size_t v = 0; v < bars.size(); ++v)
       if (parts.part[v] >= 0) {
-        double& farthest = reach[index(parts.part[v])];
+        double& farthest = reach[parts.part[v]];
         farthest = std::max(farthest, static_cast<double>(std::min(fit_.to[v], here_->to[v])) / size_mm_);
       }
     for (const double one : reach) signs_.bar_reach = std::max(signs_.bar_reach, one);
-    return voxels_where([&](std::size_t v) { return parts.part[v] >= 0 && reach[index(parts.part[v])] >= far; });
+    return voxels_where([&](std::size_t v) { return parts.part[v] >= 0 && reach[parts.part[v]] >= far; });
   }
 
   void compare_with_expected() {

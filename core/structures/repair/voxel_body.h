@@ -56,7 +56,7 @@ class VoxelGrid {
     const Vec3 at = (to_voxel_ * (p_mm - labels_.get().geometry.origin_mm)).array().round();
     const auto& dims = labels_.get().geometry.dims;
     for (Eigen::Index a = 0; a < 3; ++a)
-      if (!(at[a] >= 0) || at[a] >= dims[index(a)]) return std::nullopt;
+      if (!(at[a] >= 0) || at[a] >= dims[a]) return std::nullopt;
     return first_ +
            labels_.get().geometry.index(static_cast<int>(at[0]), static_cast<int>(at[1]), static_cast<int>(at[2]));
   }
@@ -110,7 +110,7 @@ inline std::vector<std::uint8_t> voxels_with(const std::vector<int>& labels, int
 inline std::vector<std::uint8_t> large_parts(std::vector<std::uint8_t> set, const VolumeGeometry& grid, double least) {
   const auto parts = connected_components(set, grid.dims, Touching::faces);
   for (std::size_t v = 0; v < set.size(); ++v)
-    if (set[v] != 0 && static_cast<double>(parts.sizes[index(parts.part[v])]) < least) set[v] = 0;
+    if (set[v] != 0 && static_cast<double>(parts.sizes[parts.part[v]]) < least) set[v] = 0;
   return set;
 }
 

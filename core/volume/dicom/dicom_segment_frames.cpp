@@ -50,7 +50,7 @@ std::array<std::uint8_t, 3> colour_of_lab(const std::array<double, 3>& stored) {
   for (int c = 0; c < 3; ++c) {
     const double linear = std::clamp(rgb[c], 0.0, 1.0);
     const double encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-    colour[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(std::lround(255 * encoded));
+    colour[c] = static_cast<std::uint8_t>(std::lround(255 * encoded));
   }
   return colour;
 }

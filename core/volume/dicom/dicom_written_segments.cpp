@@ -21,7 +21,7 @@ constexpr std::size_t longest_label = 64, longest_description = 1024, longest_co
 std::vector<std::uint16_t> lab_of(const std::array<std::uint8_t, 3>& colour) {
   Vec3 rgb;
   for (int c = 0; c < 3; ++c) {
-    const double share = colour[static_cast<std::size_t>(c)] / 255.0;
+    const double share = colour[c] / 255.0;
     rgb[c] = share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
   }
   Mat3 to_xyz;

@@ -41,7 +41,7 @@ bool is_resampled(const DicomSeries& series) {
 
 /// The image of a slice, and which plane of its file it is.
 DicomElements referenced_image(const DicomSeries& series, int slice, bool with_frame) {
-  const DicomPlaneSource& plane = series.arrangement.planes[static_cast<std::size_t>(slice)];
+  const DicomPlaneSource& plane = series.arrangement.planes[slice];
   DicomElements image;
   image.put(0x00081150, "UI", text_of(series.about, 0x00080016))
       .put(0x00081155, "UI", series.headers[plane.file].instance_uid);
@@ -63,7 +63,7 @@ DicomElements frame_group(const DicomSeries& series, int number, int slice, std:
   }
   DicomElements source = referenced_image(series, slice, true);
   source.put_items(0x0040a170, {coded("121322", "DCM", "Source image for image processing operation")});
-  const DicomPlaneSource& plane = series.arrangement.planes[static_cast<std::size_t>(slice)];
+  const DicomPlaneSource& plane = series.arrangement.planes[slice];
   // The image's own place: rounded, it may lie a little off the grid.
   const Vec3 place = series.headers[plane.file].planes[plane.plane_in_file].position_mm.value_or(on_grid);
   derivation.put_items(0x00082112, {source}).put_items(0x00089215, {coded("113076", "DCM", "Segmentation")});

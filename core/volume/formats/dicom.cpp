@@ -145,7 +145,7 @@ Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHea
   volume.modality = headers.front().modality;
   volume.frame_of_reference = headers.front().frame_of_reference;
   volume.images = images_of(headers, *arrangement);
-  volume.file_window = arrangement->planes[static_cast<std::size_t>(arrangement->slices / 2)].plane->window;
+  volume.file_window = arrangement->planes[arrangement->slices / 2].plane->window;
   auto stored = read_planes(path, headers, *arrangement, progress);
   if (!stored) return fail(stored.error());
   Rescale rescale = arrangement->planes.front().plane->rescale;

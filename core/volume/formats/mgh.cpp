@@ -148,9 +148,9 @@ Result<VolumeGeometry> mgh_geometry(const MghHeader& header, const fs::path& pat
   if (header.placed) {
     for (int a = 0; a < 3; ++a) {
       for (int row = 0; row < 3; ++row)
-        axes(row, a) = static_cast<double>(header.place[static_cast<std::size_t>(3 * a + row)]);
-      centre[a] = static_cast<double>(header.place[static_cast<std::size_t>(9 + a)]);
-      spacing_mm[a] = static_cast<double>(header.spacing_mm[static_cast<std::size_t>(a)]);
+        axes(row, a) = static_cast<double>(header.place[3 * a + row]);
+      centre[a] = static_cast<double>(header.place[9 + a]);
+      spacing_mm[a] = static_cast<double>(header.spacing_mm[a]);
     }
   } else {
     warnings.push_back(path.string() +

@@ -55,7 +55,7 @@ std::optional<VoxelMapping> mapping_of(const VolumeGeometry& grid, const VolumeG
     const auto at = static_cast<std::size_t>(a);
     const Vec3 step = map.to_voxel(grid.to_mm(Vec3::Unit(a))) - first;
     steps.col(a) = step.array().rint();
-    for (int b = 0; b < 3; ++b) mapping.steps[at][static_cast<std::size_t>(b)] = std::llround(step[b]);
+    for (int b = 0; b < 3; ++b) mapping.steps[at][b] = std::llround(step[b]);
     if ((step - steps.col(a)).cwiseAbs().maxCoeff() > nearly_one_step || steps.col(a).cwiseAbs().sum() != 1) return {};
   }
   if (std::abs(steps.determinant()) != 1) return {};
@@ -70,7 +70,7 @@ std::optional<VoxelMapping> mapping_of(const VolumeGeometry& grid, const VolumeG
     const Vec3 there = grid.to_voxel(map.to_mm(voxel)), wanted = steps.transpose() * (voxel - whole_first);
     if (((there - wanted).cwiseAbs() - close).maxCoeff() > 0 || !grid.holds(map.to_mm(voxel))) return {};
   }
-  for (int b = 0; b < 3; ++b) mapping.first[static_cast<std::size_t>(b)] = std::llround(whole_first[b]);
+  for (int b = 0; b < 3; ++b) mapping.first[b] = std::llround(whole_first[b]);
   return mapping;
 }
 

@@ -83,7 +83,7 @@ void draw_group_choice(const UiContext& ui, std::size_t which, const std::vector
              {}, width_px)) {
     const auto found = std::find(groups.begin(), groups.end(), now);
     const auto next = found == groups.end() ? 0 : (found - groups.begin() + 1) % std::ssize(groups);
-    out.send(CompareGroup{which, groups[static_cast<std::size_t>(next)]});
+    out.send(CompareGroup{which, groups[next]});
   }
 }
 

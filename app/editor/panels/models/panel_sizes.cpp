@@ -51,7 +51,7 @@ void draw_rows(const UiContext& ui, const FigureTable& table, const std::vector<
   clipper.Begin(static_cast<int>(names.size()), height);
   while (clipper.Step())
     for (int k = clipper.DisplayStart; k < clipper.DisplayEnd; ++k) {
-      const std::string& title = names[static_cast<std::size_t>(k)];
+      const std::string& title = names[k];
       const std::array<std::string, 3> figures = row(static_cast<std::size_t>(k));
       const Part part(title, "case");
       const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -120,7 +120,7 @@ void draw_sizes_section(const UiContext& ui, Outbox& out) {
     for (const auto& [from, to] : pairs) names.push_back(from + " to " + to);
     int chosen = static_cast<int>(std::min(ui.state.models.list.distance_shown, pairs.size() - 1));
     if (combo(theme, "distance", names, chosen)) out.send(ShowDistance{static_cast<std::size_t>(chosen)});
-    pair = pairs[static_cast<std::size_t>(chosen)];
+    pair = pairs[chosen];
   } else {
     explanation(theme, "Name landmarks in the template to see distances.");
   }

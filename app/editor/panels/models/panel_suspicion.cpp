@@ -97,7 +97,7 @@ std::vector<CaseDoubts> doubts_by_case(const ModelsState& state) {
   const StudyModel& model = *state.made.model;
   std::map<std::size_t, CaseDoubts> cases;
   const auto add = [&](Eigen::Index shape, const auto& reason, double weight) {
-    CaseDoubts& one = cases[static_cast<std::size_t>(shape)];
+    CaseDoubts& one = cases[shape];
     one.shape = static_cast<std::size_t>(shape);
     one.weight = std::max(one.weight, weight);
     if (one.count++ < most_rows) one.shown.push_back(&reason);

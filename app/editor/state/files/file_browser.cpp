@@ -20,7 +20,7 @@ std::vector<int> FileBrowser::visible() const {
 std::vector<fs::path> chosen_files(const FileBrowser& browser) {
   std::vector<fs::path> files;
   for (const int index : browser.visible()) {
-    const auto& entry = browser.entries[static_cast<std::size_t>(index)];
+    const auto& entry = browser.entries[index];
     if (browser.together.contains(entry.name)) files.push_back(browser.listed_folder() / entry.name);
   }
   return files;
@@ -29,7 +29,7 @@ std::vector<fs::path> chosen_files(const FileBrowser& browser) {
 std::vector<fs::path> visible_files(const FileBrowser& browser) {
   std::vector<fs::path> files;
   for (const int index : browser.visible()) {
-    const auto& entry = browser.entries[static_cast<std::size_t>(index)];
+    const auto& entry = browser.entries[index];
     if (!entry.folder) files.push_back(browser.listed_folder() / entry.name);
   }
   return files;
@@ -38,7 +38,7 @@ std::vector<fs::path> visible_files(const FileBrowser& browser) {
 bool FileBrowser::is_chosen(int index) const {
   if (together.empty()) return index == selected;
   const auto shown = visible();
-  return together.contains(entries[static_cast<std::size_t>(shown[static_cast<std::size_t>(index)])].name);
+  return together.contains(entries[shown[index]].name);
 }
 
 void select_entry(FileBrowser& browser, int index, Choosing how) {
@@ -46,7 +46,7 @@ void select_entry(FileBrowser& browser, int index, Choosing how) {
   const int count = static_cast<int>(shown.size());
   if (index < 0 || index >= count) return;
   const auto at = [&](int k) -> const FileBrowser::Entry& {
-    return browser.entries[static_cast<std::size_t>(shown[static_cast<std::size_t>(k)])];
+    return browser.entries[shown[k]];
   };
   const int before = browser.selected < count ? browser.selected : -1;
   browser.selected = index;

@@ -45,7 +45,7 @@ std::optional<double> distance_mm(const ModelsState& state, const StudyCase& one
   if (!state.made.model) return std::nullopt;
   const auto shape = state.made.model->index_of(one.name);
   if (shape < 0) return std::nullopt;
-  return state.made.model->distances_mm[static_cast<std::size_t>(shape)];
+  return state.made.model->distances_mm[shape];
 }
 
 std::vector<std::size_t> listed_cases(const ModelsState& state) {
@@ -158,7 +158,7 @@ void flip_cases(ModelsState& state, const std::vector<std::string>& names) {
   auto& cases = state.study.cases;
   for (const std::string& name : names)
     if (const StudyCase* one = by_name.find(name)) {
-      StudyCase& flipped = cases[static_cast<std::size_t>(one - cases.data())];
+      StudyCase& flipped = cases[one - cases.data()];
       flipped.flipped = !flipped.flipped;
     }
   ++state.kept.shapes_revision;
@@ -251,7 +251,7 @@ void set_study_template(ModelsState& state, const fs::path& file) {
 void select_next_case(ModelsState& state) {
   const StudyCase* now = find_case(state.study, state.list.selected);
   const auto next = state.study.next_case(now != nullptr ? now - state.study.cases.data() : -1);
-  if (next >= 0) select_case(state, state.study.cases[static_cast<std::size_t>(next)].name);
+  if (next >= 0) select_case(state, state.study.cases[next].name);
 }
 
 namespace {

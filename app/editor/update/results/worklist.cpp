@@ -246,7 +246,7 @@ void open_next_case(Editing& editing) {
   }
   const std::ptrdiff_t next = models.study.next_case(from);
   if (next < 0) return add_notice(editing.state, "Every case of the study is done.", false);
-  models.list.selected = models.study.cases[static_cast<std::size_t>(next)].name;
+  models.list.selected = models.study.cases[next].name;
   editing.out.send(OpenCaseOfStudy{models.list.selected, {}});
 }
 

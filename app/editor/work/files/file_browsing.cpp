@@ -97,7 +97,7 @@ void type_name(FileBrowser& browser, const std::string& name) {
   // The file of just that name, where there is one; else the first that holds it.
   const auto shown = browser.visible();
   const auto exact = std::find_if(shown.begin(), shown.end(), [&](int index) {
-    return browser.entries[static_cast<std::size_t>(index)].name == wanted;
+    return browser.entries[index].name == wanted;
   });
   browser.selected = exact == shown.end() ? 0 : static_cast<int>(exact - shown.begin());
 }
@@ -168,7 +168,7 @@ std::optional<fs::path> accept(FileBrowser& browser) {
   const auto shown = browser.visible();
   const bool chosen = browser.selected >= 0 && browser.selected < static_cast<int>(shown.size());
   if (chosen) {
-    const auto& entry = browser.entries[static_cast<std::size_t>(shown[static_cast<std::size_t>(browser.selected)])];
+    const auto& entry = browser.entries[shown[browser.selected]];
     if (entry.folder) {
       enter_folder(browser, browser.listed_folder() / entry.name);
       return std::nullopt;

@@ -167,7 +167,7 @@ std::vector<float> hues_of(const StudyModel& model) {
 void find_distances(StudyModel& model) {
   model.distances_mm.resize(model.names.size());
   for (const SuspiciousShape& shape : shapes_by_distance(*model.components)) {
-    model.distances_mm[static_cast<std::size_t>(shape.shape)] = shape.distance_mm;
+    model.distances_mm[shape.shape] = shape.distance_mm;
     if (shape.suspicion != Suspicion::none) model.suspicious_shapes.push_back(shape);
   }
 }

@@ -29,7 +29,7 @@ Result<PrincipalComponents> components_without(const StudyModel& study, std::ptr
     if (k == left_out) continue;
     const Points points = study.shape(index(k));
     const double size_mm = centroid_size_mm(points);
-    const double own_size = size_mm > 0 ? study.sizes_mm[index(k)] / size_mm : 1;
+    const double own_size = size_mm > 0 ? study.sizes_mm[k] / size_mm : 1;
     shapes.col(column++) = own_size * Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
   }
   align(shapes, study.alignment);  // the one that is left out has no part in where the others lie

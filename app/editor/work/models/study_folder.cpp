@@ -45,7 +45,7 @@ Result<fs::path> make_phantom_study(Organ organ, const fs::path& folder, Progres
     const std::string number = std::to_string(100 + k + (cine ? 0 : 1)).substr(1);
     files.push_back(folder / (std::string(organ_name(organ)) + (cine ? "-phase-" : "-") + number + ".ply"));
     if (fs::exists(files.back(), error)) continue;
-    const MeshFile shape = cine ? phases[static_cast<std::size_t>(k)] : phantom_truth(organ, k + 1).front();
+    const MeshFile shape = cine ? phases[k] : phantom_truth(organ, k + 1).front();
     if (auto written = write_mesh_file(shape, files.back()); !written) return fail(written.error());
   }
   if (fs::exists(path, error)) return path;

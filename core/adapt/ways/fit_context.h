@@ -20,7 +20,7 @@ struct FitContext {
   SurfaceTarget& target;
   FitSteps& steps;               ///< they draw to this target
   const PlacedTemplate& placed;  ///< where the template begins, with what landmarks say
-  double roundness;              ///< of the template, 0 … 1 [roundness.h]
+  double roundness;              ///< of the template, 0 … 1 [fit_doubt.h]
   PartsOfWork& parts;            ///< counted on as a way is gone
 };
 

@@ -1,11 +1,10 @@
-#include "core/adapt/doubt/fit_doubt.h"
+#include "core/adapt/fit_doubt.h"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 #include "core/adapt/boundary/landmark_pull.h"
-#include "core/adapt/doubt/slide_doubt.h"
 #include "core/adapt/judge_fit.h"
 #include "core/case/document.h"
 #include "core/mesh/mesh_quality.h"
@@ -170,6 +169,38 @@ TEST_CASE("much doubt is six hundredths of the root of an area") {
   fit.doubt_mm = VertexScalars::Constant(doubted().points.rows(), 0.02 * root_mm);
   fit.doubt_mm[0] += 0.01 * root_mm * static_cast<double>(doubted().points.rows());
   CHECK(share_of_doubt(fit) == doctest::Approx(0.03));
+}
+
+namespace {
+
+/// A ball stretched along z.
+double roundness_of_spindle(double times, double radius_mm) {
+  Mesh spindle = icosphere(4, radius_mm);
+  spindle.points.col(2) *= times;
+  return roundness(spindle);
+}
+
+}  // namespace
+
+TEST_CASE("a ball is round, a long spindle is not, and between them it goes by degrees") {
+  CHECK(roundness_of_spindle(1, 20) == 1);
+  CHECK(roundness_of_spindle(10, 20) == 0);
+  double last = 1;
+  int between = 0;
+  for (double times = 1; times < 10; times += 0.25) {
+    const double now = roundness_of_spindle(times, 20);
+    CHECK(now <= last);
+    if (now > 0 && now < 1) ++between;
+    last = now;
+  }
+  CHECK(between > 2);
+}
+
+TEST_CASE("roundness does not depend on the size") {
+  const double small = roundness_of_spindle(7, 1);
+  CHECK(small > 0);
+  CHECK(small < 1);
+  CHECK(roundness_of_spindle(7, 500) == doctest::Approx(small).epsilon(1e-9));
 }
 
 }  // namespace homolog

@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::size_t chunk_bytes = std::size_t{4} << 20;  ///< bytes of output between two questions for cancellation
 constexpr std::size_t input_bytes = std::size_t{256} << 10;
+constexpr std::size_t much_behind = std::size_t{1} << 28;  ///< bytes that other programs write behind the voxels
 
 tl::unexpected<Error> damaged(const fs::path& file) {
   return fail(file.string(), "is damaged: its compressed voxels do not decode; copy or download it again");
@@ -31,6 +32,10 @@ tl::unexpected<Error> cut_short(const fs::path& file, double got, double wanted)
   std::snprintf(text, sizeof text, "is cut short: it holds %.0f of %.0f bytes of voxels; copy or download it again",
                 got, wanted);
   return fail(file.string(), text);
+}
+
+tl::unexpected<Error> far_too_long(const fs::path& file) {
+  return fail(file.string(), "holds far more than the voxels of its header; export it again");
 }
 
 /// Bytes in order; fewer than asked for only at the end.
@@ -101,7 +106,7 @@ class CompressedSource : public Source {
       if (*got == 0) return {};
       read_on += *got;
     }
-    return fail(file().string(), "holds far more than the voxels of its header; export it again");
+    return far_too_long(file());
   }
 
  protected:
@@ -201,8 +206,7 @@ Result<std::unique_ptr<Source>> open_source(const ByteBlock& block) {
 /// Fails where anything but zeros follows, of which some programs write a few.
 Result<void> check_end(Source& source, const fs::path& file) {
   std::vector<std::byte> rest(input_bytes);
-  constexpr std::size_t much = std::size_t{1} << 28;
-  for (std::size_t read_on = 0; read_on < much;) {
+  for (std::size_t read_on = 0; read_on < much_behind;) {
     const auto got = source.read(rest);
     if (!got) return fail(got.error());
     if (*got == 0) return {};
@@ -212,7 +216,7 @@ Result<void> check_end(Source& source, const fs::path& file) {
                   "holds more voxels than its header says, so that they would lie in wrong places; export it again");
     read_on += *got;
   }
-  return {};
+  return far_too_long(file);
 }
 
 }  // namespace
@@ -258,8 +262,7 @@ Result<void> read_block(const ByteBlock& block, std::size_t bytes, const Room& r
   }
   if (block.ends_file)
     if (auto ended = check_end(**source, block.file); !ended) return ended;
-  constexpr std::size_t much = std::size_t{1} << 28;  // bytes that other programs write behind the voxels
-  return (*source)->finish(bytes + much);
+  return (*source)->finish(bytes + much_behind);
 }
 
 Result<void> read_block(const ByteBlock& block, std::span<std::byte> bytes, Progress* progress) {

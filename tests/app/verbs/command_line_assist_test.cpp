@@ -311,20 +311,20 @@ TEST_CASE("refine and snap of a case work on the structure that is named and say
     REQUIRE_MESSAGE(ran.status == 0, ran.errors);
     return read_whole_file(folder.path / "now.ply").value();
   };
-  const std::string first = mesh_of("ball"), second = mesh_of("other");
+  const std::string first = mesh_of("s1"), second = mesh_of("other");
   const Ran named = run(folder, "refine ball.homolog --structure other -o refined.ply --json");
   REQUIRE_MESSAGE(named.status == 0, named.errors);
   CHECK(named.json()["moved_mm"]["mean"] > 0.01);
   CHECK(named.errors.find("of which the first") == std::string::npos);
-  CHECK(mesh_of("ball") == first);
+  CHECK(mesh_of("s1") == first);
   CHECK(mesh_of("other") != second);
   CHECK(run(folder, "compare refined.ply --mesh now.ply --json").json()["vertex_distance_mm"]["max"] < 1e-4);
   CHECK(run(folder, "verify refined.ply --json").json()["same"] == true);
   const Ran unnamed = run(folder, "refine ball.homolog");
   REQUIRE_MESSAGE(unnamed.status == 0, unnamed.errors);
-  CHECK(unnamed.errors.find("has ball, other, of which the first is taken; name another one with --structure") !=
+  CHECK(unnamed.errors.find("has s1, other, of which the first is taken; name another one with --structure") !=
         std::string::npos);
-  CHECK(mesh_of("ball") != first);
+  CHECK(mesh_of("s1") != first);
   check_refused(run(folder, "refine ball.homolog --structure third"), "has no structure \"third\"");
   check_refused(run(folder, "snap ball.homolog --structure third"), "has no structure \"third\"");
   CHECK(run(folder, "snap now.ply --image x.nii --structure other -o y.ply").status == 2);

@@ -82,9 +82,9 @@ class Operator {
       const auto next = wanted(part);
       if (!next) return;
       done_.insert(next->pattern);
-      const std::string before = fingerprint(part);
+      const std::string before = fingerprint();
       use(*next);
-      if (fingerprint(part) == before) dead_ += "\n  " + next->path;
+      if (fingerprint() == before) dead_ += "\n  " + next->path;
     }
     FAIL("the controls of " << part << " come to no end");
   }
@@ -96,14 +96,14 @@ class Operator {
       done_.insert(next->pattern);
       put_off();
       driver_.settle();
-      const std::string before = fingerprint(part);
+      const std::string before = fingerprint();
       use(*next);
       // Some work goes on beside the window, and nobody waits for it.
-      for (int wait = 0; wait < 200 && fingerprint(part) == before; ++wait) {
+      for (int wait = 0; wait < 200 && fingerprint() == before; ++wait) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
         driver_.frame();
       }
-      if (fingerprint(part) == before && !is_chosen_already(next->path)) dead_ += "\n  " + next->path;
+      if (fingerprint() == before && !is_chosen_already(next->path)) dead_ += "\n  " + next->path;
       tidy();
     }
     FAIL("the controls of " << part << " come to no end");
@@ -146,10 +146,8 @@ class Operator {
     driver_.settle();
   }
 
-  /// What a person could see of a change. That something is written into the log is no change, nor is a notice that
-  /// says why nothing was done, unless the part is that of the notices.
-  std::string fingerprint(const std::string& part) const {
-    const bool of_notices = part.starts_with("notice ");
+  /// What a person could see of a change. That something is written into the log is no change.
+  std::string fingerprint() const {
     const EditorState& state = driver_.state();
     const Look& look = state.look;
     std::ostringstream views;
@@ -162,12 +160,10 @@ class Operator {
     for (const double deviation : state.models.view.deviations) views << ' ' << deviation;
     for (const SlicePan& slice : look.slices) views << ' ' << slice.centre_mm.transpose() << ' ' << slice.mm_per_px;
     std::string all = views.str() + ' ' + std::to_string(driver_.app().snapshot().committed) + ' ' +
-                      std::to_string(std::ranges::count_if(
-                          driver_.state().notices, [&](const Notice& notice) { return of_notices || !notice.error; })) +
-                      ' ' + std::to_string(driver_.app().wants_to_quit());
+                      std::to_string(driver_.state().notices.size()) + ' ' +
+                      std::to_string(driver_.app().wants_to_quit());
     for (const DrawnItem& item : driver_.items())
-      if (item.kind != DrawnItem::Kind::tip && (of_notices || !item.path.starts_with("notice ")))
-        all += '\n' + item.path + '=' + item.value;
+      if (item.kind != DrawnItem::Kind::tip) all += '\n' + item.path + '=' + item.value;
     return all;
   }
 

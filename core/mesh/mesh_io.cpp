@@ -9,6 +9,7 @@
 #include "core/base/files/file_record.h"
 #include "core/base/files/files.h"
 #include "core/base/files/freesurfer_files.h"
+#include "core/base/numbers/limits.h"
 #include "core/base/text/listed.h"
 #include "core/base/text/text.h"
 #include "core/mesh/formats/formats.h"
@@ -42,11 +43,17 @@ Result<void> check_arrays(const MeshFile& mesh) {
   return {};
 }
 
-Result<void> check_finite(const Points& points) {
-  for (Eigen::Index i = 0; i < points.rows(); ++i)
-    if (!points.row(i).allFinite())
+Result<void> check_places(const MeshFile& mesh) {
+  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
+    if (!mesh.points.row(i).allFinite())
       return fail("", "vertex " + std::to_string(i) +
                           " has a coordinate that is no finite number; mend it with repair-mesh, or export it again");
+    if (!all_in_reach(mesh.points.row(i)))
+      return fail("", "vertex " + std::to_string(i) + " " + beyond_farthest + "; export it again in mm");
+  }
+  for (const Landmark& landmark : mesh.landmarks)
+    if (!all_in_reach(landmark.position))
+      return fail("", "the landmark \"" + excerpt(landmark.name) + "\" " + beyond_farthest + "; export it again in mm");
   return {};
 }
 
@@ -129,7 +136,7 @@ Result<MeshFile> read_mesh_to_mend(const std::filesystem::path& path) {
 Result<MeshFile> read_mesh_file(const std::filesystem::path& path) {
   auto mesh = read_mesh_to_mend(path);
   if (!mesh) return mesh;
-  if (auto checked = check_finite(mesh->points); !checked) return fail(path.string(), checked.error().what);
+  if (auto checked = check_places(*mesh); !checked) return fail(path.string(), checked.error().what);
   return mesh;
 }
 

@@ -66,7 +66,7 @@ constexpr const FitValue* fit_value(std::string_view name) {
 
 /// Reads a mesh of one of the formats in formats/, chosen by extension; of PLY and VTK text and binary alike. Order and
 /// count are kept; polygons are split into triangles within. Errors: absent, truncated, not of its kind, a count that
-/// the file's size belies, NaN or infinite coordinates, an index out of range.
+/// the file's size belies, NaN or infinite coordinates, places beyond farthest_mm, an index out of range.
 Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 
 /// The same of a file to be mended [mesh_repair.h]: coordinates need not be finite.

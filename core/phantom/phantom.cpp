@@ -48,7 +48,7 @@ MeshFile built_in_template(Organ organ) {
 Result<Organ> organ_from_name(const std::string& name) {
   for (const Organ organ : {Organ::kidney, Organ::vertebra, Organ::ventricle})
     if (name == organ_name(organ)) return organ;
-  return fail(name, "is no organ of the phantoms; choose kidney, vertebra or ventricle");
+  return fail(name, "is no organ of the phantoms; choose kidney, vertebra, ventricle or spine");
 }
 
 const char* organ_name(Organ organ) {

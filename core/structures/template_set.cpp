@@ -1,6 +1,7 @@
 #include "core/structures/template_set.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <set>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "core/base/files/file_record.h"
 #include "core/base/files/files.h"
 #include "core/base/files/paths.h"
+#include "core/base/numbers/limits.h"
 #include "core/base/pictures/colour.h"
 #include "core/base/text/text.h"
 #include "core/catalogue/catalogue.h"
@@ -38,11 +40,13 @@ std::optional<Vec3> three_numbers(const Json& json, const char* key) {
   return numbers;
 }
 
-/// None where it is no pose: then it is kept as it is.
+/// None where it is no pose.
 std::optional<RelativePose> parsed_pose(const Json& json) {
   const auto subjects = json.find("subjects");
   const auto offset = three_numbers(json, "offset_mm"), turn = three_numbers(json, "turn_deg");
-  if (subjects == json.end() || !subjects->is_number_unsigned() || !offset || !turn) return std::nullopt;
+  if (subjects == json.end() || !subjects->is_number_unsigned() || !offset || !turn || !all_in_reach(*offset) ||
+      !turn->allFinite())
+    return std::nullopt;
   const auto number = [&](const char* key, double otherwise) {
     const auto found = json.find(key);
     return found != json.end() && found->is_number() ? found->get<double>() : otherwise;
@@ -97,6 +101,11 @@ Result<TemplateOfSet> parsed_structure(Json json, std::size_t number, const fs::
   }
   if (const auto pose = json.find("pose"); pose != json.end() && pose->is_object()) {
     one.pose = parsed_pose(*pose);
+    constexpr std::array numbers{"subjects", "offset_mm", "turn_deg"};
+    if (!one.pose && std::ranges::any_of(numbers, [&](const char* key) { return pose->contains(key); }))
+      return fail("", where + " (" + excerpt(one.name) +
+                          ") has a \"pose\" that lacks a number or holds what is none in reach (subjects, offset_mm, "
+                          "turn_deg); correct it, or make the set again");
     if (one.pose) json.erase(pose);
   }
   one.other = std::move(json);
@@ -128,6 +137,9 @@ Result<TemplateSet> parsed_set(Json json, const fs::path& folder) {
   const auto stamp = json.is_object() ? json.find("homolog_set") : json.end();
   if (!json.is_object() || stamp == json.end() || !stamp->is_number_integer())
     return fail("", "is no template set; a set starts with \"homolog_set\"");
+  if (*stamp < 1)
+    return fail(
+        "", "says that it is of set version " + excerpt(stamp->dump()) + ", which there is none of; correct it to 1");
   if (*stamp > version)
     return fail(
         "", "was written by a newer version of this program (set version " + excerpt(stamp->dump()) + "); update it");

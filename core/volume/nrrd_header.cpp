@@ -273,9 +273,13 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
         return fail(path.string(), "has a " + std::string(field) + " that is no numbers with commas between them (" +
                                        excerpt(*value) + "); export it again");
     }
-    if (const auto spacings = field_value(*line, "spacings");
-        spacings && !std::ranges::all_of(words_of(*spacings), is_number))
-      return fail(path.string(), "has spacings that are no numbers (" + excerpt(*spacings) + "); export it again");
+    for (const char* field : {"dimension", "spacings", "axis mins", "axis maxs", "line skip", "byte skip"}) {
+      std::string key = field;
+      std::erase(key, ' ');
+      if (const auto value = field_value(*line, key); value && !std::ranges::all_of(words_of(*value), is_number))
+        return fail(path.string(), "gives as its " + std::string(field) + " what is no number (" + excerpt(*value) +
+                                       "); export it again");
+    }
     if (!taken) header.fields += *line + "\n";
   }
   const bool whole = ended || (header.detached && text->size() < longest_header);

@@ -86,12 +86,17 @@ Result<StoredVoxels> read_run(const VoxelRun& run, const VolumeGeometry& geometr
   StoredVoxels stored = make_stored_voxels(run.type, 0);
   reserve_voxels(stored, count);
   const std::size_t block_bytes = count / run.blocks.size() * size_of(run.type);
+  // Voxels that a size lacks are a slice at least, also where they are 0, as at a label map's border.
+  const std::int64_t longest = std::max<std::int64_t>(std::ranges::max(geometry.dims), frames);
+  const std::size_t fewest_lacking = block_bytes / static_cast<std::size_t>(longest);
   const auto room = [&](std::size_t bytes) { return add_voxels(stored, bytes / size_of(run.type)); };
   for (std::size_t b = 0; b < run.blocks.size(); ++b) {
     const bool alone = run.blocks.size() == 1;
     if (progress && !alone) progress->report(static_cast<double>(b) / static_cast<double>(run.blocks.size()));
     if (progress && progress->cancelled()) return fail(first.file.string(), "was not read: cancelled");
-    if (const auto read = read_block(run.blocks[b], block_bytes, room, alone ? progress : nullptr); !read)
+    ByteBlock block = run.blocks[b];
+    block.most_zeros = fewest_lacking > 0 ? fewest_lacking - 1 : 0;
+    if (const auto read = read_block(block, block_bytes, room, alone ? progress : nullptr); !read)
       return fail(read.error());
   }
   if (run.other_byte_order) swap_byte_order(stored);

@@ -55,6 +55,19 @@ int digit_of(char c) {
                                 : -1;
 }
 
+/// Whether more digits follow the `count` of a text in numbers or hexadecimal digits.
+bool holds_more(std::string_view text, VoxelText form, std::size_t count) {
+  constexpr std::string_view between = " \t\r\n\v\f,";
+  for (std::size_t begin = 0; (begin = text.find_first_not_of(between, begin)) != std::string_view::npos;) {
+    const auto end = std::min(text.find_first_of(between, begin), text.size());
+    const std::size_t found = form == VoxelText::Hex ? (end - begin) : 1;
+    if (found > count) return true;
+    count -= found;
+    begin = end;
+  }
+  return false;
+}
+
 bool parse_hex(std::string_view text, std::span<std::byte> bytes) {
   std::size_t digits = 0;
   for (std::size_t i = 0; i < text.size() && digits < 2 * bytes.size(); ++i) {
@@ -101,6 +114,8 @@ Result<StoredVoxels> read_text_voxels(const VoxelRun& run, VoxelText form, const
                             ? parse_hex(*text, add_voxels(stored, each))
                             : std::visit([&](auto& values) { return parse_numbers(*text, each, values); }, stored);
     if (!parsed) return bad_text(block.file);
+    if (holds_more(*text, form, form == VoxelText::Hex ? 2 * each * size_of(run.type) : each))
+      return fail(block.file.string(), more_voxels_than_said);
   }
   if (form == VoxelText::Hex && run.other_byte_order) swap_byte_order(stored);
   return stored;

@@ -203,20 +203,18 @@ Result<std::unique_ptr<Source>> open_source(const ByteBlock& block) {
   return source;
 }
 
-/// Fails where anything but zeros follows, of which some programs write a few.
-Result<void> check_end(Source& source, const fs::path& file) {
+/// Fails where anything but a few zeros follows.
+Result<void> check_end(Source& source, const ByteBlock& block) {
   std::vector<std::byte> rest(input_bytes);
-  for (std::size_t read_on = 0; read_on < much_behind;) {
+  for (std::uintmax_t read_on = 0;;) {
     const auto got = source.read(rest);
     if (!got) return fail(got.error());
     if (*got == 0) return {};
-    const auto is_zero = [](std::byte byte) { return byte == std::byte{0}; };
-    if (!std::ranges::all_of(std::span(rest).first(*got), is_zero))
-      return fail(file.string(),
-                  "holds more voxels than its header says, so that they would lie in wrong places; export it again");
     read_on += *got;
+    const auto is_zero = [](std::byte byte) { return byte == std::byte{0}; };
+    if (read_on > block.most_zeros || !std::ranges::all_of(std::span(rest).first(*got), is_zero))
+      return fail(block.file.string(), more_voxels_than_said);
   }
-  return far_too_long(file);
 }
 
 }  // namespace
@@ -261,8 +259,9 @@ Result<void> read_block(const ByteBlock& block, std::size_t bytes, const Room& r
     if (*got < step) return cut_short(block.file, static_cast<double>(done), static_cast<double>(bytes));
   }
   if (block.ends_file)
-    if (auto ended = check_end(**source, block.file); !ended) return ended;
-  return (*source)->finish(bytes + much_behind);
+    if (auto ended = check_end(**source, block); !ended) return ended;
+  constexpr std::size_t much = std::size_t{1} << 28;  // bytes that other programs write behind the voxels
+  return (*source)->finish(bytes + much);
 }
 
 Result<void> read_block(const ByteBlock& block, std::span<std::byte> bytes, Progress* progress) {

@@ -25,8 +25,13 @@ struct ByteBlock {
   std::uintmax_t offset = 0;  ///< the place of the first (compressed) byte
   std::uintmax_t skip = 0;    ///< bytes to pass over after decompression
   Compression compression = Compression::None;
-  bool ends_file = false;  ///< nothing but zeros may follow: else the sizes in the header are smaller than the voxels
+  bool ends_file = false;  ///< nothing but a few zeros may follow: else the header's sizes are smaller than the voxels
+  std::uintmax_t most_zeros = 0;  ///< bytes of padding, of which some programs write a few
 };
+
+/// Of a file whose voxels are more than its header's sizes.
+inline constexpr const char* more_voxels_than_said =
+    "holds more voxels than its header says, so that they would lie in wrong places; export it again";
 
 /// Deflate where the file begins as gzip does, whatever its name, else None.
 Compression compression_of(const std::filesystem::path& file);

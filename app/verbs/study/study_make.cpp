@@ -165,8 +165,6 @@ Result<StudyCase> case_of_row(const MakeJob& job, const RowOfCase& row, RowsOfTa
   if (!files) return fail(files.error());
   const fs::path& scan = files->image.empty() ? files->labels : files->image;
   const std::string name = name_of_row(row);
-  if (!is_file_name(name))
-    return fail(where, "has the name \"" + name + "\", which cannot be a file's; choose another");
   std::shared_ptr<const Volume> grid;
   if (!scan.empty() && !is_case_file(files->file)) {
     VolumeReadOptions reading;
@@ -196,6 +194,25 @@ Result<StudyCase> case_of_row(const MakeJob& job, const RowOfCase& row, RowsOfTa
   return one;
 }
 
+/// What a row is called in messages.
+std::string words_of_row(const MakeJob& job, std::size_t k) {
+  return job.row.empty() ? "row " + std::to_string(k + 1) : "the row of " + job.row;
+}
+
+/// What can be told of the rows before a case is made of any, so that a table that is wrong leaves none behind.
+Result<void> check_rows(const MakeJob& job, const std::vector<RowOfCase>& rows, const fs::path& folder) {
+  const std::string table = job.in.front().string();
+  std::set<std::string> names;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const std::string where = words_of_row(job, k) + " of " + table, name = name_of_row(rows[k]);
+    if (const auto files = files_of_row(rows[k], folder, where); !files) return fail(files.error());
+    if (!is_file_name(name))
+      return fail(where, "has the name \"" + name + "\", which cannot be a file's; choose another");
+    if (!names.insert(name).second) return fail(table, "has two cases named \"" + name + "\"; rename one of them");
+  }
+  return {};
+}
+
 Result<std::vector<StudyCase>> cases_of_table(const MakeJob& job, const std::shared_ptr<const Template>& the_template,
                                               Report& report, Progress& progress) {
   const fs::path& table = job.in.front();
@@ -204,6 +221,7 @@ Result<std::vector<StudyCase>> cases_of_table(const MakeJob& job, const std::sha
   if (!job.row.empty()) std::erase_if(*rows, [&](const RowOfCase& row) { return name_of_row(row) != job.row; });
   if (rows->empty()) return fail(table.string(), "has no case \"" + job.row + "\"; name one that it has with --case");
   RowsOfTable shared{absolute_path(table).parent_path(), the_template, {}, {}};
+  if (auto checked = check_rows(job, *rows, shared.folder); !checked) return fail(checked.error());
   std::error_code ignored;
   if (fs::exists(job.out, ignored)) {
     const auto known = read_study(job.out);
@@ -215,7 +233,7 @@ Result<std::vector<StudyCase>> cases_of_table(const MakeJob& job, const std::sha
   const auto results = run_cases(
       rows->size(),
       [&](std::size_t k, Progress& own) -> Result<Report> {
-        const std::string row = job.row.empty() ? "row " + std::to_string(k + 1) : "the row of " + job.row;
+        const std::string row = words_of_row(job, k);
         set_case_in_work(row);
         const std::string where = row + " of " + table.string();
         auto one = case_of_row(job, (*rows)[k], shared, where, warnings[k], own);
@@ -224,11 +242,8 @@ Result<std::vector<StudyCase>> cases_of_table(const MakeJob& job, const std::sha
         return Report{};
       },
       progress);
-  std::set<std::string> names;
   for (std::size_t k = 0; k < cases.size(); ++k) {
     if (!results[k]) return fail(results[k].error());
-    if (!names.insert(cases[k].name).second)
-      return fail(table.string(), "has two cases named \"" + cases[k].name + "\"; rename one of them");
     report.warnings.insert(report.warnings.end(), warnings[k].begin(), warnings[k].end());
   }
   return cases;

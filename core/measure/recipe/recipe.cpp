@@ -77,6 +77,9 @@ class RecipeReader {
     const auto stamp = json.is_object() ? json.find("homolog_recipe") : json.end();
     if (!json.is_object() || stamp == json.end() || !stamp->is_number_integer())
       return fail("", "is no recipe; a recipe is an object that starts with \"homolog_recipe\": 1");
+    if (*stamp < 1)
+      return fail("", "says that it is of recipe version " + excerpt(stamp->dump()) +
+                          ", which there is none of; correct it to 1");
     if (*stamp > recipe_version)
       return fail("", "was written for a newer version of this program (recipe version " + excerpt(stamp->dump()) +
                           "); update it");

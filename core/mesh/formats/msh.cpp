@@ -325,9 +325,10 @@ class MshReader {
   }
 
   /// Counts values that may be directions, and keeps those of one value a node. The mesh is whole without what cannot
-  /// be read. Values of few nodes are left out: a small file could claim much memory by them.
+  /// be read, which a warning names. Values of few nodes are left out: a small file could claim much memory by them.
   void read_data(bool of_nodes, std::string_view end) {
     auto head = read_data_head();
+    if (!head && of_nodes) cells_.warnings.push_back(left_out("$NodeData"));
     if (!head) return;
     if (head->components == 3 || head->components == 9) ++cells_.vectors;
     if (!of_nodes || head->components != 1 || head->count < nodes() / 2) return;
@@ -335,10 +336,11 @@ class MshReader {
     for (std::int64_t i = 0; i < head->count; ++i) {
       const auto node = small();
       const auto value = number<double>();
-      if (!node || !value) return;
+      if (!node || !value) return cells_.warnings.push_back(left_out(head->name));
       if (const auto found = index_of_.find(*node); found != index_of_.end()) values[found->second] = *value;
     }
-    if (text_.word() == end) cells_.arrays.emplace(std::move(head->name), std::move(values));
+    if (text_.word() != end) return cells_.warnings.push_back(left_out(head->name));
+    cells_.arrays.emplace(std::move(head->name), std::move(values));
   }
 
   std::string_view bytes_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/text/text.h"
+
 namespace homolog::formats {
 
 std::vector<std::pair<std::string, VertexScalars>> vertex_arrays(const MeshFile& mesh) {
@@ -18,8 +20,15 @@ std::vector<std::pair<std::string, VertexScalars>> vertex_arrays(const MeshFile&
   return arrays;
 }
 
+std::string left_out(std::string_view name) {
+  return "its values \"" + excerpt(name) + "\" are cut short or damaged and were left out; copy or export it again";
+}
+
 void keep_vertex_array(std::string_view name, VertexScalars values, MeshFile& mesh) {
-  if (values.size() != mesh.points.rows() || !values.allFinite()) return;
+  const bool fits = values.size() == mesh.points.rows() && values.allFinite();
+  const bool is_ours = name == "stiffness" || name == "region" || fit_value(name) != nullptr;
+  if (is_ours && (!fits || (name == "stiffness" && !(values.minCoeff() > 0)))) mesh.warnings.push_back(left_out(name));
+  if (!fits) return;
   if (name == "stiffness") {
     if (values.minCoeff() > 0) mesh.stiffness = std::make_shared<const VertexScalars>(std::move(values));
   } else if (const FitValue* said = fit_value(name)) {

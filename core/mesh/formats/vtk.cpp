@@ -191,6 +191,7 @@ class VtkReader {
     const std::string kept = decoded(name);
     if (components == 0 || components > 16 || !vtk_scalar(type)) return false;
     auto values = numbers<double>(type, components * vertices);
+    if (!values) mesh_.warnings.push_back(left_out(kept));
     if (!values) return false;
     if (components == 1) arrays_.emplace_back(kept, std::move(*values));
     return true;
@@ -216,7 +217,11 @@ class VtkReader {
       }
       const auto components = text_.number<std::size_t>(), tuples = text_.number<std::size_t>();
       const std::string type = key_word();
-      if (!components || !tuples || *tuples != vertices || !keep_array(name, type, *components, vertices)) return false;
+      if (!components || !tuples || type.empty()) {
+        mesh_.warnings.push_back(left_out(name.empty() ? "FIELD" : name));
+        return false;
+      }
+      if (*tuples != vertices || !keep_array(name, type, *components, vertices)) return false;
     }
     return true;
   }

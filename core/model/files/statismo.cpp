@@ -9,6 +9,7 @@
 #include <cstring>
 #include <ctime>
 
+#include "core/base/numbers/limits.h"
 #include "core/base/text/text.h"
 #include "core/model/files/hdf_tree.h"
 #include "core/model/files/statismo_parts.h"
@@ -200,6 +201,11 @@ Result<ShapeModel> model_of(const HdfTree& tree) {
     for (Eigen::Index k = 0; k < model.modes(); ++k)
       if (model.variances[k] > 0) model.basis.col(k) /= std::sqrt(model.variances[k]);
   }
+  if (!all_in_reach(model.mean)) return fail(shrink(std::string("/model/mean ") + beyond_farthest));
+  for (Eigen::Index k = 0; k < model.modes(); ++k)
+    if (!all_in_reach(model.basis.col(k)) || !all_in_reach(std::sqrt(model.variances[k]) * model.basis.col(k)))
+      return fail(
+          shrink("mode " + std::to_string(k + 1) + " (/model/pcaBasis) moves a point to where it " + beyond_farthest));
   const auto noise = matrix_at(tree, "/model/noiseVariance", 1, 1);
   if (noise) model.noise_variance = static_cast<double>((*noise)(0, 0));
   read_training(tree, model);

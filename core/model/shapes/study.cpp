@@ -231,6 +231,9 @@ Result<Study> parsed_study(Json json, const fs::path& folder) {
   const auto stamp = json.is_object() ? json.find("homolog_study") : json.end();
   if (!json.is_object() || stamp == json.end() || !stamp->is_number_integer())
     return fail("", "is no study; a study starts with \"homolog_study\"");
+  if (*stamp < 1)
+    return fail(
+        "", "says that it is of study version " + excerpt(stamp->dump()) + ", which there is none of; correct it to 1");
   if (*stamp > version)
     return fail(
         "", "was written by a newer version of this program (study version " + excerpt(stamp->dump()) + "); update it");

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -36,27 +36,29 @@ struct Header {
     const std::string value = text(names);
     return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
   }
-  /// The numbers of a value; none where one of them is none.
+  /// The numbers of a value; none of them where it holds what is no number.
   std::vector<double> numbers(std::initializer_list<std::string_view> names) const {
     std::vector<double> result;
     const std::string value = text(names);
-    for (const char *c = value.data(), *end = c + value.size(); c < end;) {
-      const bool separates = *c == ',' && (c + 1 == end || c[1] == ' ' || c[1] == '\t');  // "1,5" is no two numbers
-      if (*c == ' ' || *c == '\t' || *c == '+' || separates) {
-        ++c;
-        continue;
-      }
-      double number = 0;
-      const auto [rest, error] = std::from_chars(c, end, number);
-      if (error != std::errc() || !std::isfinite(number)) return {};
-      result.push_back(number);
-      c = rest;
+    constexpr const char* blanks = " \t";
+    for (std::size_t begin = 0; (begin = value.find_first_not_of(blanks, begin)) != std::string::npos;) {
+      const auto end = std::min(value.find_first_of(blanks, begin), value.size());
+      std::string_view word = std::string_view(value).substr(begin, end - begin);
+      begin = end;
+      if (word.ends_with(',')) word.remove_suffix(1);  // "1, 5" is two numbers, "1,5" is none
+      if (word.empty()) continue;
+      if (word.starts_with('+')) word.remove_prefix(1);
+      const auto number = as_number<double>(word);
+      if (!number || !std::isfinite(*number)) return {};
+      result.push_back(*number);
     }
     return result;
   }
+  /// NaN where what is said is not one number.
   double number(std::initializer_list<std::string_view> names, double otherwise) const {
+    if (text(names).empty()) return otherwise;
     const auto all = numbers(names);
-    return all.empty() ? otherwise : all.front();
+    return all.size() == 1 ? all.front() : std::numeric_limits<double>::quiet_NaN();
   }
 };
 
@@ -113,12 +115,16 @@ struct Layout {
 
 Result<Layout> layout_of(const Header& header, const fs::path& path, std::vector<std::string>& warnings) {
   const std::vector<double> sizes = header.numbers({"DimSize"});
-  const auto n = static_cast<std::size_t>(std::clamp(header.number({"NDims"}, 0), 0.0, 100.0));
   const auto is_whole = [](double size) { return size == std::floor(size); };
-  if (n < 1 || !std::all_of(sizes.begin(), sizes.end(), is_whole)) return damaged_header(path);
+  const double axes = header.number({"NDims"}, 0);
+  if (!(axes >= 1 && axes <= 100 && is_whole(axes))) return damaged_header(path);
+  const auto n = static_cast<std::size_t>(axes);
   // What is not said has a default; what is said must be whole.
   const auto check = [&](std::initializer_list<std::string_view> names, std::size_t count) -> Result<void> {
-    if (header.text(names).empty() || header.numbers(names).size() >= count) return {};
+    const std::size_t said = header.numbers(names).size();
+    const bool flat =
+        n == 2 && count == 2 && said == 3 && *names.begin() != "DimSize";  // of an image, also the third axis is said
+    if (header.text(names).empty() || said == count || flat) return {};
     return fail(path.string(), std::string(*names.begin()) + " is \"" + excerpt(header.text(names)) + "\", and not " +
                                    std::to_string(count) + " numbers with blanks between them; export it again");
   };
@@ -127,6 +133,7 @@ Result<Layout> layout_of(const Header& header, const fs::path& path, std::vector
   if (header.text({"DimSize"}).empty() || header.numbers(matrices).size() > n * n) return damaged_header(path);
   for (const auto& checked : {check({"DimSize"}, n), check(spacings, n), check(origins, n), check(matrices, n * n)})
     if (!checked) return fail(checked.error());
+  if (sizes.empty() || !std::ranges::all_of(sizes, is_whole)) return damaged_header(path);
   for (std::size_t d = 4; d < n; ++d)
     if (sizes[d] != 1)
       return fail(path.string(), "has more than four dimensions; export one volume or series of frames");
@@ -186,8 +193,7 @@ Result<VoxelRun> find_run(const Header& header, Scalar type, double bytes, const
   const auto size = size_of_file(block.file);
   if (!size) return fail(size.error());
   const std::string skipped_text = header.text({"HeaderSize"});
-  const double file_bytes = static_cast<double>(*size), unreadable = -2;
-  const double skipped = skipped_text.empty() ? 0 : header.number({"HeaderSize"}, unreadable);
+  const double file_bytes = static_cast<double>(*size), skipped = header.number({"HeaderSize"}, 0);
   if (skipped == -1 && block.compression == Compression::None)  // the voxels end with the file, behind the header
     block.offset = std::max(block.offset, static_cast<std::uintmax_t>(std::max(0.0, file_bytes - bytes)));
   else if (skipped >= static_cast<double>(block.offset) && skipped > 0 && skipped <= file_bytes &&

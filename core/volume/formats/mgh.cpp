@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -81,19 +82,23 @@ std::optional<MghHeader> parse_mgh_header(const std::string& bytes) {
   return header;
 }
 
-/// FreeSurfer's colour table as it is embedded, of either version [FreeSurfer, CTABreadFromBinary].
-Segmentation embedded_table(BigEndian& in) {
+/// FreeSurfer's colour table as it is embedded, of either version [FreeSurfer, CTABreadFromBinary]. Nothing where it is
+/// cut short or damaged.
+std::optional<Segmentation> embedded_table(BigEndian& in) {
   Segmentation labels;
+  constexpr std::size_t count_and_length = 8, colour_bytes = 16;
+  if (in.left() < count_and_length) return {};
   std::int32_t entries = in.whole();
   const bool numbered = entries < 0;  // the second version says the value of each
   if (numbered && entries != -2) return {};
   if (numbered) in.number(4);  // the largest value
   if (!in.text(in.whole())) return {};
+  if (numbered && in.left() < 4) return {};
   if (numbered) entries = in.whole();
-  for (std::int32_t k = 0; k < entries && in.left() > 0; ++k) {
+  for (std::int32_t k = 0; k < entries; ++k) {
     const std::int32_t value = numbered ? in.whole() : k;
     const auto name = in.text(in.whole());
-    if (!name) return {};
+    if (!name || in.left() < colour_bytes) return {};
     LabelColour colour{};
     for (std::uint8_t& channel : colour) channel = static_cast<std::uint8_t>(std::clamp(in.whole(), 0, 255));
     in.number(4);  // opacity
@@ -103,23 +108,56 @@ Segmentation embedded_table(BigEndian& in) {
   return labels;
 }
 
-/// The names of labels behind the voxels: five numbers of the scan, then tags, each with its length but for old ones.
-Segmentation names_behind_voxels(const fs::path& path, std::size_t voxel_bytes) {
-  constexpr std::uintmax_t most_bytes = 1 << 22;
+/// What lies behind the voxels: five numbers of the scan, then tags, each with its length but for old ones.
+struct BehindVoxels {
+  Segmentation names;
+  bool whole = true;    ///< else a tag is cut short or damaged
+  bool voxels = false;  ///< it is no tags: the sizes in the header are smaller than the voxels
+};
+
+BehindVoxels read_behind_voxels(const std::string& rest, std::size_t slice_bytes) {
   constexpr std::size_t scan_numbers = 20;
-  constexpr std::int32_t table_tag = 1, old_transform_tag = 30;
-  const auto rest = read_to_end(
-      {.file = path, .skip = mgh_header_bytes + voxel_bytes, .compression = compression_of(path)}, most_bytes);
-  if (!rest || rest->size() <= scan_numbers) return {};
-  BigEndian in(*rest);
+  constexpr std::int32_t table_tag = 1, old_transform_tag = 30, highest_tag = 999;
+  if (rest.size() <= scan_numbers) return {};
+  const auto is_zero = [](char byte) { return byte == 0; };
+  if (std::ranges::all_of(rest, is_zero)) return {.voxels = rest.size() >= slice_bytes};
+  BigEndian in(rest);
   in.text(scan_numbers);
-  while (in.left() >= 8) {
+  while (in.left() >= 4) {
     const std::int32_t tag = in.whole();
-    if (tag == table_tag) return embedded_table(in);
+    if (tag == 0)  // the last one
+      return {.voxels = in.left() >= slice_bytes ||
+                        !std::ranges::all_of(std::string_view(rest).substr(rest.size() - in.left()), is_zero)};
+    if (tag < 0 || tag > highest_tag) return {.voxels = true};
+    if (tag == table_tag) {
+      auto names = embedded_table(in);
+      if (!names) return {.whole = false};
+      return {.names = std::move(*names)};
+    }
     std::int64_t length = in.whole();
     if (tag != old_transform_tag) length = (length << 32) | static_cast<std::int64_t>(in.number(4));
-    if (!in.text(length)) return {};
+    if (!in.text(length)) return {.whole = false};
   }
+  return {};
+}
+
+/// Takes the names of labels behind the voxels, which `reals` have none of. Another than FreeSurfer may write what it
+/// likes there, so that a plain file is only warned of; a compressed one, whose end is sure, is refused.
+Result<void> take_names_behind_voxels(const fs::path& path, std::size_t voxel_bytes, bool reals, VolumeRead& read) {
+  constexpr std::uintmax_t most_bytes = 1 << 22;
+  const ByteBlock block{.file = path, .skip = mgh_header_bytes + voxel_bytes, .compression = compression_of(path)};
+  const auto rest = read_to_end(block, most_bytes);
+  const auto& dims = read.volume.geometry.dims;
+  const auto longest = static_cast<std::size_t>(std::max(std::ranges::max(dims), read.volume.frames));
+  BehindVoxels behind = rest ? read_behind_voxels(*rest, voxel_bytes / longest) : BehindVoxels{.voxels = true};
+  if (behind.voxels && block.compression != Compression::None) return fail(path.string(), more_voxels_than_said);
+  if (behind.voxels) read.warnings.push_back(path.string() + ": " + more_voxels_than_said);
+  if (!behind.whole)
+    read.warnings.push_back(
+        path.string() +
+        ": what lies behind its voxels (names and colours of labels) is cut short or damaged and was "
+        "left out; copy or download it again");
+  if (!reals && read.volume.frames == 1) read.segmentation = std::move(behind.names);
   return {};
 }
 
@@ -147,8 +185,7 @@ Result<VolumeGeometry> mgh_geometry(const MghHeader& header, const fs::path& pat
   axes << -1, 0, 0, 0, 0, 1, 0, -1, 0;
   if (header.placed) {
     for (int a = 0; a < 3; ++a) {
-      for (int row = 0; row < 3; ++row)
-        axes(row, a) = static_cast<double>(header.place[3 * a + row]);
+      for (int row = 0; row < 3; ++row) axes(row, a) = static_cast<double>(header.place[3 * a + row]);
       centre[a] = static_cast<double>(header.place[9 + a]);
       spacing_mm[a] = static_cast<double>(header.spacing_mm[a]);
     }
@@ -189,8 +226,10 @@ Result<VolumeRead> read_mgh(const fs::path& path, const VolumeReadOptions& optio
   if (!stored) return fail(stored.error());
   if (auto kept = keep_voxels(std::move(*stored), {}, path.string(), result.volume, result.warnings); !kept)
     return fail(kept.error());
-  if (*type != Scalar::float32 && header->frames == 1)
-    result.segmentation = names_behind_voxels(path, size_of(*type) * result.volume.geometry.voxels());
+  const std::size_t voxel_bytes =
+      size_of(*type) * result.volume.geometry.voxels() * static_cast<std::size_t>(result.volume.frames);
+  if (auto taken = take_names_behind_voxels(path, voxel_bytes, *type == Scalar::float32, result); !taken)
+    return fail(taken.error());
   return result;
 }
 

@@ -66,11 +66,13 @@ void take_names_beside(const fs::path& path, VolumeRead& read) {
     const auto names = names_in_file(file);
     if (names && names->segments.empty()) continue;  // about something else
     if (!are_labels(read.volume, names ? *names : Segmentation())) return;
-    if (names)
+    if (names) {
       read.segmentation = *names;
-    else
+    } else {
+      read.segmentation.unread = file.string() + " " + names.error().what;
       read.warnings.push_back(file.string() + ": " + names.error().what +
                               ", so that its names are not used; correct it, or move it away");
+    }
     return;
   }
 }

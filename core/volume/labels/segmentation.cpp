@@ -90,6 +90,9 @@ Result<Segment> segment_of_name(const std::string& name, const Segmentation& kno
   std::vector<std::string> names;
   for (const Segment& segment : known.segments)
     if (!segment.name.empty()) names.push_back(segment.name);
+  if (names.empty() && !known.unread.empty())
+    return fail("", "names none of its labels, since " + known.unread + ", so that " + excerpt(name) +
+                        " cannot be found; correct that file, or give the label's number");
   if (names.empty())
     return fail("", "names none of its labels, so that " + excerpt(name) + " cannot be found; give its number");
   constexpr std::size_t most = 3;

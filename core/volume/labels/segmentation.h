@@ -23,6 +23,7 @@ struct Segment {
 /// The names and other properties of a label map's labels, beside its voxels. One without names has no segments.
 struct Segmentation {
   std::vector<Segment> segments;  ///< by layer and value, one of each
+  std::string unread{};           ///< the file of names beside the map that is damaged, and its fault; else empty
 
   /// Null where nothing is said of it.
   const Segment* find(int value, std::size_t layer) const;

@@ -120,6 +120,17 @@ TEST_CASE("study make takes a table with groups and covariates and what was fitt
   CHECK((shape->points - test::must(read_mesh_file(folder.path / "two.ply")).points).cwiseAbs().maxCoeff() < 1e-4);
   // Made again, nothing is doubled and what is known stays.
   CHECK(run(folder, "study make cases.csv --template built-in:kidney -o k.study.json --json").json()["added"] == 0);
+  // A table that is wrong in its last row leaves no case behind.
+  for (const std::string last : {"C,,scans/missing.nii.gz,,,,,\n", "A,,scans/kidney-2-labels.nii.gz,,,,,\n",
+                                 "a/b,,scans/kidney-2-labels.nii.gz,,,,,\n"}) {
+    CAPTURE(last);
+    std::ofstream(folder.path / "wrong.csv") << "name,scan,mask,label,group,age,sex,file\n"
+                                                "A,,scans/kidney-1-labels.nii.gz,,,,,\n" +
+                                                    last;
+    CHECK(run(folder, "study make wrong.csv --template built-in:kidney -o w.study.json").status == 1);
+    CHECK_FALSE(fs::exists(folder.path / "w-cases"));
+    CHECK_FALSE(fs::exists(folder.path / "w.study.json"));
+  }
   const Ran folder_of_maps = run(folder, "study make scans --template built-in:kidney -o all.study.json --json");
   REQUIRE_MESSAGE(folder_of_maps.status == 0, folder_of_maps.errors);
   CHECK(folder_of_maps.json()["cases"] == 3);  // each image with its label map

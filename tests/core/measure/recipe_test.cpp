@@ -257,6 +257,7 @@ TEST_CASE("a recipe with a fault is refused with a sentence that names it") {
   CHECK_FALSE(parse_recipe("{"));
   CHECK_FALSE(parse_recipe("[]"));
   CHECK(tells(parse_recipe(R"({"homolog_recipe":2,"measurements":[]})").error().what, "newer version"));
+  CHECK(tells(parse_recipe(R"({"homolog_recipe":0,"measurements":[]})").error().what, "recipe version 0"));
 }
 
 TEST_CASE("the recipes that ship are read and built-in templates have all that they need") {

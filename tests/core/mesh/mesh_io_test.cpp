@@ -578,6 +578,18 @@ TEST_CASE("a stiffness beyond single precision is neither read nor written") {
                  "vertex 2 has a stiffness"));
 }
 
+TEST_CASE("a mesh with a vertex or a landmark beyond sense is refused") {
+  MeshFolder folder;
+  CHECK(contains(folder.refusal("a.obj", "v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n"),
+                 "vertex 1 lies beyond 1,000,000,000 mm"));
+  MeshFile file = template_file();
+  file.landmarks = {{"tip", Vec3(0, 1.8e19, 0)}};
+  REQUIRE(write_mesh_file(file, folder.path / "far.ply"));
+  const auto read = read_mesh_file(folder.path / "far.ply");
+  REQUIRE(!read);
+  CHECK(contains(read.error().sentence(), "the landmark \"tip\" lies beyond 1,000,000,000 mm"));
+}
+
 TEST_CASE("points without faces are mirrored too") {
   MeshFile file = sphere_file();
   file.triangles.edit().resize(0, 3);

@@ -46,6 +46,7 @@ Eigen::Index nearest_vertex(const Points& points, const Vec3& p) {
 TEST_CASE("an organ is known by its name and no other") {
   for (const Organ organ : all_organs) CHECK(organ_from_name(organ_name(organ)).value() == organ);
   CHECK(organ_from_name("spleen").error().sentence().find("spleen") == 0);
+  CHECK(organ_from_name("spleen").error().sentence().find("ventricle or spine") != std::string::npos);
 }
 
 TEST_CASE("the deformation of every subject is undone by its inverse and subject 0 is not deformed") {

@@ -87,6 +87,16 @@ TEST_CASE("what is no set is refused with what to do") {
   refused("[1, 2", "take its last good copy");
   refused("{}", "homolog_set");
   refused(R"({"homolog_set":2})", "newer version");
+  refused(R"({"homolog_set":0})", "set version 0");
+  refused(R"({"homolog_set":-1})", "set version -1");
+  const auto posed = [](const std::string& pose) {
+    return R"({"homolog_set":1,"structures":[{"name":"a","template":"a.ply","pose":{)" + pose + "}}]}";
+  };
+  const std::string turned = R"(,"turn_deg":[0,0,0])";
+  refused(posed(R"("subjects":1,"offset_mm":[0,0,0],"turn_deg":[0,0])"), "structure 1 (a) has a \"pose\"");
+  refused(posed(R"("subjects":1,"offset_mm":[0,"x",0])" + turned), "has a \"pose\"");
+  refused(posed(R"("subjects":1,"offset_mm":[0,1e10,0])" + turned), "has a \"pose\"");
+  refused(posed(R"("offset_mm":[0,0,0])" + turned), "has a \"pose\"");
   refused(R"({"homolog_set":1})", "homolog set make");
   refused(R"({"homolog_set":1,"structures":[{"name":"a"}]})", "\"template\"");
   refused(R"({"homolog_set":1,"structures":[{"name":"a","template":"a.ply"},{"name":"A","template":"b.ply"}]})",

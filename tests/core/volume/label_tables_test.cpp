@@ -158,6 +158,9 @@ TEST_CASE("names stand in a file beside a label map and not beside an image") {
   const VolumeRead bad = with_file_beside("a_seg.json", R"({"spleen": 1, "liver": 1})");
   REQUIRE(bad.warnings.size() == 1);
   CHECK(bad.warnings.front().find("a_seg.json: gives label 1 two names (liver and spleen)") != std::string::npos);
+  const auto asked = asked_segments("spleen", bad.segmentation);
+  CHECK(says(asked, "a_seg.json gives label 1 two names"));
+  CHECK(says(asked, "spleen cannot be found; correct that file"));
   Volume image = two_labels();
   image.data = std::vector<std::int16_t>{-1000, 40, 60, 20, 70, 3};
   image.range_min = -1000;

@@ -67,5 +67,14 @@ TEST_CASE("MetaImage's numbers are whole and its voxels are as many as its sizes
   CHECK(says(with(two + "Offset = 1e308 0 0\n"), "lies beyond 1,000,000,000 mm"));
   CHECK(says(with(two + "ElementSpacing = 4294967295 1 1\n"), "lies beyond 1,000,000,000 mm"));
   CHECK(says(with(two, "abc"), "holds more voxels than its header says"));
-  CHECK(with(two, std::string("ab\0\0", 4)));  // padding
+  CHECK(with("DimSize = 3 3 1\n", std::string("abcdefghi\0\0", 11)));                               // padding
+  CHECK(says(with("DimSize = 3 3 1\n", std::string("abcdefghi\0\0\0", 12)), "holds more voxels"));  // a slice of zeros
+  for (const char* offset : {"20-1 5", "1.5x 0 0", "1 2 3x", "1 2 3 4", "1+2 3"}) {
+    CAPTURE(offset);
+    CHECK(says(with(two + "Offset = " + offset + "\n"), "Offset is"));
+  }
+  CHECK(with(two + "Offset = +1, -2,\t3 ,\n"));
+  CHECK(
+      read_metaimage_of("NDims = 2\nDimSize = 2 1 \nElementSpacing = 1.0 1.0 1.0\nElementType = MET_UCHAR\n"
+                        "ElementDataFile = LOCAL\nab"));  // as some programs write images
 }

@@ -107,7 +107,12 @@ TEST_CASE("a header whose numbers are half numbers or whose sizes are too small 
     CHECK(says(read(raw, origin, std::string("space origin: ") + damaged, "abcdefgh"), "space origin"));
   CHECK(says(read(raw, "(0,1,0)", "(0,1.x,0)", "abcdefgh"), "space directions"));
   CHECK(says(read(raw, origin, "space origin: (1e10,0,0)", "abcdefgh"), "lies beyond 1,000,000,000 mm"));
+  CHECK(says(read(raw, "dimension: 3", "dimension: 3x", "abcdefgh"), "as its dimension what is no number (3x)"));
+  CHECK(says(read(raw, origin, origin + "\nbyte skip: 0x", "abcdefgh"), "as its byte skip"));
   CHECK(says(read(raw, "sizes: 2 1 4", "sizes: 2 1 3", "abcdefgh"), "holds more voxels than its header says"));
+  CHECK(says(read(raw, "sizes: 2 1 4", "sizes: 2 1 3", std::string("abcdef\0\0", 8)), "holds more voxels"));
+  CHECK(says(read(header_of("ascii"), "sizes: 2 1 4", "sizes: 2 1 3", "1 2 3 4 5 6 7 8\n"), "holds more voxels"));
+  CHECK(says(read(header_of("hex"), "sizes: 2 1 4", "sizes: 2 1 3", "0102030405060708\n"), "holds more voxels"));
 }
 
 TEST_CASE("files that are too many or too few for the sizes or too short are refused") {
@@ -147,7 +152,7 @@ TEST_CASE("lines and bytes are skipped in each of several files") {
 }
 
 TEST_CASE("voxels written as numbers or hexadecimal digits are read") {
-  const auto numbers = read_text("ascii", "97 98,99\n\t100 101 +102 103.0 104 105");
+  const auto numbers = read_text("ascii", "97 98,99\n\t100 101 +102 103.0 104");
   REQUIRE(numbers);
   CHECK(numbers->volume.data == letters);
   const auto hex = read_text("hex", "6162 63\n6465 66\n67 6 8");

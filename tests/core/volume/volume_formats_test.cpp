@@ -11,6 +11,7 @@
 #include "core/volume/labels/write_segmentation.h"
 #include "core/volume/volume_io.h"
 #include "core/volume/voxel_stream.h"
+#include "core/volume/write_voxels.h"
 #include "tests/must.h"
 #include "tests/real_data.h"
 #include "tests/refusal.h"
@@ -376,6 +377,32 @@ TEST_CASE("MGH volumes of FreeSurfer are read with the place of their header") {
   CHECK(refused(huge, "size of -1"));
 }
 
+TEST_CASE("an MGH header whose sizes are smaller than its voxels is seen") {
+  const TemporaryFolder folder;
+  const std::string scan(20, '\0');
+  for (const std::string& more : {std::string(60, '\0'), std::string(60, 'x')}) {
+    write_bytes(folder.path / "a.mgh", mgh_bytes(0, "abcdef") + more);
+    const auto plain = read_volume(folder.path / "a.mgh");
+    REQUIRE(plain);
+    REQUIRE(plain->warnings.size() == 1);
+    CHECK(plain->warnings[0].find("holds more voxels than its header says") != std::string::npos);
+  }
+  write_bytes(folder.path / "a.mgh", mgh_bytes(0, "abcdef") + scan);
+  CHECK(test::must(read_volume(folder.path / "a.mgh")).warnings.empty());
+  VolumeRead map;
+  map.volume.geometry.dims = {8, 8, 8};
+  map.volume.data = std::vector<std::uint8_t>(512, 0);
+  const fs::path file = folder.path / "b.mgz";
+  REQUIRE(write_segmentation(map, file));
+  CHECK(test::must(read_volume(file)).warnings.empty());
+  auto bytes = read_to_end({.file = file, .compression = compression_of(file)}, 1 << 20).value();
+  bytes[11] = 7;  // the second size
+  std::ostringstream packed;
+  REQUIRE(write_compressed(packed, bytes, VoxelData(std::vector<std::uint8_t>()), nullptr));
+  write_bytes(file, packed.str());
+  CHECK(says(read_volume(file), "holds more voxels than its header says"));
+}
+
 TEST_CASE("the colour table that FreeSurfer embeds in a label map names its labels") {
   const TemporaryFolder folder;
   const auto big = [](std::uint64_t value, std::size_t bytes) {
@@ -407,10 +434,15 @@ TEST_CASE("the colour table that FreeSurfer embeds in a label map names its labe
   REQUIRE(old->segmentation.segments.size() == 2);
   CHECK(old->segmentation.segments[1].name == "b");
   CHECK(old->segmentation.segments[1].value == 2);
-  // Torn at any byte, or with sizes that are not so, it is a map without names.
+  CHECK(old->warnings.empty());
+  // Torn at any byte, or with sizes that are not so, it is a map without names, and that is said.
   for (std::size_t length = 0; length < second.size(); ++length) {
+    CAPTURE(length);
     write_bytes(folder.path / "torn.mgh", mgh_bytes(4, voxels) + scan + second.substr(0, length));
-    CHECK(read_volume(folder.path / "torn.mgh"));
+    const auto torn = read_volume(folder.path / "torn.mgh");
+    REQUIRE(torn);
+    CHECK(torn->segmentation.segments.empty());
+    CHECK(torn->warnings.size() == (length == 0 ? 0 : 1));
   }
   write_bytes(folder.path / "huge.mgh", mgh_bytes(4, voxels) + scan + big(3, 4) + big(std::uint64_t(-1), 8) + second);
   CHECK(read_volume(folder.path / "huge.mgh")->segmentation.segments.empty());

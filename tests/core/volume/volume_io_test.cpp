@@ -642,8 +642,8 @@ TEST_CASE("what is packed behind the voxels without end is refused in time") {
   std::string streams;
   const std::string packed = gzipped(zeros);
   for (int i = 0; i < 300; ++i) streams += packed;
-  CHECK(
-      says(read_as("v.nii.gz", gzipped(Nifti({4, 1, 1}, 2, 8).bytes + "abcd") + streams), "far more than the voxels"));
+  CHECK(says(read_as("v.nii.gz", gzipped(Nifti({4, 1, 1}, 2, 8).bytes + "abcd") + streams),
+             "more voxels than its header says"));
 }
 
 TEST_CASE("SPM's scale factor in an Analyze header is applied and said") {

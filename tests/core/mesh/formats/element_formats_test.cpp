@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>
@@ -444,7 +445,14 @@ TEST_CASE("values of nodes are read as Gmsh does and left out where they cannot 
     CHECK(is_outside_of_two(mesh));
     CHECK(!mesh.doubt_mm);
   }
-  CHECK(!read("7 3\n9 4\n", "7 3\n9 x\n").doubt_mm);
+  for (const char* damaged : {"7 3\n9 x\n", "7 3\n", "7 3\n9 nan\n"}) {
+    CAPTURE(damaged);
+    const MeshFile mesh = read("7 3\n9 4\n", damaged);
+    CHECK(!mesh.doubt_mm);
+    CHECK(std::ranges::any_of(mesh.warnings, [](const std::string& warning) {
+      return warning.find("values \"doubt_mm\" are cut short or damaged") != std::string::npos;
+    }));
+  }
   CHECK(says(folder.read("a.msh", replaced(msh2, "$EndNodeData\n", "")), "truncated"));
 }
 

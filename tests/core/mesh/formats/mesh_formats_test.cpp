@@ -9,10 +9,13 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <numbers>
 
+#include "core/base/files/files.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
+#include "tests/must.h"
 #include "tests/real_data.h"
 #include "tests/temporary_folder.h"
 
@@ -395,4 +398,26 @@ TEST_CASE("key words of legacy VTK may be written in small letters or capitals")
   REQUIRE_MESSAGE(mesh, mesh.error().sentence());
   CHECK(mesh->triangles.rows() == 1);
   CHECK(Vec3(mesh->points.row(0)) == Vec3(1, 2, 3));  // a field "space" is another one
+}
+
+TEST_CASE("values of a VTK file that are cut short or no numbers are named") {
+  const FormatFolder folder;
+  MeshFile file = test::must(folder.read("a.vtk", vtk_with_field("OTHER 1 1 string\nRAS", false)));
+  file.doubt_mm = VertexScalars::Constant(3, 0.5);
+  const std::filesystem::path whole = folder.path / "whole.vtk";
+  REQUIRE(write_mesh_file(file, whole));
+  CHECK(test::must(read_mesh_file(whole)).doubt_mm);
+  const std::string bytes = test::must(read_whole_file(whole));
+  const auto names = [&](const std::string& damaged, const std::string& what) {
+    const auto mesh = folder.read("cut.vtk", damaged);
+    REQUIRE_MESSAGE(mesh, mesh.error().sentence());
+    CHECK(!mesh->doubt_mm);
+    CHECK(std::ranges::any_of(mesh->warnings,
+                              [&](const std::string& warning) { return warning.find(what) != std::string::npos; }));
+  };
+  names(bytes.substr(0, bytes.size() - 6), "values \"doubt_mm\" are cut short or damaged");
+  names(bytes.substr(0, bytes.find("doubt_mm 1 3 float") + 10), "values \"doubt_mm\" are cut short or damaged");
+  std::string nan = bytes;
+  nan.replace(nan.size() - 5, 4, number_bytes(std::numeric_limits<float>::quiet_NaN(), std::endian::big));
+  names(nan, "values \"doubt_mm\" are cut short or damaged");
 }

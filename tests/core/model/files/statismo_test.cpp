@@ -255,6 +255,19 @@ TEST_CASE("a number of HDF5-JSON that does not fit its type is refused") {
   }
 }
 
+TEST_CASE("a model whose mean or modes lie beyond sense is refused") {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path / "m.h5.json";
+  ShapeModel far = some_model();
+  far.mean[4] = 1e11;
+  REQUIRE(write_model(far, path));
+  check_refused(path, "/model/mean lies beyond 1,000,000,000 mm");
+  far = some_model();
+  far.basis(2, 0) = 1e11;
+  REQUIRE(write_model(far, path));
+  check_refused(path, "mode 1 (/model/pcaBasis) moves a point to where it lies beyond 1,000,000,000 mm");
+}
+
 TEST_CASE("an HDF5 file that breaks the library is refused and the program goes on") {
   const TemporaryFolder folder;
   const fs::path path = folder.path / "m.h5";

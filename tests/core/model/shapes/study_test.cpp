@@ -194,6 +194,8 @@ TEST_CASE("a file that is no study is refused with the fault named") {
   check_refused(folder, "{}", "no study");
   check_refused(folder, "[]", "no study");
   check_refused(folder, R"({"homolog_study":2})", "newer");
+  check_refused(folder, R"({"homolog_study":0})", "study version 0");
+  check_refused(folder, R"({"homolog_study":-1})", "study version -1");
   check_refused(folder, R"({"homolog_study":1,"cases":3})", "no list");
   check_refused(folder, R"({"homolog_study":1,"cases":[3]})", "case 1");
   check_refused(folder, R"({"homolog_study":1,"cases":[{"name":"a"}]})", "no \"file\"");

@@ -89,19 +89,6 @@ TEST_CASE("names that a small set cannot compare are likely right, and not half 
   CHECK(levels[0].p_named == doctest::Approx(0.97));  // a disc alone
 }
 
-TEST_CASE("a vertebra that lies among organs where the one two levels below belongs is two levels off") {
-  SetOfTemplates set = stone_set();
-  const std::vector<std::string> names{"vertebrae_L2", "kidney", "vertebrae_L4", "liver", "sacrum"};
-  for (std::size_t k = 0; k < stones; ++k) set.set.structures[k].name = names[k];
-  for (const int by : {0, 2}) {
-    CAPTURE(by);
-    const auto levels = levels_of(set, {{0, by}, {1, 1}, {3, 3}, {4, 4}}, with_room);
-    CHECK(levels[0].shift == by);
-    CHECK((levels[0].p_named < 0.5) == (by == 2));
-    CHECK(levels[4].shift == 0);
-  }
-}
-
 TEST_CASE("two names that are exchanged among others are the wrong ones") {
   for (const int height : {with_room, without_room}) {
     CAPTURE(height);

@@ -309,9 +309,9 @@ TEST_CASE("refine and snap of a case work on the structure that is named and say
   const auto mesh_of = [&](const std::string& structure) {
     const Ran ran = run(folder, "replay ball.homolog --structure " + structure + " -o now.ply");
     REQUIRE_MESSAGE(ran.status == 0, ran.errors);
-    return read_whole_file(folder.path / "now.ply").value();
+    return read_mesh_file(folder.path / "now.ply").value().points;
   };
-  const std::string first = mesh_of("s1"), second = mesh_of("other");
+  const Points first = mesh_of("s1"), second = mesh_of("other");
   const Ran named = run(folder, "refine ball.homolog --structure other -o refined.ply --json");
   REQUIRE_MESSAGE(named.status == 0, named.errors);
   CHECK(named.json()["moved_mm"]["mean"] > 0.01);

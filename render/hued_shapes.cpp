@@ -31,8 +31,7 @@ std::shared_ptr<const std::vector<Rgb>> hued_surface(const std::vector<float>& h
 void add_hued_glyphs(GlyphLayer& layer, const Points& points, const std::vector<std::int32_t>& vertices,
                      const std::vector<float>& hues, double radius_mm) {
   for (const std::int32_t i : vertices)
-    layer.glyphs.push_back(
-        {points.row(i), hsv_to_rgb(hues[i], 1, 1), static_cast<float>(radius_mm)});
+    layer.glyphs.push_back({points.row(i), hsv_to_rgb(hues[i], 1, 1), static_cast<float>(radius_mm)});
 }
 
 }  // namespace homolog

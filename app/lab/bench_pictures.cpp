@@ -140,8 +140,7 @@ Json picture_figures() {
     scene.meshes.front().points = std::make_shared<const Points>(points);
     scene.meshes.front().points_revision = static_cast<std::uint64_t>(k) + 1;
     for (int view = 0; view < 3; ++view) {
-      (void)(*renderer)->draw(scene, slices[view],
-                              {640 * (view % 2), 400 * (view / 2), 640, 400, 1});
+      (void)(*renderer)->draw(scene, slices[view], {640 * (view % 2), 400 * (view / 2), 640, 400, 1});
     }
     (void)(*renderer)->draw(scene, camera, {640, 400, 640, 400, 1});
     (void)(*framebuffer)->read();  // waits until all is drawn

@@ -170,8 +170,7 @@ ExperimentSubject phantom_experiment_subject(Organ organ, int number) {
   VolumeGeometry grid;
   const Box box = bounds_of(made.points);
   grid.origin_mm = box.min() - Vec3::Constant(4);
-  for (int axis = 0; axis < 3; ++axis)
-    grid.dims[axis] = static_cast<int>(std::ceil(box.sizes()[axis])) + 9;
+  for (int axis = 0; axis < 3; ++axis) grid.dims[axis] = static_cast<int>(std::ceil(box.sizes()[axis])) + 9;
   ExperimentSubject subject;
   subject.name = std::string(organ_name(organ)) + "-" + std::to_string(number);
   subject.target = mask_surface(label_map(truth, grid), 1).value();

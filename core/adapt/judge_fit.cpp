@@ -76,8 +76,7 @@ TargetDistance target_distance(const Mesh& target, const Mesh& mesh) {
   std::vector<char> cut(off_mm.size());
   for (const auto& flat : flat_faces(target)) {
     double mean_mm = 0;
-    for (const std::int32_t face : flat)
-      mean_mm += off_mm[face] / static_cast<double>(flat.size());
+    for (const std::int32_t face : flat) mean_mm += off_mm[face] / static_cast<double>(flat.size());
     if (mean_mm > cut_share * bounds_of(mesh.points).diagonal().norm())
       for (const std::int32_t face : flat) cut[face] = 1;
   }
@@ -181,8 +180,7 @@ void judge_partial(const Boundary& boundary, const FitResult& fit, FitJudgement&
   for (const std::int32_t i : fit.outliers) missing[i] = 1;
   double sum_mm = 0;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
-    if (missing[i] == 0)
-      sum_mm += (search.nearest(points.row(i)).position - Vec3(points.row(i))).norm();
+    if (missing[i] == 0) sum_mm += (search.nearest(points.row(i)).position - Vec3(points.row(i))).norm();
   const auto there = static_cast<double>(points.rows() - std::ssize(fit.outliers));
   judgement.sound_mm = there > 0 ? sum_mm / there : 0;
   judgement.target = target_distance(boundary.surface, fit.mesh);

@@ -35,8 +35,7 @@ std::optional<MovePoints> moves_of(const Points& before, const SetPoints& edit) 
     if (from == to) continue;
     if (!(std::abs(from) < farthest_steps) || !(std::abs(to) < farthest_steps) || std::nearbyint(to) != to)
       return std::nullopt;
-    moves[k] =
-        move_of(static_cast<std::int64_t>(std::nearbyint(from)), static_cast<std::int64_t>(to));
+    moves[k] = move_of(static_cast<std::int64_t>(std::nearbyint(from)), static_cast<std::int64_t>(to));
   }
   return MovePoints{.by = edit.by,
                     .placement = edit.placement,
@@ -54,8 +53,7 @@ Result<SetPoints> points_of(const Points& before, const MovePoints& edit) {
   }
   Points points = before;
   for (Eigen::Index k = 0; k < points.size(); ++k)
-    if (const std::uint32_t move = (*edit.moves)[k]; move != 0)
-      points.data()[k] = moved(points.data()[k], move);
+    if (const std::uint32_t move = (*edit.moves)[k]; move != 0) points.data()[k] = moved(points.data()[k], move);
   return SetPoints{.by = edit.by,
                    .placement = edit.placement,
                    .points = std::make_shared<const Points>(std::move(points)),

@@ -37,8 +37,7 @@ std::vector<Mat3> local_rotations(const Topology& topology, const Points& refere
             (points.row(i) - points.row(j)).transpose() * (reference.row(i) - reference.row(j)).eval();
       }
       Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-      rotations[i] =
-          climb_to_rotation(covariance, q) ? q.toRotationMatrix() : nearest_rotation(covariance);
+      rotations[i] = climb_to_rotation(covariance, q) ? q.toRotationMatrix() : nearest_rotation(covariance);
     }
   });
   return rotations;
@@ -49,8 +48,7 @@ Points rotated_reference_force(const Topology& topology, const VertexScalars& w,
   Points b = Points::Zero(topology.vertices(), 3);
   for (const auto& [i, j] : topology.edges()) {
     const Vec3 edge = (reference.row(i) - reference.row(j)).transpose();
-    const Vec3 force =
-        w[i] * (rotations[i] * edge) + w[j] * (rotations[j] * edge);
+    const Vec3 force = w[i] * (rotations[i] * edge) + w[j] * (rotations[j] * edge);
     b.row(i) += force.transpose();
     b.row(j) -= force.transpose();
   }

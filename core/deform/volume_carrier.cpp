@@ -138,8 +138,7 @@ Result<VolumeCarrier> VolumeCarrier::make(const VolumeMesh& mesh, const Mesh& th
     const auto nearest = search.nearest(mesh.points.row(i), likely);
     likely = nearest.at.face;
     carrier.places_.push_back(nearest.at);
-    if (carrier.outside_[i] != 0)
-      carrier.off_mm_ = std::max(carrier.off_mm_, nearest.distance_mm);
+    if (carrier.outside_[i] != 0) carrier.off_mm_ = std::max(carrier.off_mm_, nearest.distance_mm);
   }
   constexpr double too_far = 0.1;  // of the diagonal
   if (carrier.off_mm_ > too_far * diagonal)
@@ -171,8 +170,7 @@ void VolumeCarrier::prepare() {
     index[free_[k]] = static_cast<Eigen::Index>(k);
     is_free[free_[k]] = 1;
   }
-  for (std::size_t k = 0; k < fixed_.size(); ++k)
-    index[fixed_[k]] = static_cast<Eigen::Index>(k);
+  for (std::size_t k = 0; k < fixed_.size(); ++k) index[fixed_[k]] = static_cast<Eigen::Index>(k);
   std::vector<Eigen::Triplet<double>> within, across;
   for (Eigen::Index t = 0; t < mesh_.tetrahedra.rows(); ++t) {
     Eigen::Matrix3d edges;
@@ -270,8 +268,7 @@ Springs VolumeCarrier::springs_for(const std::vector<char>& moves, const Ground&
   springs.normals.resize(std::ssize(rows), 3);
   for (Eigen::Index r = 0; r < std::ssize(rows); ++r) {
     const Eigen::Index row = rows[r];
-    const auto [foot, normal] =
-        ground.foot(points.row(springs.points[r]), ground.heights[row]);
+    const auto [foot, normal] = ground.foot(points.row(springs.points[r]), ground.heights[row]);
     springs.feet.row(r) = foot.transpose();
     springs.normals.row(r) = normal.transpose();
   }

@@ -41,8 +41,7 @@ VolumeEnergy::VolumeEnergy(const Tetrahedra& tetrahedra, const Points& rest)
   for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
   std::vector<Eigen::Index> next(start_.begin(), start_.end() - 1);
   uses_.resize(static_cast<std::size_t>(tetrahedra.size()));
-  for (Eigen::Index k = 0; k < tetrahedra.size(); ++k)
-    uses_[next[tetrahedra(k / 4, k % 4)]++] = k;
+  for (Eigen::Index k = 0; k < tetrahedra.size(); ++k) uses_[next[tetrahedra(k / 4, k % 4)]++] = k;
 }
 
 void VolumeEnergy::rest_regular(Eigen::Index t) {

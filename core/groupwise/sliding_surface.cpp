@@ -88,8 +88,7 @@ SlidingSurface::SlidingSurface(std::shared_ptr<const Topology> topology, Points 
 
 SurfaceFeatures SlidingSurface::features() const {
   SurfaceFeatures there(points_.rows(), 6);
-  for (Eigen::Index i = 0; i < there.rows(); ++i)
-    there.row(i) = at_[i].interpolate(*topology_, features_);
+  for (Eigen::Index i = 0; i < there.rows(); ++i) there.row(i) = at_[i].interpolate(*topology_, features_);
   return there;
 }
 

@@ -55,9 +55,7 @@ class PlaneCut {
 
  private:
   bool above(Eigen::Index face, int corner) const { return height_mm_[mesh_.topology->triangles()(face, corner)] >= 0; }
-  Eigen::Index across(Eigen::Index face, int edge) const {
-    return mesh_.topology->neighbours(face)[edge];
-  }
+  Eigen::Index across(Eigen::Index face, int edge) const { return mesh_.topology->neighbours(face)[edge]; }
   Vec3 crossing(Eigen::Index face, int edge) const {
     std::int32_t a = mesh_.topology->triangles()(face, edge), b = mesh_.topology->triangles()(face, (edge + 1) % 3);
     if (a > b) std::swap(a, b);  // both faces of an edge find the same point, to the last bit

@@ -31,8 +31,7 @@ std::vector<std::int32_t> faces_at(const Topology& topology, const SurfacePoint&
   std::vector<std::int32_t> faces{point.face};
   for (int k = 0; k < 3; ++k)  // edge k is opposite to corner k + 2
     if (point.weights[(k + 2) % 3] <= none)
-      if (const std::int32_t other = topology.neighbours(point.face)[k]; other >= 0)
-        faces.push_back(other);
+      if (const std::int32_t other = topology.neighbours(point.face)[k]; other >= 0) faces.push_back(other);
   return faces;
 }
 
@@ -128,9 +127,7 @@ class PathSearch {
       }
     }
     if (before[last] < 0) return false;
-    for (std::int32_t node = before[last]; node >= 0;
-         node = before[node])
-      crossings_.push_back(crossing_of(node));
+    for (std::int32_t node = before[last]; node >= 0; node = before[node]) crossings_.push_back(crossing_of(node));
     std::ranges::reverse(crossings_);
     return true;
   }

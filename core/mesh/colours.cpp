@@ -72,10 +72,8 @@ Mesh renumbered(const Mesh& mesh, Eigen::Index first) {
   const auto rank = breadth_first_rank(*mesh.topology, static_cast<std::int32_t>(first));
   Mesh result;
   result.points.resize(mesh.points.rows(), 3);
-  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
-    result.points.row(rank[v]) = mesh.points.row(v);
-  Triangles triangles =
-      mesh.topology->triangles().unaryExpr([&](std::int32_t v) { return rank[v]; });
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) result.points.row(rank[v]) = mesh.points.row(v);
+  Triangles triangles = mesh.topology->triangles().unaryExpr([&](std::int32_t v) { return rank[v]; });
   result.topology = Topology::make(mesh.points.rows(), std::move(triangles)).value();
   return result;
 }

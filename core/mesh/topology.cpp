@@ -49,8 +49,8 @@ std::vector<HalfEdge> sorted_half_edges(Eigen::Index vertices, const Triangles& 
   for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
     for (int k = 0; k < 3; ++k) {
       const std::int32_t from = triangles(f, k), to = triangles(f, (k + 1) % 3);
-      half_edges[next[std::min(from, to)]++] = {
-          std::min(from, to), std::max(from, to), static_cast<std::int32_t>(f), static_cast<std::int8_t>(k), from < to};
+      half_edges[next[std::min(from, to)]++] = {std::min(from, to), std::max(from, to), static_cast<std::int32_t>(f),
+                                                static_cast<std::int8_t>(k), from < to};
     }
   }
   for (std::size_t v = 0; v + 1 < start.size(); ++v)

@@ -30,18 +30,14 @@ class Topology {
   const std::vector<std::array<std::int32_t, 2>>& edges() const { return edges_; }
   /// The vertices joined to `vertex` by an edge: its one-ring N(i), ascending.
   std::span<const std::int32_t> one_ring(Eigen::Index vertex) const {
-    return {ring_.data() + ring_start_[vertex],
-            ring_.data() + ring_start_[static_cast<std::size_t>(vertex) + 1]};
+    return {ring_.data() + ring_start_[vertex], ring_.data() + ring_start_[static_cast<std::size_t>(vertex) + 1]};
   }
   /// The faces around `vertex`.
   std::span<const std::int32_t> faces_of(Eigen::Index vertex) const {
-    return {faces_.data() + face_start_[vertex],
-            faces_.data() + face_start_[static_cast<std::size_t>(vertex) + 1]};
+    return {faces_.data() + face_start_[vertex], faces_.data() + face_start_[static_cast<std::size_t>(vertex) + 1]};
   }
   /// The face across each edge of `face`: entry k is across the edge from corner k to corner k+1; −1 at a boundary.
-  const std::array<std::int32_t, 3>& neighbours(Eigen::Index face) const {
-    return neighbours_[face];
-  }
+  const std::array<std::int32_t, 3>& neighbours(Eigen::Index face) const { return neighbours_[face]; }
   /// Each boundary loop as vertices in the direction of its faces' edges; empty for a closed mesh.
   const std::vector<std::vector<std::int32_t>>& rims() const { return rims_; }
   bool closed() const { return rims_.empty(); }

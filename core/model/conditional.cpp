@@ -91,8 +91,7 @@ Result<Completion> completed(const ShapeModel& posed, const Points& shape, const
   for (Eigen::Index i = 0; i < known.size(); ++i)
     if (known[i] > 0) landmarks.push_back(i);
   Points positions(std::ssize(landmarks), 3);
-  for (Eigen::Index k = 0; k < positions.rows(); ++k)
-    positions.row(k) = shape.row(landmarks[k]);
+  for (Eigen::Index k = 0; k < positions.rows(); ++k) positions.row(k) = shape.row(landmarks[k]);
   const Prediction prediction = predict(posed, landmarks, pose.inverse().apply(positions), noise_mm / pose.scale);
   const Points expected = pose.apply(shape_of(posed, clamped(posed, prediction.b)));
   const VertexScalars hold = firm_hold(*solver.topology(), stiffness, known);

@@ -37,8 +37,7 @@ LevelSet level_set_of(Solid solid, const Box& box, double spacing_mm) {
   VolumeGeometry grid;
   grid.spacing_mm.setConstant(spacing_mm);
   grid.origin_mm = box.min();
-  for (int axis = 0; axis < 3; ++axis)
-    grid.dims[axis] = static_cast<int>(box.sizes()[axis] / spacing_mm) + 1;
+  for (int axis = 0; axis < 3; ++axis) grid.dims[axis] = static_cast<int>(box.sizes()[axis] / spacing_mm) + 1;
   std::vector<float> values;
   values.reserve(grid.voxels());
   for (int k = 0; k < grid.dims[2]; ++k)

@@ -164,8 +164,7 @@ Result<Eigen::VectorXd> numbers_of(const CovariateTable& table, const std::vecto
                                     " should be a number; correct it, or leave the cell empty");
     values[static_cast<Eigen::Index>(i)] = *number;
   }
-  return transformed(variable, std::move(values),
-                     [&](Eigen::Index i) { return table.cases[rows[i]]; });
+  return transformed(variable, std::move(values), [&](Eigen::Index i) { return table.cases[rows[i]]; });
 }
 
 Result<CodedVariable> coded_column(const CovariateTable& table, const std::vector<std::size_t>& rows,

@@ -35,8 +35,7 @@ const std::array<std::uint32_t, 27> by_faces = touching_masks(1), by_edges = tou
 
 std::uint32_t grown(std::uint32_t set, const std::array<std::uint32_t, 27>& touching) {
   std::uint32_t result = set;
-  for (std::uint32_t rest = set; rest != 0; rest &= rest - 1)
-    result |= touching[std::countr_zero(rest)];
+  for (std::uint32_t rest = set; rest != 0; rest &= rest - 1) result |= touching[std::countr_zero(rest)];
   return result;
 }
 

@@ -275,10 +275,8 @@ DrawnMask drawn_mask(const VolumeGeometry& grid, const SlicedRoi& roi) {
     for (const auto& [polygon, cuts_out] : polygons)
       for (const Vec3& point : polygon)
         for (int a = 0; a < 3; ++a)
-          if (const double last = grid.dims[a] - 1; point[a] < -0.5 || point[a] > last + 0.5)
-            mask.leaves_image = true;
-    if (slice >= 0 && slice < grid.dims[roi.axis])
-      draw_slice(grid, roi.axis, slice, polygons, mask);
+          if (const double last = grid.dims[a] - 1; point[a] < -0.5 || point[a] > last + 0.5) mask.leaves_image = true;
+    if (slice >= 0 && slice < grid.dims[roi.axis]) draw_slice(grid, roi.axis, slice, polygons, mask);
   }
   return mask;
 }

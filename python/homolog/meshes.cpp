@@ -217,7 +217,8 @@ Errors: shape, dtype, numbers that are not finite, numbers of no vertex.)")
       .def_property_readonly(
           "source", [](const Held& self) { return text_of_system(self.source); },
           "The file it was read from, or a built-in name; empty where it was made here.")
-      .def_property_readonly("_file", [](const Held& self) { return text_of_system(self.stamp.holds() ? self.source : std::string()); })
+      .def_property_readonly(
+          "_file", [](const Held& self) { return text_of_system(self.stamp.holds() ? self.source : std::string()); })
       .def_property_readonly("_built_in",
                              [](const Held& self) { return names_file(self.source) ? std::string() : self.source; })
       .def("__repr__",

@@ -124,7 +124,8 @@ void add_models(py::module_& module) {
       .def_property_readonly(
           "source", [](const Held& self) { return text_of_system(self.source); },
           "The file it was read from; empty where it was made here.")
-      .def_property_readonly("_file", [](const Held& self) { return text_of_system(self.stamp.holds() ? self.source : std::string()); })
+      .def_property_readonly(
+          "_file", [](const Held& self) { return text_of_system(self.stamp.holds() ? self.source : std::string()); })
       .def("__repr__",
            [](const Held& self) {
              return "<homolog.Model of " + std::to_string(self.model->modes()) + " modes and " +

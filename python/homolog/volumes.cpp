@@ -88,7 +88,8 @@ void add_members(VolumeType& type) {
             return v.frames > 1 ? py::tuple(shape + py::make_tuple(v.frames)) : shape;
           },
           "Voxels along i, j and k; of a cine also the frames.")
-      .def_property_readonly("_file", [](const Held& self) { return text_of_system(self.stamp.holds() ? self.source : std::string()); })
+      .def_property_readonly(
+          "_file", [](const Held& self) { return text_of_system(self.stamp.holds() ? self.source : std::string()); })
       .def_property_readonly("_beside_voxels", &beside_voxels)
       .def("__repr__",
            [](const py::object& self) {

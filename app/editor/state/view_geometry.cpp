@@ -15,8 +15,7 @@ std::array<int, 3> nearest_axes(const Mat3& direction) {
   double best_sum = -1;
   do {
     double sum = 0;
-    for (int patient = 0; patient < 3; ++patient)
-      sum += std::abs(direction(patient, order[patient]));
+    for (int patient = 0; patient < 3; ++patient) sum += std::abs(direction(patient, order[patient]));
     if (sum > best_sum + 1e-9) {
       best_sum = sum;
       best = order;

@@ -91,8 +91,7 @@ void Models::check(const ModelsState& models) {
     const auto shape = models.made.model->index_of(one.name);
     const auto file = models.shapes.files.find(one.file);
     if (shape < 0 || file == models.shapes.files.end()) continue;
-    if (auto mesh = file->second.shapes.shape({one.structure, one.frame}, one.name))
-      meshes[shape] = std::move(*mesh);
+    if (auto mesh = file->second.shapes.shape({one.structure, one.frame}, one.name)) meshes[shape] = std::move(*mesh);
   }
   const auto look = [model = models.made.model, meshes = std::move(meshes),
                      known = known_doubts_](Progress& progress) mutable -> Result<Checked> {

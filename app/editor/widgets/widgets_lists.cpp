@@ -119,8 +119,7 @@ bool combo(const Theme& theme, const char* name, const std::vector<std::string>&
   const ImGuiID id = ImGui::GetID("##list");
   key_focus().offer(id, {at.x, at.y, width, ImGui::GetFrameHeight()}, {});
   const bool open = ImGui::BeginCombo("##list", (room + fitting).c_str());
-  if (coloured && known)
-    draw_swatch(theme, below, {at.x + side, at.y}, ImGui::GetFrameHeight(), swatches[chosen]);
+  if (coloured && known) draw_swatch(theme, below, {at.x + side, at.y}, ImGui::GetFrameHeight(), swatches[chosen]);
   if (!open && fitting != shown && is_explained()) tooltip(theme, shown);
   note_box({.kind = Kind::list,
             .label = name,

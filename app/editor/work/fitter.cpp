@@ -110,8 +110,7 @@ int label_at_mesh(const Volume& labels, int frame, const Points& points) {
     const Vec3 voxel = labels.geometry.to_voxel(at).array().round();
     const auto& dims = labels.geometry.dims;
     bool inside = true;
-    for (int axis = 0; axis < 3; ++axis)
-      inside = inside && voxel[axis] >= 0 && voxel[axis] < dims[axis];
+    for (int axis = 0; axis < 3; ++axis) inside = inside && voxel[axis] >= 0 && voxel[axis] < dims[axis];
     if (!inside) continue;
     const int value = rounded_label(labels.at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()),
                                               static_cast<int>(voxel.z()), frame_of_map(labels, frame)));

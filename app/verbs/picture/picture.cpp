@@ -89,8 +89,7 @@ std::vector<std::string> settle_mirrored(const PictureVerb& verb, const std::vec
   std::vector<std::string> found;
   for (const Eigen::Index k : mirrored_shapes(all)) {
     Mesh& shape = shapes[k];
-    found.push_back(names[k] +
-                    ": a mirror image of the other shapes (left and right exchanged); " +
+    found.push_back(names[k] + ": a mirror image of the other shapes (left and right exchanged); " +
                     (verb.flip_mirrored ? "flipped" : "use --flip-mirrored to flip it"));
     if (verb.flip_mirrored) {
       shape.points.col(0) *= -1;

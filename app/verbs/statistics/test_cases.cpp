@@ -297,8 +297,7 @@ Result<void> take_shapes(const TestCasesAsked& asked, const TrainingSetRead& rea
   for (Eigen::Index i = 0; i < count; ++i) {
     const Partner& one = partners[i];
     // Of several frames of a case each has its own name.
-    cases.names.push_back(times[one.row] == 1 ? cases.table.cases[one.row]
-                                              : names[one.shape]);
+    cases.names.push_back(times[one.row] == 1 ? cases.table.cases[one.row] : names[one.shape]);
     cases.rows.push_back(one.row);
     cases.shapes.col(i) = set.shapes.col(one.shape);
     cases.sizes_mm[i] = centroid_size_mm(points_of(cases.shapes, i));

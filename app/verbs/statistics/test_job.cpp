@@ -16,8 +16,7 @@ namespace {
 /// Sizes or a column as numbers.
 Result<Eigen::VectorXd> numbers_asked(const TestCases& cases, const Variable& variable) {
   if (cases.table.column(variable.name)) return numbers_of(cases.table, cases.rows, variable);
-  return transformed(variable, cases.sizes_mm,
-                     [&](Eigen::Index k) { return cases.names[k]; });
+  return transformed(variable, cases.sizes_mm, [&](Eigen::Index k) { return cases.names[k]; });
 }
 
 /// The first modes of the shapes, as numbers that explain.
@@ -136,8 +135,7 @@ Result<void> put_permutations(TestJob& job) {
   job.permutations = std::move(*read);
   for (Eigen::Index row = 0; row < job.permutations.rows(); ++row)
     for (std::size_t k = 0; k < blocks.size(); ++k)
-      if (const int other = job.permutations(row, static_cast<Eigen::Index>(k));
-          blocks[k] != blocks[other])
+      if (const int other = job.permutations(row, static_cast<Eigen::Index>(k)); blocks[k] != blocks[other])
         return fail(job.options.permutation_file.string(), "permutation " + std::to_string(row + 1) +
                                                                " moves cases from one " + paired +
                                                                " to another; pairs have to stay together");

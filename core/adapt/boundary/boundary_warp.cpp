@@ -89,8 +89,7 @@ class Regression {
       noise_mm[k] = one.noise_mm;
     }
     Eigen::MatrixXd covariance = along * along.transpose();
-    for (Eigen::Index k = 0; k < count; ++k)
-      covariance.col(k).array() *= among_(at, at[k]).array();
+    for (Eigen::Index k = 0; k < count; ++k) covariance.col(k).array() *= among_(at, at[k]).array();
     covariance.diagonal() += noise_mm.cwiseAbs2();
     const Eigen::VectorXd weights = covariance.llt().solve(offset_mm);
     Points pull = Points::Zero(among_.rows(), 3);

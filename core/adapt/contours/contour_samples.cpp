@@ -137,8 +137,7 @@ std::vector<DrawnContour> without_keyhole(const DrawnContour& drawn) {
 
 Points ContourSamples::likely() const {
   Points places(std::ssize(samples), 3);
-  for (Eigen::Index k = 0; k < places.rows(); ++k)
-    places.row(k) = samples[k].likely.transpose();
+  for (Eigen::Index k = 0; k < places.rows(); ++k) places.row(k) = samples[k].likely.transpose();
   return places;
 }
 

@@ -101,8 +101,7 @@ Result<StepValue> sheet(Measuring& measuring, const RecipeStep& step) {
   if (number < 1 || number > topology.components())
     return lacks("has " + std::to_string(topology.components()) + (topology.components() == 1 ? " sheet" : " sheets") +
                  " and none of number " + std::to_string(number));
-  return filtered(measuring.part(step, "of"),
-                  [&](std::int32_t v) { return topology.component()[v] == number - 1; });
+  return filtered(measuring.part(step, "of"), [&](std::int32_t v) { return topology.component()[v] == number - 1; });
 }
 
 Result<StepValue> joined(Measuring& measuring, const RecipeStep& step) {

@@ -24,9 +24,7 @@ std::vector<Eigen::Index> faces_of_part(const PartValue& part, const Mesh& mesh)
   const Triangles& triangles = mesh.topology->triangles();
   std::vector<Eigen::Index> faces;
   for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-    if (in[triangles(f, 0)] && in[triangles(f, 1)] &&
-        in[triangles(f, 2)])
-      faces.push_back(f);
+    if (in[triangles(f, 0)] && in[triangles(f, 1)] && in[triangles(f, 2)]) faces.push_back(f);
   return faces;
 }
 
@@ -155,8 +153,7 @@ Result<StepValue> thickness(Measuring& measuring, const RecipeStep& step) {
   if (to_other) {
     const Mesh& mesh = measuring.surface(other).mesh();
     to_faces.resize(static_cast<std::size_t>(mesh.topology->triangles().rows()));
-    for (const Eigen::Index f : faces_of_part(measuring.as<PartValue>(step, "to"), mesh))
-      to_faces[f] = 1;
+    for (const Eigen::Index f : faces_of_part(measuring.as<PartValue>(step, "to"), mesh)) to_faces[f] = 1;
   }
   MeasuredSurface& surface = measuring.surface(part->structure);
   const bool outward =

@@ -20,9 +20,7 @@ Mesh icosphere(int level, double radius_mm, const Vec3& centre) {
     std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> halves;
     const auto half = [&](std::int32_t a, std::int32_t b) {
       const auto [at, added] = halves.try_emplace(std::minmax(a, b), static_cast<std::int32_t>(points.size()));
-      if (added)
-        points.push_back(
-            (points[a].normalized() + points[b].normalized()));
+      if (added) points.push_back((points[a].normalized() + points[b].normalized()));
       return at->second;
     };
     std::vector<std::array<std::int32_t, 3>> finer;

@@ -20,8 +20,7 @@ void add_region(Regions& regions, Region region, const std::vector<std::int32_t>
   if (vertices.empty() || regions.list.size() >= most) return;
   regions.of_vertex.resize(of_vertices, 0);
   regions.list.push_back(std::move(region));
-  for (const std::int32_t i : vertices)
-    regions.of_vertex[i] = static_cast<std::uint8_t>(regions.list.size());
+  for (const std::int32_t i : vertices) regions.of_vertex[i] = static_cast<std::uint8_t>(regions.list.size());
 }
 
 }  // namespace homolog

@@ -234,8 +234,7 @@ class Sheets {
           first_time && !std::binary_search(crowded_.begin(), crowded_.end(), fans[n].first);
     }
     for (std::int32_t c = 0; c < std::ssize(root); c += 3) {
-      Corners3 face{number[root[c]], number[root[c + 1]],
-                    number[root[c + 2]]};
+      Corners3 face{number[root[c]], number[root[c + 1]], number[root[c + 2]]};
       result.faces.push_back(face);
     }
   }

@@ -88,8 +88,7 @@ CubeCases derive() {
         edge = std::exchange(next[edge], -1);
       }
       if (loop.empty()) continue;
-      [[maybe_unused]] const bool done =
-          triangulate(loop, 0, loop.size() - 1, cases.triangles[cube]);
+      [[maybe_unused]] const bool done = triangulate(loop, 0, loop.size() - 1, cases.triangles[cube]);
       assert(done);
     }
   }

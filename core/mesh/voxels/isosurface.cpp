@@ -62,10 +62,8 @@ class Marcher {
   void march(const Slice& below, const Slice& above, int k) {
     for (int j = 0; j + 1 < height_; ++j) {
       const std::array rows{below.row(j), below.row(j + 1), above.row(j), above.row(j + 1)};
-      const int first = std::min(
-          {below.first[j], below.first[j + 1], above.first[j], above.first[j + 1]});
-      const int last =
-          std::max({below.last[j], below.last[j + 1], above.last[j], above.last[j + 1]});
+      const int first = std::min({below.first[j], below.first[j + 1], above.first[j], above.first[j + 1]});
+      const int last = std::max({below.last[j], below.last[j + 1], above.last[j], above.last[j + 1]});
       unsigned cube = 0;
       for (int i = first - 1; i <= last; ++i) {
         cube = cube >> 1 & 0x55u;  // the far corners of the cube before are the near ones of this
@@ -124,8 +122,7 @@ Result<Mesh> marched(const VolumeGeometry& grid, FillSlice fill_slice, Crossing 
   }
   Mesh mesh;
   mesh.points.resize(static_cast<Eigen::Index>(marcher.vertices().size()), 3);
-  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
-    mesh.points.row(v) = grid.to_mm(marcher.vertices()[v]);
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) mesh.points.row(v) = grid.to_mm(marcher.vertices()[v]);
   Triangles triangles =
       Eigen::Map<const Triangles>(marcher.corners().data(), static_cast<Eigen::Index>(marcher.corners().size() / 3), 3);
   if (grid.direction.determinant() < 0) triangles.col(1).swap(triangles.col(2));

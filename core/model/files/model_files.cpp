@@ -153,8 +153,7 @@ Result<void> write_pose_table(const StructurePoses& poses, const std::vector<Str
       const bool is_completed = std::any_of(completed.begin(), completed.end(), [&](const CompletedStructure& one) {
         return one.shape == s && one.part == k;
       });
-      text += csv_field(names[s]) + ',' + csv_field(parts[k].name) +
-              ',';
+      text += csv_field(names[s]) + ',' + csv_field(parts[k].name) + ',';
       Eigen::VectorXd row(StructurePoses::numbers + 1);
       row << poses.values.block(StructurePoses::numbers * k, s, StructurePoses::numbers, 1), is_completed ? 1 : 0;
       row[6] = std::exp(row[6]);

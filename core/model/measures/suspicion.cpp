@@ -32,15 +32,13 @@ struct TableFences {
   explicit TableFences(const Eigen::MatrixXf& table) {
     of_place.resize(static_cast<std::size_t>(table.rows()));
     in_parallel(table.rows(), [&](Eigen::Index first, Eigen::Index last) {
-      for (Eigen::Index row = first; row < last; ++row)
-        of_place[row] = fences_of(list_of(table.row(row)));
+      for (Eigen::Index row = first; row < last; ++row) of_place[row] = fences_of(list_of(table.row(row)));
     });
     for (Eigen::Index column = 0; column < table.cols(); ++column)
       of_shape.push_back(fences_of(list_of(table.col(column))));
   }
   bool beyond(double value, Eigen::Index place, Eigen::Index shape) const {
-    return value > of_place[place].outer &&
-           value > of_shape[shape].outer;
+    return value > of_place[place].outer && value > of_shape[shape].outer;
   }
 };
 

@@ -80,8 +80,7 @@ class FittedRelations {
  private:
   const std::string* id_of(const std::string& name) const {
     const TemplateOfSet* found = name.empty() ? nullptr : set_.find(name);
-    const std::string* id =
-        found != nullptr ? &ids_[found - set_.structures.data()] : nullptr;
+    const std::string* id = found != nullptr ? &ids_[found - set_.structures.data()] : nullptr;
     return id != nullptr && !id->empty() ? id : nullptr;
   }
   /// As the set says, and what the case knows of structures that were not fitted.

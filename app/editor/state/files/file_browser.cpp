@@ -45,9 +45,7 @@ void select_entry(FileBrowser& browser, int index, Choosing how) {
   const auto shown = browser.visible();
   const int count = static_cast<int>(shown.size());
   if (index < 0 || index >= count) return;
-  const auto at = [&](int k) -> const FileBrowser::Entry& {
-    return browser.entries[shown[k]];
-  };
+  const auto at = [&](int k) -> const FileBrowser::Entry& { return browser.entries[shown[k]]; };
   const int before = browser.selected < count ? browser.selected : -1;
   browser.selected = index;
   if (browser.kind.saves && !at(index).folder) {

@@ -96,9 +96,8 @@ void type_name(FileBrowser& browser, const std::string& name) {
   if (browser.kind.saves || wanted.empty()) return;
   // The file of just that name, where there is one; else the first that holds it.
   const auto shown = browser.visible();
-  const auto exact = std::find_if(shown.begin(), shown.end(), [&](int index) {
-    return browser.entries[index].name == wanted;
-  });
+  const auto exact =
+      std::find_if(shown.begin(), shown.end(), [&](int index) { return browser.entries[index].name == wanted; });
   browser.selected = exact == shown.end() ? 0 : static_cast<int>(exact - shown.begin());
 }
 

@@ -42,7 +42,7 @@ TEST_CASE("the templates of the built-in set are known by their names") {
 
 TEST_CASE("a name of no organ and a phantom without a number are refused") {
   CHECK(says(load_template("built-in:liver"), "is no built-in template; there are built-in:kidney"));
-  CHECK(says(load_volume("phantom:liver:1"), "choose kidney, vertebra or ventricle"));
+  CHECK(says(load_volume("phantom:liver:1"), "choose kidney, vertebra, ventricle or spine"));
   for (const char* source : {"phantom:kidney", "phantom:kidney:", "phantom:kidney:x", "phantom:kidney:-1"})
     CHECK(says(load_volume(source), "for instance phantom:kidney:1"));
 }

@@ -58,12 +58,18 @@ bool take_observers(Editing& editing) {
 /// Takes in what the template maker has; true where there is something new to draw.
 bool take_stage(Editing& editing) {
   TemplateMaker& maker = editing.work.template_maker;
+  const bool ran = maker.busy();
   maker.update();
   const auto making = maker.latest();
   if (making == editing.work.seen_making) return maker.busy();
-  const bool first = editing.state.look.making_shown && making && making->stages.size() == 1 && !making->done;
+  // Several stages, or all, may have come since the last frame.
+  const auto first_surface = [](const std::shared_ptr<const TemplateMaking>& one) {
+    return one && !one->stages.empty() ? one->stages.front().surface : nullptr;
+  };
+  const auto first = first_surface(making);
+  const bool begun = ran && first && first != first_surface(editing.work.seen_making);
   editing.work.seen_making = making;
-  if (first) look_at_mesh(editing.state, making->stages.front().surface->points);
+  if (begun && editing.state.look.making_shown) look_at_mesh(editing.state, first->points);
   return true;
 }
 
